@@ -1,7 +1,7 @@
-/* Principal components of displacement fields, and taking rigid motion out of them.
+/* Principal components of displacement fields, and the removal of rigid motion from fields.
  *
- * A field is [n_vertices][3] floats in mm; several follow each other. A weight per vertex says how
- * much surface it stands for. */
+ * A field is [n_vertices][3] floats in mm; several fields follow each other in memory. The
+ * weight of a vertex is its share of the surface. */
 #ifndef SIM_TRAIN_PRINCIPAL_H
 #define SIM_TRAIN_PRINCIPAL_H
 
@@ -11,15 +11,14 @@
 
 enum { SIM_FIELDS_MAX = 128 };
 
-/* Eigenvalues (falling) and eigenvectors (vector[k * n ..] belongs to value k, unit length) of the
- * symmetric row-major n x n matrix a, which is destroyed, by cyclic Jacobi rotations (Golub and Van
- * Loan, Matrix Computations, 8.5). In plain C so that results do not depend on the BLAS that is
- * installed.
- */
+/* Eigenvalues (falling) and eigenvectors (vector[k * n ..] belongs to value k, unit length) of
+ * the symmetric row-major n x n matrix a, which is destroyed, by cyclic Jacobi rotations (Golub
+ * and Van Loan, Matrix Computations, 8.5). The code is plain C, so that results do not depend on
+ * the installed BLAS. */
 void sim_symmetric_eigen(double *a, uint32_t n, double *value, double *vector);
 
-/* Takes from every field the six rigid motions that are in it, as far as the weighted vertices
- * tell. -EDOM if fewer than three weighted vertices, or all in line. */
+/* Removes the six rigid motions from every field, as far as the weighted vertices determine
+ * them. -EDOM for fewer than three weighted vertices, or if all are on one line. */
 int sim_remove_rigid(const struct iso_vec3 *mean_mm, uint32_t n_vertices, const double *weight,
                      uint32_t n_fields, float *fields_mm) __attribute__((warn_unused_result));
 

@@ -23,8 +23,8 @@ struct sim_verdict {
     struct sim_paired at_rank_1, at_fmr;
 };
 
-/* The verdict on method number `index`, which was not left out, compared with the first that was
- * not. -ENOMEM. */
+/* The verdict on method number `index`, which was not skipped, compared with the first method
+ * that was not. -ENOMEM. */
 int sim_verdict_of(const struct sim_eval *eval, size_t index, struct sim_verdict *out)
     __attribute__((warn_unused_result));
 

@@ -1,10 +1,11 @@
-/* From measured frames to the figures of the benchmark: how good landmarks are, what the gates let
- * through, what they refuse.
+/* From measured frames to the figures of the benchmark: the accuracy of the landmarks, the frames
+ * that the gates let through, and the frames that they refuse.
  *
- * A frame fails if its landmarks lie more than SIM_FAILURE_MM off; three rules say what of it: the
- * mean over its known landmarks, the same less the constant offset of each landmark (for ground
- * truth that means other spots by the same names), the worst of the latter. "Before the gates" are
- * all frames to which a head was fitted, "after" those with outcome ok. */
+ * A frame fails if its landmark error exceeds SIM_FAILURE_MM. Three rules define the error: the
+ * mean over the frame's known landmarks; the same mean after subtracting the constant offset of
+ * each landmark (the ground truth may use the same names for other points); the largest error
+ * after this subtraction. "Before the gates" are all frames to which a head was fitted, "after"
+ * those with outcome ok. */
 #ifndef SIM_LAB_LANDMARKS_ANALYSIS_H
 #define SIM_LAB_LANDMARKS_ANALYSIS_H
 
@@ -29,10 +30,10 @@ bool sim_frame_fails(const struct sim_measured_frame *frame, enum sim_failure_ru
 
 struct sim_failures {
     struct sim_rate before, after; /* of frames with ground truth */
-    struct sim_rate good_refused;  /* of the fitted frames that do not fail: those not accepted */
+    struct sim_rate good_refused;  /* refused ones among the fitted frames that do not fail */
 };
 
-/* The genuine frames of one condition, or all. */
+/* The genuine frames of one condition, or of all. */
 struct sim_condition_figures {
     const char *column, *value; /* "angle", "<= 25"; "expression", "smile" */
     struct sim_rate refused;    /* of genuine frames, with ground truth or without */
@@ -40,7 +41,7 @@ struct sim_condition_figures {
     struct sim_failures failures[SIM_FAILURE_RULES];
 };
 
-/* Rows of one note among those whose subject is `none`. */
+/* Rows with subject `none` and the same note. */
 struct sim_kind_figures {
     const char *note;
     enum sim_row_kind kind;
@@ -53,19 +54,19 @@ struct sim_kind_figures {
 
 struct sim_landmark_analysis {
     size_t n_bona_fide;         /* frames of rows with a subject */
-    size_t n_true;              /* of these: with at least one landmark known and a head fitted */
+    size_t n_true;              /* those with at least one known landmark and a fitted head */
     size_t reason[SIM_REASONS]; /* of genuine frames */
-    /* Landmark by landmark, and of all: of accepted frames, of all fitted ones. */
+    /* For each landmark and for all together: over accepted frames, over all fitted frames. */
     struct sim_landmark_error after[ISO_LANDMARKS + 1], before[ISO_LANDMARKS + 1];
     struct sim_condition_figures all;
     size_t n_conditions;
     struct sim_condition_figures *conditions; /* bands of angle, then expressions */
     size_t n_kinds;
     struct sim_kind_figures *kinds; /* in the manifest's order */
-    /* Rows with a subject, by answer: BPCER is that of SIM_RESPONSE_ATTACK, BPNRR of _NONE. */
+    /* Rows with a subject, by answer: BPCER counts SIM_RESPONSE_ATTACK, BPNRR counts _NONE. */
     struct sim_rate bona_fide[SIM_RESPONSES];
     struct sim_latency stage[ISO_STAGES],
-        whole; /* of frames that reached the stage; readable ones */
+        whole; /* over frames that reached the stage; `whole` over readable frames */
 };
 
 /* `corpus` must outlive the result. -ENOMEM. */

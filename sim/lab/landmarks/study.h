@@ -10,7 +10,7 @@ struct sim_study_options {
     const char *corpus; /* directory */
     const char *model;  /* file */
     int threads;        /* 1 with ISO_HEAT_SPECTRAL, whose solver is not reentrant */
-    struct iso_extract_options extract; /* its clock and sensor are set by the study */
+    struct iso_extract_options extract; /* the study sets its clock and sensor */
 };
 
 struct sim_study {
@@ -19,7 +19,7 @@ struct sim_study {
     struct iso_head_model *model;
     struct sim_measurement *measurement;
     struct sim_landmark_analysis *analysis;
-    int64_t wall_ns; /* the whole study took */
+    int64_t wall_ns; /* duration of the whole study */
 };
 
 /* The strings in the options must outlive the result. -EINVAL for options out of range, or the
@@ -28,11 +28,11 @@ int sim_study_run(const struct sim_study_options *options, struct sim_study **ou
                   struct iso_fault *fault) __attribute__((warn_unused_result));
 void sim_study_free(struct sim_study *study);
 
-/* Tables for people. */
+/* Prints tables for people. */
 void sim_study_text(const struct sim_study *study, FILE *out);
 
-/* landmarks.csv: the landmarks of every fitted frame; frames.csv: a line a frame. Errors of
- * sim_result_file; so below. */
+/* landmarks.csv: the landmarks of every fitted frame; frames.csv: one line for each frame.
+ * Errors of sim_result_file, as for the next functions. */
 int sim_study_csv(const struct sim_study *study, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -1,24 +1,26 @@
-/* Which frames of a study are worth a picture, and drawing them. */
+/* Chooses frames of a study and draws them. */
 #ifndef SIM_LAB_LANDMARKS_STUDY_PICTURES_H
 #define SIM_LAB_LANDMARKS_STUDY_PICTURES_H
 
 #include "sim/lab/landmarks/study.h"
 
 struct sim_chosen_frame {
-    size_t number; /* of the measurement's frames */
+    size_t number; /* index among the measurement's frames */
     size_t rank;   /* 1: the worst, 2: the next; 0: the first of its outcome and kind */
 };
 
-/* The n_worst fitted frames of people with the largest mean error (less the constant offset), worst
- * first; then, in the manifest's order, the first frame of each outcome of people and of each note
- * of what is none; unreadable frames are left out. *chosen is to be freed with free(). -ENOMEM. */
+/* First the n_worst fitted frames of people with the largest mean error (without the constant
+ * offsets), worst first. Then, in the manifest's order, the first frame of each outcome of
+ * people, and of each outcome for each note of subject `none`. Unreadable frames are left out.
+ * Free *chosen with free(). -ENOMEM. */
 int sim_choose_frames(const struct sim_corpus *corpus, const struct sim_measurement *measurement,
                       size_t n_worst, struct sim_chosen_frame **chosen, size_t *n_chosen)
     __attribute__((warn_unused_result));
 
-/* Draws them into DIRECTORY: worst-01-RECORDING-FRAME.png, first-OUTCOME-KIND-RECORDING-FRAME.png;
- * KIND is `person` or the note. Characters other than letters, digits, '.', '-' and '_' become '_'.
- * Runs the extractor on them once more. Errors of that, of reading and of drawing. */
+/* Draws the chosen frames into DIRECTORY as worst-01-RECORDING-FRAME.png and
+ * first-OUTCOME-KIND-RECORDING-FRAME.png. KIND is `person` or the note. Characters other than
+ * letters, digits, '.', '-' and '_' become '_'. The extractor runs again on these frames. Errors
+ * of extraction, of reading and of drawing. */
 int sim_study_pictures(const struct sim_study *study, const char *directory, size_t n_worst,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 

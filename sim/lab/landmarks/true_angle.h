@@ -1,17 +1,18 @@
-/* How far a head is really turned from the camera. */
+/* The true angle between a head and the camera's axis. */
 #ifndef SIM_LAB_LANDMARKS_TRUE_ANGLE_H
 #define SIM_LAB_LANDMARKS_TRUE_ANGLE_H
 
 #include "isotherm/head_model.h"
 #include "sim/lab/match/truth.h"
 
-/* The angle between where the face points and the camera's axis, yaw and pitch together:
+/* The angle between the direction of the face and the camera's axis, from yaw and pitch together:
  * cos angle = cos yaw cos pitch, 0..pi.
  *
- * From the true landmarks where at least 4 of those are known that move little with expression (all
- * but lip and mouth corners): the mean head's own are registered to them (Horn 1987). The head
- * being a mean one, this is good to a few degrees. Else from a pose of the form y+02p-04r+07
- * (degrees of yaw, pitch, roll) in the manifest. NaN if neither tells. */
+ * If at least 4 of the landmarks that move little with expression (all except lip and mouth
+ * corners) are known, the mean head's landmarks are registered to these true ones (Horn 1987).
+ * The result is accurate to a few degrees, because the mean head is not the person's. Otherwise
+ * the angle comes from the manifest's pose of the form y+02p-04r+07 (degrees of yaw, pitch,
+ * roll). NaN if neither is available. */
 double sim_true_angle(const struct iso_head_model *model, const struct sim_truth *truth,
                       const char *pose);
 

@@ -1,15 +1,15 @@
 /* From the frames of a corpus to templates.
  *
- * Every frame of every row goes through the extractor. The frames of a row are taken in groups
- * (fusing): each group is one sample, whose usable frames make one template. A sample without a
- * usable frame is a failure to acquire, with the reason of its first frame. Subjects are not looked
- * at. */
+ * Every frame of every row goes through the extractor. The frames of a row are divided into
+ * groups (fusing): each group is one sample, and its usable frames make one template. A sample
+ * without a usable frame is a failure to acquire, with the reason of its first frame. Subjects
+ * are not used here. */
 #ifndef SIM_LAB_MATCH_ACQUIRE_H
 #define SIM_LAB_MATCH_ACQUIRE_H
 
 #include "sim/lab/match/capture.h"
 
-enum { SIM_SAMPLE_CAPTURES_MAX = 64 }; /* as many as iso_template_fuse takes */
+enum { SIM_SAMPLE_CAPTURES_MAX = 64 }; /* the limit of iso_template_fuse */
 
 struct sim_sample {
     size_t row;

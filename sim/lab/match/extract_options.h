@@ -7,15 +7,16 @@
 #include "sim/base/options.h"
 
 struct sim_option_set sim_extract_option_set(struct iso_extract_options *options);
-/* How many threads may run extractors: 1 with ISO_HEAT_SPECTRAL, whose solver is not reentrant. */
+/* The greatest number of threads that may run extractors: 1 with ISO_HEAT_SPECTRAL, whose solver is
+ * not reentrant. */
 enum { SIM_THREADS_MAX = 64 };
 
 sim_option_parser sim_option_threads; /* int, 1..SIM_THREADS_MAX */
 
-/* One a processor, as far as allowed. */
+/* One thread for each processor, up to the allowed number. */
 int sim_threads_default(enum iso_heat_method heat);
 
-/* -EINVAL with a fault if so many are not allowed. */
+/* -EINVAL with a fault if the number of threads is not allowed. */
 int sim_threads_check(int threads, enum iso_heat_method heat, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

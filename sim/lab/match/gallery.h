@@ -1,4 +1,4 @@
-/* Who is enrolled in an evaluation, and with what. */
+/* The people who are enrolled in an evaluation, and their templates. */
 #ifndef SIM_LAB_MATCH_GALLERY_H
 #define SIM_LAB_MATCH_GALLERY_H
 
@@ -13,7 +13,7 @@ struct sim_gallery {
     size_t *n_templates_of;                /* [n_people]; 0: failed to enrol */
     const struct iso_template **templates; /* [n_templates]; the samples' */
     size_t *person;                        /* [n_templates] */
-    size_t *sample;                        /* [n_templates]: of the acquisition */
+    size_t *sample; /* [n_templates]: index of the sample in the acquisition */
 };
 
 /* Enrols the first `limit` people (0: all). The gallery refers to the corpus and the acquisition.
@@ -22,7 +22,7 @@ int sim_gallery_new(const struct sim_corpus *corpus, const struct sim_acquisitio
                     size_t limit, struct sim_gallery **out) __attribute__((warn_unused_result));
 void sim_gallery_free(struct sim_gallery *gallery);
 
-/* The number of a person in the gallery, or SIM_NOBODY. */
+/* The index of a person in the gallery, or SIM_NOBODY. */
 #define SIM_NOBODY SIZE_MAX
 size_t sim_gallery_find(const struct sim_gallery *gallery, const char *name);
 

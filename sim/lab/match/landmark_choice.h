@@ -1,4 +1,4 @@
-/* Which landmarks a comparison by distance is about, for experiments. */
+/* Selects the landmarks that a comparison by distance uses, for experiments. */
 #ifndef SIM_LAB_MATCH_LANDMARK_CHOICE_H
 #define SIM_LAB_MATCH_LANDMARK_CHOICE_H
 
@@ -7,12 +7,12 @@
 #include "isotherm/landmark.h"
 #include "sim/base/options.h"
 
-/* What a mouth does not move, subnasale and what is below it left out: nasion, nose tip, alae and
- * corners of the eyes. */
+/* The landmarks that a mouth does not move: nasion, nose tip, alae and corners of the eyes.
+ * Subnasale and the landmarks below it are left out. */
 extern const bool sim_landmarks_below[ISO_LANDMARKS];
 
-/* bool[ISO_LANDMARKS], true for those left out: "all" (none is), "upper", or the names of those
- * that are not, each once. */
+/* Sets bool[ISO_LANDMARKS], true for each landmark to leave out. The text is "all" (none is left
+ * out), "upper", or the names of the landmarks to keep, each once. */
 sim_option_parser sim_option_landmarks;
 
 #endif

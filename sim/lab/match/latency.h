@@ -1,12 +1,12 @@
-/* Times that many frames took. */
+/* Statistics of frame times. */
 #ifndef SIM_LAB_MATCH_LATENCY_H
 #define SIM_LAB_MATCH_LATENCY_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-/* Clocks as functions; the context is not used. Wall time (CLOCK_MONOTONIC) is what a person at the
- * door waits; the thread's processor time does not count what else the machine was doing. */
+/* Clocks as functions; the context is unused. Wall time (CLOCK_MONOTONIC) is the waiting time of
+ * a person at the door. The thread's processor time excludes other work on the machine. */
 int64_t sim_wall_ns(void *context);
 int64_t sim_thread_cpu_ns(void *context);
 

@@ -1,8 +1,7 @@
 /* Compares every probe sample with every enrolled person.
  *
- * A probe is a template and nothing else here, so that no comparison can depend on whose it is. A
- * person with several templates counts by the best of them; with a metric, by all of them together.
- */
+ * A probe is only a template here, so that no comparison can depend on the subject. A person
+ * with several templates counts by the best of them; with a metric, by all of them together. */
 #ifndef SIM_LAB_MATCH_MATCH_H
 #define SIM_LAB_MATCH_MATCH_H
 
@@ -13,14 +12,14 @@
 #include "sim/lab/match/acquire.h"
 #include "sim/lab/match/gallery.h"
 
-/* What makes a score: the metric; or the distance of registered curves, by the cohort if there is
- * one. */
+/* The source of a score: the metric, or else the distance of registered curves, normalised by
+ * the cohort if there is one. */
 struct sim_scoring {
     const struct iso_metric *metric; /* NULL: distances */
     const struct iso_cohort *cohort; /* NULL: the score is the negative distance */
     struct iso_match_options match;  /* of distances */
-    bool rerank; /* with a metric: the best are reranked (core/match/rerank.h). The others
-                    keep the metric's score, but none above the least of those */
+    bool rerank; /* with a metric: rerank the best candidates (core/match/rerank.h). The others keep
+                    the metric's score, limited to the lowest score of the reranked ones */
 };
 
 /* The results of the searches of all samples that are not in a gallery row. */
@@ -33,14 +32,14 @@ struct sim_matches {
         *cpu_ns; /* [n_probes]: of the whole search; 0 if the sample was not acquired */
 };
 
-/* Room for the searches of all samples that are not in a gallery row: distances INFINITY, scores
- * -INFINITY, times 0. -ENOMEM. */
+/* Allocates the searches of all samples that are not in a gallery row: distances INFINITY,
+ * scores -INFINITY, times 0. -ENOMEM. */
 int sim_matches_new(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
                     size_t n_people, struct sim_matches **out) __attribute__((warn_unused_result));
 
-/* A probe that cannot be compared with the cohort, or projected by the metric, becomes a failure to
- * acquire ("too-few-points"). -ENOMEM, or the errors of iso_match_distance or iso_metric_project.
- */
+/* A probe that cannot be compared with the cohort or projected by the metric becomes a failure
+ * to acquire ("too-few-points"). -ENOMEM, or the errors of iso_match_distance or
+ * iso_metric_project. */
 int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisition,
               const struct sim_gallery *gallery, const struct sim_scoring *scoring, int threads,
               struct sim_matches **out) __attribute__((warn_unused_result));

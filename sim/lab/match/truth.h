@@ -1,4 +1,4 @@
-/* Where the landmarks really are: landmarks.csv of the recordings of a corpus. */
+/* True positions of landmarks, from landmarks.csv of the recordings of a corpus. */
 #ifndef SIM_LAB_MATCH_TRUTH_H
 #define SIM_LAB_MATCH_TRUTH_H
 
@@ -9,19 +9,19 @@
 #include "isotherm/vec.h"
 #include "sim/corpus/corpus.h"
 
-/* Of one frame. Names other than the twelve are passed over. */
+/* The truth of one frame. Names other than the twelve are ignored. */
 struct sim_truth {
     bool known[ISO_LANDMARKS];
     struct iso_vec3 point_mm[ISO_LANDMARKS]; /* camera frame; 0 where not known */
 };
 
-/* [iso_recording_frames] of one recording; to be freed with free(). Without landmarks.csv nothing
- * is known of any frame. A damaged landmarks.csv is -EBADMSG; -ENOMEM. */
+/* The truth of each frame of one recording, [iso_recording_frames]; free it with free(). Without
+ * landmarks.csv no landmark is known. -EBADMSG for a damaged landmarks.csv; -ENOMEM. */
 int sim_truth_of_recording(const struct iso_recording *recording, struct sim_truth **out,
                            struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* [sim_corpus_frames], in the order of captures; to be freed with free(). Errors of the former and
- * of opening a recording. */
+/* The truth of each frame of a corpus, [sim_corpus_frames], in the order of captures; free it
+ * with free(). Errors of sim_truth_read's recordings and of opening them. */
 int sim_truth_read(const char *directory, const struct sim_corpus *corpus, struct sim_truth **out,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -1,10 +1,10 @@
 /* Whether one method errs less than another on the same searches: a paired test over people.
  *
- * The searches of one person are not independent, so that people are what is drawn: each has the
- * difference of the two methods' numbers of errors. If the methods were alike, every person's
- * difference could as well have the other sign (permutation test of paired differences: Fisher
- * 1935, Pitman 1937). The test is two-sided: p is the share of all choices of signs whose sum is at
- * least as far from 0 as the one observed. */
+ * The searches of one person are not independent, so the test draws people: each person has the
+ * difference between the two methods' numbers of errors. If the methods were equal, every
+ * person's difference could have the other sign with the same probability (permutation test of
+ * paired differences: Fisher 1935, Pitman 1937). The test is two-sided: p is the share of all
+ * choices of signs whose sum is at least as far from 0 as the observed sum. */
 #ifndef SIM_LAB_MEASURE_PAIRED_H
 #define SIM_LAB_MEASURE_PAIRED_H
 

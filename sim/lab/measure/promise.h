@@ -1,5 +1,5 @@
-/* The error rates that calibrated scores promise, and those that are measured. Among strangers who
- * look alike, a score of s or more should have a probability of 10^-s before every sensor
+/* The error rates that calibrated scores promise, and the measured rates. Among strangers who
+ * look alike, a score of s or more should have a probability of 10^-s with every sensor
  * (isotherm/metric.h). */
 #ifndef SIM_LAB_MEASURE_PROMISE_H
 #define SIM_LAB_MEASURE_PROMISE_H
@@ -9,12 +9,12 @@
 enum { SIM_PROMISES = 4 };
 
 struct sim_promise {
-    double score;                /* 1, 2, 3, 4: promised are FMRs of 1e-1 to 1e-4 */
+    double score;                /* 1, 2, 3, 4: the promised FMRs are 1e-1 to 1e-4 */
     struct sim_rate false_match; /* non-mated comparisons that reach it */
     struct sim_rate non_match;   /* mated ones that do not */
 };
 
-/* Of sorted scores that a metric made. */
+/* From sorted scores of a metric. */
 void sim_promises_of(const struct sim_scores *scores, struct sim_promise out[SIM_PROMISES]);
 
 #endif

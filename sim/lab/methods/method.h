@@ -1,13 +1,13 @@
 /* Methods of face recognition that can be compared in one run: the appliance's own and those that
  * Abdelrahman (2013, figure 6.9) measured it against.
  *
- * A method is a table of functions. All but the appliance's own are pairwise: a face becomes a
+ * A method is a table of functions. All except the appliance's own are pairwise: a face becomes a
  * description, two descriptions have a distance, and the score of a comparison is the negative
- * distance. The appliance's own methods are `hfpc`, which is always what the appliance does at
- * present, and `hfpc-metric` and `hfpc-upper`, which are parts of it; their comparisons are those
- * of sim/lab/match/match.h.
+ * distance. The appliance's own methods are `hfpc`, which is always the appliance's present method,
+ * and `hfpc-metric` and `hfpc-upper`, which are parts of it; sim/lab/match/match.h makes their
+ * comparisons.
  *
- * Descriptions and knowledge are opaque, made on the heap and freed by the method. */
+ * Descriptions and knowledge are opaque. They are on the heap and the method frees them. */
 #ifndef SIM_LAB_METHODS_METHOD_H
 #define SIM_LAB_METHODS_METHOD_H
 
@@ -16,34 +16,33 @@
 #include "core/base/fault.h"
 #include "sim/lab/methods/scan.h"
 
-/* Faces to learn from: of people who are in no corpus that is compared. */
+/* Faces to learn from. Their people are in none of the compared corpora. */
 struct sim_training {
     size_t n;
     const struct sim_scan *const *faces; /* [n] */
     const uint32_t *person;              /* [n], below n_people */
     uint32_t n_people;
-    const bool
-        *marks; /* [SIM_MARKS]: the points that are known on every face that will be compared */
+    const bool *marks; /* [SIM_MARKS]: the points that are known on every face to compare */
 };
 
 struct sim_method {
     const char *name;   /* as on the command line */
-    const char *source; /* author, year, and what is different here */
-    bool marked;        /* works on points that somebody marked (sim_scan.mark_mm) */
+    const char *source; /* author, year, and differences of this implementation */
+    bool marked;        /* works on marked points (sim_scan.mark_mm) */
     bool infrared;      /* needs faces whose frames had an infrared image (sim_scan.reflectance) */
 
-    /* OPTIONAL, with forget. Learns. -EINVAL with a fault if the faces cannot teach it (too few
-     * people, no marks), -ENOMEM. */
+    /* OPTIONAL, with forget. Learns. -EINVAL with a fault if the faces are not sufficient (too
+     * few people, no marks), -ENOMEM. */
     int (*train)(const struct sim_training *training, void **knowledge, struct iso_fault *fault);
     void (*forget)(void *knowledge);
 
-    /* REQUIRED but for the appliance's own methods, which have neither. May be called by several
-     * threads at once. The description may refer to the face, which outlives it. -ENODATA for a
-     * face that cannot be described, -ENOMEM. */
+    /* REQUIRED except for the appliance's own methods, which have neither. Several threads may
+     * call it at the same time. The description may refer to the face, which outlives it.
+     * -ENODATA for a face that cannot be described, -ENOMEM. */
     int (*describe)(const void *knowledge, const struct sim_scan *face, void **description);
     void (*discard)(void *description);
-    /* Not negative; it grows as the faces differ. May be called by several threads at once.
-     * -ENODATA if the two have too little in common. */
+    /* At least 0; it grows with the difference of the faces. Several threads may call it at the
+     * same time. -ENODATA if the two have too little in common. */
     int (*distance)(const void *knowledge, const void *probe, const void *gallery,
                     double *distance);
 };
@@ -64,13 +63,13 @@ extern const struct sim_method sim_method_anthroface_25;
 
 enum { SIM_METHODS = 13 };
 
-/* All of them, the appliance's own first, with a NULL at the end. */
+/* All methods, the appliance's own first; NULL ends the list. */
 extern const struct sim_method *const sim_methods[SIM_METHODS + 1];
 
-/* NULL if there is none of that name. */
+/* The method with this name, or NULL. */
 const struct sim_method *sim_method_find(const char *name);
 
-/* Whether the method compares descriptions of its own (all but the appliance's own). */
+/* Whether the method is pairwise (all except the appliance's own). */
 static inline bool sim_method_pairwise(const struct sim_method *method)
 {
     return method->describe != NULL;

@@ -12,9 +12,9 @@ struct sim_scan_mesh {
     struct iso_surface_point sources[ISO_LANDMARKS]; /* where the appliance releases heat */
 };
 
-/* Every `step`-th column and row from the middle of the grid on becomes a vertex (1: all of them).
- * -EINVAL for a step outside 1..8, -ENODATA if there is no surface, or none at a source (with a
- * step of 1; of a coarser mesh `sources` are not set), -ENOMEM. */
+/* Every `step`-th column and row, counted from the middle of the grid, becomes a vertex (1: all
+ * of them). -EINVAL for a step outside 1..8; -ENODATA if there is no surface, or none at a
+ * source (with a step of 1; a coarser mesh has no `sources`); -ENOMEM. */
 int sim_scan_mesh_new(const struct sim_scan *face, int step, struct sim_scan_mesh **out)
     __attribute__((warn_unused_result));
 

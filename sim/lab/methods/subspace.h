@@ -1,5 +1,5 @@
-/* Linear subspaces learned from samples: principal components, and the directions that tell people
- * apart. A sample is a row of n_in floats. */
+/* Linear subspaces learned from samples: principal components, and the directions that separate
+ * people. A sample is a row of n_in floats. */
 #ifndef SIM_LAB_METHODS_SUBSPACE_H
 #define SIM_LAB_METHODS_SUBSPACE_H
 
@@ -18,18 +18,19 @@ struct sim_subspace {
 void sim_subspace_free(struct sim_subspace *subspace);
 
 /* Principal components of n >= 2 samples, whitened: every coordinate has variance 1 over the
- * samples. Keeps the fewest components that hold `energy` (0..1] of the variance, at most
- * `n_most`. From the Gram matrix of the samples (Sirovich and Kirby 1987; Turk and Pentland 1991),
- * by LAPACK. -EINVAL for too few samples or samples that are all the same, -ENOMEM. */
+ * samples. Keeps the smallest number of components that hold `energy` (0..1] of the variance, at
+ * most `n_most`. From the Gram matrix of the samples (Sirovich and Kirby 1987; Turk and Pentland
+ * 1991), by LAPACK. -EINVAL for too few samples or identical samples, -ENOMEM. */
 int sim_subspace_principal(const float *samples, size_t n, size_t n_in, double energy,
                            size_t n_most, struct sim_subspace **out)
     __attribute__((warn_unused_result));
 
-/* Linear discriminant analysis after principal components (Belhumeur, Hespanha and Kriegman 1997):
- * the at most n_people - 1 directions in which the means of people differ most, in units of the
- * spread within people. That spread is regularised by `shrinkage` (0..1) of its mean (Friedman
- * 1989), since there are few samples of a person. person[i] < n_people. -EINVAL for fewer than two
- * people or nobody with two samples, -ENOMEM, -EDOM if the spread within people is singular. */
+/* Linear discriminant analysis after principal components (Belhumeur, Hespanha and Kriegman
+ * 1997): at most n_people - 1 directions in which the means of people differ most, in units of
+ * the spread within people. That spread is regularised by the share `shrinkage` (0..1) of its
+ * mean (Friedman 1989), because each person has few samples. person[i] < n_people. -EINVAL for
+ * fewer than two people or no person with two samples, -ENOMEM, -EDOM if the spread within
+ * people is singular. */
 int sim_subspace_discriminant(const float *samples, const uint32_t *person, size_t n, size_t n_in,
                               uint32_t n_people, double energy, double shrinkage,
                               struct sim_subspace **out) __attribute__((warn_unused_result));
@@ -38,8 +39,8 @@ int sim_subspace_discriminant(const float *samples, const uint32_t *person, size
 void sim_subspace_project(const struct sim_subspace *subspace, const float *sample,
                           float *coordinate);
 
-/* 1 - cosine of the angle between two rows: 0 the same direction, 1 none in common, 2 opposite. A
- * row of zeros has nothing in common with any. */
+/* 1 - cosine of the angle between two rows: 0 for the same direction, 1 for orthogonal rows, 2
+ * for opposite ones. The distance of a row of zeros to any row is 1. */
 double sim_cosine_distance(const float *a, const float *b, size_t n);
 
 #endif

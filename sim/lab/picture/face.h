@@ -5,7 +5,7 @@
 #include "core/base/fault.h"
 #include "isotherm/extract.h"
 
-/* What there is to be drawn, in the face frame; all belongs to the caller. */
+/* The content of a picture, in the face frame; the caller owns all of it. */
 struct sim_face {
     const struct iso_mesh *mesh;
     struct iso_vec3 landmark_mm[ISO_LANDMARKS];
@@ -13,24 +13,24 @@ struct sim_face {
     const struct iso_template *tmpl;
 };
 
-/* From the extractor's last run, whose outcome must have been OK; valid until its next. */
+/* The content from the extractor's last run, whose outcome must be OK. Valid until the next run. */
 struct sim_face sim_face_of(const struct iso_extractor *extractor,
                             const struct iso_extraction *extraction);
 
-/* How much the viewer stands to the face's left and above it. */
+/* Angles of the viewer to the face's left and above it. */
 struct sim_face_angle {
     double yaw_rad, pitch_rad;
 };
 
-/* The mesh with its triangles' edges. -ENOMEM, -EIO; so for the others. */
+/* Draws the mesh with its triangles' edges. -ENOMEM, -EIO, as for the other functions. */
 int sim_picture_mesh(const struct sim_face *face, struct sim_face_angle angle, const char *path,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Twelve small faces, each with the heat of one landmark. */
+/* Draws twelve small faces, each with the heat of one landmark. */
 int sim_picture_heat(const struct sim_face *face, struct sim_face_angle angle, const char *path,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* The shaded face with its isotherms, a colour a landmark. */
+/* Draws the shaded face with its isotherms, one colour for each landmark. */
 int sim_picture_isotherms(const struct sim_face *face, struct sim_face_angle angle,
                           const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));

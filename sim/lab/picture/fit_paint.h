@@ -1,4 +1,4 @@
-/* What the panels of a picture of a fit show, sample by sample. Internal to sim/lab/picture. */
+/* Paints the panels of a picture of a fit, sample by sample. Internal to sim/lab/picture. */
 #ifndef SIM_LAB_PICTURE_FIT_PAINT_H
 #define SIM_LAB_PICTURE_FIT_PAINT_H
 
@@ -11,7 +11,7 @@ enum {
     SIM_FIT_SAMPLES = SIM_FIT_PANEL_PX * SIM_CANVAS_SUPERSAMPLING,
 };
 
-/* Where the colours of residuals end. */
+/* The residual at which the colour scale ends. */
 #define SIM_FIT_RESIDUAL_LIMIT_MM 8.0
 
 /* The square of the frame that a panel shows: corner and side in pixels of the frame, as
@@ -20,27 +20,27 @@ struct sim_fit_window {
     double x, y, side;
 };
 
-/* The fitted head as a panel sees it. */
+/* The fitted head as a panel shows it. */
 struct sim_fit_head {
     struct iso_raster raster;
-    uint32_t *storage; /* of its three planes; to be freed with free() */
+    uint32_t *storage; /* holds its three planes; free it with free() */
 };
 
-/* The frame in grey, lit and darker with distance; pixels that were not measured are dark blue. One
- * colour a pixel, to be freed with free(). NULL: out of memory. */
+/* The frame in grey, lit, and darker with distance; unmeasured pixels are dark blue. One colour
+ * for each pixel; free it with free(). NULL: out of memory. */
 struct sim_colour *sim_fit_grey_new(const struct iso_frame *frame);
 
 void sim_fit_paint_frame(struct sim_canvas *canvas, const struct iso_frame *frame,
                          const struct sim_colour *grey, struct sim_fit_window window);
 
-/* Finds what of the fitted head is seen on each sample of a panel. -ENOMEM. */
+/* Finds the visible part of the fitted head for each sample of a panel. -ENOMEM. */
 int sim_fit_head_new(const struct sim_fit_view *view, struct sim_fit_window window,
                      struct sim_fit_head *out) __attribute__((warn_unused_result));
 
 void sim_fit_paint_mesh(struct sim_canvas *canvas, const struct sim_fit_view *view,
                         const struct sim_fit_head *head);
 
-/* The residuals in colours, lit a little, so that the face can be made out. */
+/* The residuals in colours, slightly lit, so that the face is recognisable. */
 void sim_fit_paint_residuals(struct sim_canvas *canvas, const struct sim_fit_view *view,
                              const struct sim_fit_head *head);
 

@@ -1,8 +1,8 @@
-/* Ambient occlusion: how much of the sky the surface around a place hides. Internal to
- * sim/lab/picture.
+/* Ambient occlusion: the share of the sky that the surrounding surface hides from a place. Internal
+ * to sim/lab/picture.
  *
- * From the horizon in several directions up to a reach of 28 mm (horizon-based: Bavoil, Sainz and
- * Dimitrov 2008), on one sample a pixel, smoothed. */
+ * It is computed from the horizon in several directions up to a reach of 28 mm (horizon-based:
+ * Bavoil, Sainz and Dimitrov 2008), on one sample for each pixel, and then smoothed. */
 #ifndef SIM_LAB_PICTURE_OCCLUSION_H
 #define SIM_LAB_PICTURE_OCCLUSION_H
 
@@ -13,7 +13,7 @@ struct sim_occlusion {
     float *open;       /* [height * width]: 1 where nothing is hidden */
 };
 
-/* `open` is to be freed with free(). -ENOMEM. */
+/* Free `open` with free(). -ENOMEM. */
 int sim_occlusion_compute(const struct sim_scene *scene, struct sim_occlusion *out)
     __attribute__((warn_unused_result));
 

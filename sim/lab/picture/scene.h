@@ -1,4 +1,4 @@
-/* A mesh seen by a camera and painted on a canvas: visibility, shading, curves, dots. */
+/* Paints a mesh on a canvas as a camera sees it: visibility, shading, curves, dots. */
 #ifndef SIM_LAB_PICTURE_SCENE_H
 #define SIM_LAB_PICTURE_SCENE_H
 
@@ -8,45 +8,46 @@
 #include "isotherm/mesh.h"
 #include "sim/lab/draw/canvas.h"
 
-/* From where a face is looked at: face frame, nose tip at the centre of the picture unless moved.
- */
+/* The viewpoint on a face: face frame, with the nose tip at the centre of the picture unless it
+ * is moved. */
 struct sim_view {
     double yaw_rad,
-        pitch_rad; /* of the viewer about the face: > 0 sees more of its left, of its top */
-    struct iso_vec3 centre_mm; /* face frame: what is in the middle of the picture */
+        pitch_rad; /* of the viewer about the face; > 0 shows more of its left side, of its top */
+    struct iso_vec3 centre_mm; /* face frame: the point in the middle of the picture */
     double distance_mm;        /* of the viewer from the centre */
-    double height_mm;          /* what the picture's height spans at the centre */
+    double height_mm;          /* the height of the picture at the centre's distance */
 };
 
 struct sim_scene;
 
-/* Finds what of the mesh (face frame) is seen on each sample of a canvas. The mesh and the canvas
- * are referred to, not copied. -EINVAL for a mesh without triangles, -ENOMEM. */
+/* Finds the visible part of the mesh (face frame) for each sample of a canvas. The mesh and the
+ * canvas are borrowed, not copied. -EINVAL for a mesh without triangles, -ENOMEM. */
 int sim_scene_new(const struct iso_mesh *mesh, const struct sim_view *view,
                   struct sim_canvas *canvas, struct sim_scene **out)
     __attribute__((warn_unused_result));
 void sim_scene_free(struct sim_scene *scene);
 
-/* How the surface looks. */
+/* The appearance of the surface. */
 struct sim_surface_style {
     struct sim_colour base;
     const struct sim_colour *vertex; /* [n_vertices] colours instead of base, or NULL */
-    /* [n_vertices] over the background, clipped to 0..1 only after interpolation so that an edge
-     * drawn by it is smooth; NULL: 1 */
+    /* [n_vertices] opacity over the background. It is clipped to 0..1 only after interpolation,
+     * so that an edge drawn by it is smooth. NULL: 1. */
     const float *opacity;
     bool edges; /* draw the triangles' edges */
 };
 
-/* Shades what is seen: two lights, sky light with ambient occlusion, a soft highlight. -ENOMEM. */
+/* Shades the visible part: two lights, sky light with ambient occlusion, a soft highlight. -ENOMEM.
+ */
 int sim_scene_shade(const struct sim_scene *scene, const struct sim_surface_style *style)
     __attribute__((warn_unused_result));
 
-/* A smooth closed curve through points on the surface (face frame; Catmull and Rom 1974), hidden
- * where the surface is in front of it. Parts next to points of weight 0 are left out. */
+/* Draws a smooth closed curve through points on the surface (face frame; Catmull and Rom 1974),
+ * hidden where the surface is in front of it. Parts next to points of weight 0 are left out. */
 void sim_scene_curve(const struct sim_scene *scene, const struct iso_vec3 *points_mm,
                      const float *weight, int n, struct sim_colour colour, double width_px);
 
-/* A dot with a dark rim, hidden likewise. */
+/* Draws a dot with a dark rim, hidden in the same way. */
 void sim_scene_dot(const struct sim_scene *scene, struct iso_vec3 point_mm,
                    struct sim_colour colour, double radius_px);
 

@@ -1,4 +1,4 @@
-/* One visit at the door in one picture. */
+/* Draws one visit at the door as one picture. */
 #ifndef SIM_LAB_PICTURE_VISIT_H
 #define SIM_LAB_PICTURE_VISIT_H
 
@@ -13,11 +13,12 @@ enum { SIM_VISIT_PANELS = 4 };
 struct sim_visit_frame {
     const struct iso_frame *frame;
     const struct iso_vec3 *landmark_mm; /* [ISO_LANDMARKS], or NULL: no head was fitted */
-    const struct iso_vec3 *ibug_mm;     /* [ISO_LANDMARKS_IBUG], likewise */
-    double t_s;                         /* since the visitor came */
-    bool scored;                        /* else the frame was not compared */
+    const struct iso_vec3 *ibug_mm;     /* [ISO_LANDMARKS_IBUG], or NULL likewise */
+    double t_s;                         /* since the visitor arrived */
+    bool scored;                        /* false: the frame was not compared */
     double score;
-    const char *word; /* below the frame: whom it is like, or why it was not used */
+    const char *word; /* below the frame: the most similar person, or the reason why the frame was
+                         not used */
 };
 
 struct sim_visit_switch {
@@ -25,7 +26,7 @@ struct sim_visit_switch {
     bool active;
 };
 
-/* All belongs to the caller. */
+/* The caller owns all of it. */
 struct sim_visit_view {
     const char *title, *subtitle;
     bool allowed;
@@ -33,13 +34,13 @@ struct sim_visit_view {
     const struct sim_visit_frame *frames;
     double threshold;
     bool decided;
-    double verdict_s, end_s; /* when it was decided; until when the relay was watched */
-    int n_switches;          /* the relay is without power before the first */
+    double verdict_s, end_s; /* time of the verdict; time until which the relay was watched */
+    int n_switches;          /* the relay has no power before the first switch */
     const struct sim_visit_switch *switches;
 };
 
-/* Draws the verdict; each frame as a relief with the fitted face and its twelve landmarks; the
- * score of each frame below it, against the threshold; and the relay over time. -ENOMEM, -EIO. */
+/* Draws the verdict; each frame as a relief with the fitted face and its twelve landmarks; below
+ * it the frame's score against the threshold; and the relay over time. -ENOMEM, -EIO. */
 int sim_picture_visit(const struct sim_visit_view *view, const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

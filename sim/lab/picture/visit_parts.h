@@ -30,19 +30,19 @@ enum {
 struct sim_visit_picture {
     const struct sim_visit_view *view;
     cairo_t *cr;
-    int n;                /* frames that are drawn */
-    double width, height; /* of the panel of a frame, px */
+    int n;                /* number of frames to draw */
+    double width, height; /* of a frame's panel, px */
     double score_max;
 };
 
 void sim_visit_colour(const struct sim_visit_picture *p, uint32_t hex);
 void sim_visit_font(const struct sim_visit_picture *p, double size, bool bold);
 
-/* An empty panel. */
+/* Draws an empty panel. */
 void sim_visit_box(const struct sim_visit_picture *p, double x, double y, double width,
                    double height);
 
-/* The left side of the panel of frame number i. */
+/* The left edge of the panel of frame number i. */
 double sim_visit_panel_x(const struct sim_visit_picture *p, int i);
 
 /* Draws frame number i as a relief with the fitted face (visit_frame.c). */

@@ -1,4 +1,4 @@
-/* The lines of landmarks.csv. */
+/* Writes the lines of landmarks.csv. */
 #ifndef SIM_LAB_REPORT_LANDMARK_LINES_H
 #define SIM_LAB_REPORT_LANDMARK_LINES_H
 

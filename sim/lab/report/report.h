@@ -1,5 +1,5 @@
-/* The reports of an evaluation. Each function writes into a directory that exists, replacing files,
- * and returns 0 or a negative errno with a fault that names the file. */
+/* The reports of an evaluation. Each function writes into an existing directory and replaces old
+ * files. It returns 0 or a negative errno, with a fault that names the file. */
 #ifndef SIM_LAB_REPORT_REPORT_H
 #define SIM_LAB_REPORT_REPORT_H
 
@@ -7,9 +7,9 @@
 
 #include "sim/lab/eval/eval.h"
 
-/* scores.csv: every comparison; landmarks.csv: the landmarks found in every usable frame; cmc.csv;
- * det.csv; growth.csv: error rates by the number of people enrolled; curves.csv: by the
- * circumstances of a search. */
+/* scores.csv: every comparison; landmarks.csv: the landmarks found in every usable frame;
+ * cmc.csv; det.csv; growth.csv: error rates by the number of people enrolled; curves.csv: error
+ * rates by the conditions of a search. */
 int sim_report_csv(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -21,7 +21,7 @@ int sim_report_json(const struct sim_eval *eval, const char *directory, struct i
 int sim_report_plots(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* A compact table for people. */
+/* Prints a compact table for people. */
 void sim_report_text(const struct sim_eval *eval, FILE *out);
 
 #endif

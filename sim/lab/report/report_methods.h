@@ -1,4 +1,5 @@
-/* Several methods on one or more corpora: the table, and the same for other programs. */
+/* Reports on several methods and one or more corpora: a table for people and a file for programs.
+ */
 #ifndef SIM_LAB_REPORT_REPORT_METHODS_H
 #define SIM_LAB_REPORT_REPORT_METHODS_H
 
@@ -6,7 +7,7 @@
 
 #include "sim/lab/eval/verdict.h"
 
-/* The results of one corpus; they outlive the evaluation. */
+/* The results of one corpus; they are copied out of the evaluation. */
 struct sim_contest {
     char corpus[SIM_CORPUS_NAME_MAX]; /* the last part of its path */
     size_t n_verdicts;
@@ -18,11 +19,12 @@ struct sim_contest {
 int sim_contest_of(const struct sim_eval *eval, struct sim_contest *out)
     __attribute__((warn_unused_result));
 
-/* The table of one corpus, methods in lines; then what was left out, and why. */
+/* Prints the table of one corpus, one method in each line, then the skipped methods and the
+ * reasons. */
 void sim_contest_text(const struct sim_contest *contest, FILE *out);
 void sim_contest_left_out(const struct sim_eval *eval, FILE *out);
 
-/* methods.csv: a line a method and corpus. */
+/* methods.csv: one line for each method and corpus. */
 int sim_contest_csv(const struct sim_contest *contests, size_t n, const char *directory,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
 

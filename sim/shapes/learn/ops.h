@@ -1,4 +1,4 @@
-/* The classifiers of sim/shapes/learn, each in a source of its own. */
+/* The classifiers of sim/shapes/learn; each has its own source. */
 #ifndef ISO_SIM_SHAPES_LEARN_OPS_H
 #define ISO_SIM_SHAPES_LEARN_OPS_H
 

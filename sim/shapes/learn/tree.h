@@ -1,5 +1,5 @@
-/* Decision trees in plain C: the one place that knows OpenCV's ml. No C++ exception leaves it. Its
- * code is the module `trees` (drivers/base/module.h). */
+/* Decision trees in plain C. Only this interface uses OpenCV's ml. No C++ exception leaves it.
+ * Its code is the module `trees` (drivers/base/module.h). */
 #ifndef ISO_SIM_SHAPES_LEARN_TREE_H
 #define ISO_SIM_SHAPES_LEARN_TREE_H
 
@@ -9,11 +9,11 @@
 
 struct iso_tree;
 
-/* Loads the module, unless it is loaded. The errors of iso_module_load. */
+/* Loads the module if it is not loaded yet. The errors of iso_module_load. */
 int iso_tree_load(struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Learns from n features of `size` values with labels 0 or above. -EINVAL what OpenCV refuses,
- * -ENOMEM, the errors of iso_tree_load. */
+/* Learns from n features of `size` values with labels >= 0. -EINVAL for input that OpenCV
+ * refuses, -ENOMEM, the errors of iso_tree_load. */
 int iso_tree_new(const float *feature, const int32_t *label, int32_t n, int32_t size,
                  struct iso_tree **out) __attribute__((warn_unused_result));
 void iso_tree_free(struct iso_tree *tree);

@@ -1,5 +1,6 @@
-/* The module `trees`: what tree.h declares, in a shared object of its own (drivers/base/module.h).
- * Programs call those functions as usual; trees_module.c passes the calls on. */
+/* The module `trees`: the functions of tree.h, in a separate shared object
+ * (drivers/base/module.h). Programs call these functions as usual; trees_module.c forwards the
+ * calls. */
 #ifndef ISO_SIM_SHAPES_LEARN_TREES_MODULE_H
 #define ISO_SIM_SHAPES_LEARN_TREES_MODULE_H
 

@@ -1,12 +1,12 @@
-/* The things before a depth sensor as a corpus of shapes, to test whether methods that know nothing
- * of faces can tell a face from a thing.
+/* Makes a corpus of shapes from the objects in front of a depth sensor, to test whether methods
+ * without knowledge of faces can tell a face from other objects.
  *
- * The nearest thing is cut out of a frame, in the same way whatever it is: the middle of all that
- * lies at most 80 mm behind the nearest hundredth of the measured pixels, and of what is within
- * 100 mm of that, cleaned, at 4 mm a pixel, the largest piece, seen from the front: x right, y up,
- * z towards the sensor, mm. The extractor has no part in it.
+ * The nearest object is cut out of a frame, always in the same way. Start with the pixels at most
+ * 80 mm behind the nearest hundredth of the measured pixels, and take their middle. Keep the pixels
+ * within 100 mm of it, clean them, resample at 4 mm for each pixel and keep the largest piece. The
+ * view is from the front: x right, y up, z towards the sensor, mm. The extractor is not used.
  *
- * Crops of recordings of real people are biometric data, as those are. */
+ * Crops of recordings of real people are biometric data, like the recordings. */
 #ifndef SIM_SHAPES_MAKE_CROPS_H
 #define SIM_SHAPES_MAKE_CROPS_H
 
@@ -18,13 +18,14 @@
 
 struct sim_crops_options {
     struct sim_option_texts corpora; /* directories of recordings */
-    const char *out;                 /* directory, made if it is missing */
+    const char *out;                 /* directory, created if it is missing */
     size_t rows;                     /* of each corpus, evenly spread over its manifest; 0: all */
 };
 
-/* Writes OFF files and manifest.csv, class `face` or, for subject `none`, `not-face`; of each row
- * the first frame. *n_written: how many shapes, *n_empty: frames with too little in them. -EINVAL
- * without a corpus; errors of reading and writing; -ENOMEM; each with a fault. */
+/* Writes OFF files and manifest.csv with class `face` or, for subject `none`, `not-face`. Only
+ * the first frame of each row is used. *n_written: number of shapes; *n_empty: frames with too
+ * few pixels. -EINVAL without a corpus; errors of reading and writing; -ENOMEM; each with a
+ * fault. */
 int sim_crops_write(const struct sim_crops_options *options, int32_t *n_written, int32_t *n_empty,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
 

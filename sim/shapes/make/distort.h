@@ -1,7 +1,7 @@
-/* Distortions of shapes before they are measured: noise, scale, missing parts, deformations.
+/* Distorts shapes before they are measured: noise, scale, missing parts, deformations.
  *
- * Noise is given by its ratio to the signal: NSR is the variance of what is added over the variance
- * of the coordinates about their mean (Abdelrahman 2013, section 4.2.4). */
+ * The noise level is given by the noise-to-signal ratio NSR: the variance of the added noise
+ * divided by the variance of the coordinates about their mean (Abdelrahman 2013, section 4.2.4). */
 #ifndef SIM_SHAPES_MAKE_DISTORT_H
 #define SIM_SHAPES_MAKE_DISTORT_H
 
@@ -12,9 +12,9 @@ enum sim_distortion_kind {
     SIM_DISTORTION_WHITE,   /* normal noise on every coordinate; NSR 0.0001, 0.001, 0.01 */
     SIM_DISTORTION_SHOT,    /* the same energy on one vertex in a hundred */
     SIM_DISTORTION_SCALE,   /* larger or smaller by 1.5, 2, 3 */
-    SIM_DISTORTION_MISSING, /* 5, 10, 20 % of the surface about a point cut away */
-    SIM_DISTORTION_STRETCH, /* along a random axis by 1.1, 1.25, 1.5, the volume kept */
-    SIM_DISTORTION_BULGE,   /* swollen and shrunk smoothly: by 2, 4, 6 % of the size, rms */
+    SIM_DISTORTION_MISSING, /* 5, 10, 20 % of the surface around a point is cut away */
+    SIM_DISTORTION_STRETCH, /* along a random axis by 1.1, 1.25, 1.5, with constant volume */
+    SIM_DISTORTION_BULGE,   /* smoothly swollen and shrunk by 2, 4, 6 % of the size, rms */
     SIM_DISTORTIONS
 };
 
@@ -25,17 +25,17 @@ struct sim_distortion {
     int level; /* 1..3 */
 };
 
-/* "white", "shot", "scale", "missing", "stretch", "bulge"; NULL for none. */
+/* "white", "shot", "scale", "missing", "stretch", "bulge"; NULL for SIM_DISTORTION_NONE. */
 const char *sim_distortion_name(enum sim_distortion_kind kind);
 
-/* The figure of a level, as above: NSR, factor or share. */
+/* The value of a level, as listed above: NSR, factor or share. */
 double sim_distortion_strength(struct sim_distortion distortion);
 
-/* From "white:2". -EINVAL. A sim_option_parser. */
+/* A sim_option_parser for texts such as "white:2". -EINVAL. */
 int sim_distortion_parse(const char *text, void *field);
 
-/* Changes a mesh in place; the same for the same state of `random`. -EINVAL for a level out of
- * range or a mesh of fewer than 4 vertices, -ENOMEM; the mesh is then as it was. */
+/* Changes a mesh in place. The same state of `random` gives the same change. -EINVAL for a level
+ * out of range or a mesh of fewer than 4 vertices, -ENOMEM; the mesh is then unchanged. */
 int sim_distort(struct sim_distortion distortion, struct sim_random *random,
                 struct iso_coloured_mesh *mesh) __attribute__((warn_unused_result));
 

@@ -1,12 +1,12 @@
 /* Corpora of generated shapes: mesh files and manifest.csv (manifest.h).
  *
  * `plain` is like the nonrigid world data set of chapter 4: bodies of several kinds, each in
- * several poses, as OFF. The first SIM_SPECIES classes are the species as they are; further ones
+ * several poses, as OFF. The first SIM_SPECIES classes are the species themselves; further classes
  * have the limbs of a species in other proportions.
  *
- * `textured` is like SHREC'13 of section 5.4: in each class two bodies with three coats each, every
- * one of these null shapes in four transformations (another pose; stretched; bulging; noisy), with
- * colours, as PLY: 24 shapes a class. The class in the manifest is SHAPE/COAT. */
+ * `textured` is like SHREC'13 of section 5.4, with colours, as PLY. Each class has two bodies
+ * with three coats each, and each of these null shapes has four transformations (another pose;
+ * stretched; bulging; noisy): 24 shapes. The class in the manifest is SHAPE/COAT. */
 #ifndef SIM_SHAPES_MAKE_GENERATE_H
 #define SIM_SHAPES_MAKE_GENERATE_H
 
@@ -17,19 +17,19 @@
 
 struct sim_shapes_options {
     const char *preset; /* "plain" or "textured" */
-    const char *out;    /* directory, made if it is missing */
-    const char *format; /* "off", "ply" or "vert"; NULL: that of the preset */
+    const char *out;    /* directory, created if it is missing */
+    const char *format; /* "off", "ply" or "vert"; NULL: the preset's own */
     size_t seed;
     size_t classes;  /* 0: 12 plain, 10 textured */
-    size_t shapes;   /* plain: in all, dealt to the classes in turn; 0: 148 */
+    size_t shapes;   /* plain: total number, distributed to the classes in turn; 0: 148 */
     size_t vertices; /* of each shape; 0: 3000 */
     int threads;     /* 1..64 */
 };
 
 enum { SIM_SHAPES_CLASSES_MAX = 60 };
 
-/* The same options give the same bytes, whatever the number of threads. *n_written: how many
- * shapes. -EINVAL for options out of range; -ENOMEM, errors of writing; each with a fault. */
+/* The same options give the same bytes, whatever the number of threads. *n_written is the number
+ * of shapes. -EINVAL for options out of range; -ENOMEM; errors of writing; each with a fault. */
 int sim_shapes_generate(const struct sim_shapes_options *options, int32_t *n_written,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 

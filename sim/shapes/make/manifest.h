@@ -1,12 +1,12 @@
-/* A corpus of shapes: a directory of mesh files and manifest.csv, which says what class each is of.
+/* A corpus of shapes: a directory of mesh files, and manifest.csv with the class of each file.
  *
  *   file,class
  *   horse-01.off,horse
  *   dog-a-stripes-pose2.ply,dog/stripes
  *
- * The header line is fixed. Files lie in the directory or below it. What stands before a class's
- * slash is its wider class: two shapes with other coats are of one wider class. Fields hold no
- * commas, quotes or control characters; no file stands there twice. */
+ * The header line is fixed. Files lie in the directory or below it. The part of a class before
+ * its slash is the wider class: two shapes with different coats have the same wider class.
+ * Fields hold no commas, quotes or control characters. No file is listed twice. */
 #ifndef SIM_SHAPES_MAKE_MANIFEST_H
 #define SIM_SHAPES_MAKE_MANIFEST_H
 
@@ -23,22 +23,22 @@ struct sim_shape_row {
 struct sim_shape_manifest {
     int32_t n, n_classes, n_wider;
     struct sim_shape_row *rows; /* [n] */
-    /* [n] numbers in the order in which they first occur: 0..n_classes - 1, 0..n_wider - 1. */
+    /* [n] class numbers in the order of first occurrence: 0..n_classes - 1, 0..n_wider - 1. */
     int32_t *class_of, *wider_of;
     const char **class_name; /* [n_classes], into rows */
 };
 
-/* Reads DIRECTORY/manifest.csv; whether the meshes are there shows when they are read. -ENOENT,
- * -EBADMSG with a fault "file:line: what is wrong", -ENOMEM, or the errno of open and read. */
+/* Reads DIRECTORY/manifest.csv. It does not check that the meshes exist. -ENOENT, -EBADMSG with
+ * a fault "file:line: what is wrong", -ENOMEM, or the errno of open and read. */
 int sim_shape_manifest_read(const char *directory, struct sim_shape_manifest **out,
                             struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* The same from a text; `name` stands for the file in faults. */
+/* Parses a manifest from a text; `name` stands for the file in faults. */
 int sim_shape_manifest_parse(const char *name, const char *text, struct sim_shape_manifest **out,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 void sim_shape_manifest_free(struct sim_shape_manifest *manifest);
 
-/* Writes it. -EIO or the errno of opening it. */
+/* Writes the manifest. -EIO or the errno of opening the file. */
 int sim_shape_manifest_write(const char *directory, const struct sim_shape_row *rows, int32_t n,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 

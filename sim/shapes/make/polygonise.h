@@ -1,6 +1,6 @@
-/* A closed triangle mesh of a level of a field, by marching tetrahedra (Doi and Koide 1991): each
- * cube of a grid is cut into the six tetrahedra about its diagonal, which tile space face to face,
- * so that the surface has neither holes nor edges of three triangles whatever the field is. */
+/* Makes a closed triangle mesh of a level set of a field, by marching tetrahedra (Doi and Koide
+ * 1991). Each cube of a grid is cut into the six tetrahedra around its diagonal. They fill space
+ * face to face, so that the surface never has holes or edges of three triangles. */
 #ifndef SIM_SHAPES_MAKE_POLYGONISE_H
 #define SIM_SHAPES_MAKE_POLYGONISE_H
 
@@ -17,10 +17,10 @@ struct sim_field_grid {
     double *value;
 };
 
-/* The surface where the field is `level`, counter-clockwise seen from where it is lower. It is
- * closed if the field is below the level on the border of the grid. A vertex keeps a tenth of its
- * edge away from either end, so that triangles do not shrink to nothing. -EINVAL for less than 2
- * nodes a side or no surface, -ENOMEM. */
+/* The surface where the field equals `level`, counter-clockwise seen from the side with the
+ * lower field. It is closed if the field is below the level on the border of the grid. A vertex
+ * keeps a distance of a tenth of its edge from both ends, so that no triangle shrinks to
+ * nothing. -EINVAL for less than 2 nodes on a side or no surface, -ENOMEM. */
 int sim_polygonise(const struct sim_field_grid *grid, double level, struct iso_mesh **out)
     __attribute__((warn_unused_result));
 

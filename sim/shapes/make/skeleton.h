@@ -1,4 +1,4 @@
-/* Skeletons of creatures: limbs of a table become bones, bones carry flesh and bend at their
+/* Skeletons of creatures: a table of limbs becomes bones, which carry flesh and bend at their
  * joints.
  *
  * Coordinates of a creature: x to its left, y up, z forward, about 200 mm from end to end. */
@@ -12,7 +12,7 @@
 
 enum { SIM_LIMB_JOINTS_MAX = 12, SIM_BONES_MAX = 96, SIM_LIMBS_MAX = 24 };
 
-/* A point of a limb and how thick the limb is there. */
+/* A point of a limb, and the limb's radius at this point. */
 struct sim_limb_joint {
     struct iso_vec3 at_mm;
     double radius_mm;
@@ -21,10 +21,10 @@ struct sim_limb_joint {
 /* A row of a species' table: a chain of bones from joint to joint. */
 struct sim_limb {
     const char *name;
-    int parent;    /* limb it grows from, of a row above; -1: the first one */
-    int at;        /* joint of the parent that it moves with */
-    bool paired;   /* there is another one at -x */
-    double bend;   /* how far each joint may bend in a pose, rad */
+    int parent;    /* limb that it grows from, in a row above; -1: the first limb */
+    int at;        /* the parent's joint with which it moves */
+    bool paired;   /* there is a mirrored limb at -x */
+    double bend;   /* greatest bend of each joint in a pose, rad */
     double follow; /* 0: joints bend independently .. 1: the chain curls as a whole */
     struct sim_limb_joint joint[SIM_LIMB_JOINTS_MAX]; /* ends with a radius of 0 */
 };
@@ -41,21 +41,20 @@ struct sim_skeleton {
     struct sim_bone bone[SIM_BONES_MAX];
 };
 
-/* How a body differs from its table: every limb is longer or shorter by a factor of up to
- * exp(amount), and thicker or thinner by its root, each by numbers of its own that `variant` draws.
- * amount 0: not at all. */
+/* The variation of a body from its table. Each limb's length changes by a factor of up to
+ * exp(amount), its thickness by the root of such a factor; `variant` draws separate numbers for
+ * each limb. An amount of 0 means no variation. */
 struct sim_growth {
     uint64_t variant;
     double amount;
 };
 
-/* Bones of a table of limbs. */
+/* Makes the bones of a table of limbs. */
 void sim_skeleton_grow(const struct sim_limb *limbs, int n_limbs, const struct sim_growth *how,
                        struct sim_skeleton *out);
 
-/* Where the bones go in a random pose: posed_from_rest[n_bones]. Every joint turns by at most its
- * `bend` times `strength` about an axis of its own; chains that follow turn alike from joint to
- * joint. */
+/* Draws a random pose: posed_from_rest[n_bones]. Every joint turns by at most its `bend` times
+ * `strength` about its own axis; in chains that follow, all joints turn similarly. */
 void sim_skeleton_pose(const struct sim_skeleton *skeleton, double strength,
                        struct sim_random *random, struct iso_rigid *posed_from_rest);
 

@@ -1,4 +1,4 @@
-/* The kinds of creature there are. */
+/* The kinds of creatures. */
 #ifndef SIM_SHAPES_MAKE_SPECIES_H
 #define SIM_SHAPES_MAKE_SPECIES_H
 

@@ -1,4 +1,4 @@
-/* Coats of creatures: colours that are painted at rest and stay where they are on the skin. */
+/* Coats of creatures: colours that are painted at rest and move with the skin. */
 #ifndef SIM_SHAPES_MAKE_TEXTURE_H
 #define SIM_SHAPES_MAKE_TEXTURE_H
 
@@ -14,10 +14,10 @@ enum sim_texture {
     SIM_TEXTURES
 };
 
-/* "stripes"; NULL for none. */
+/* "stripes", ...; NULL outside the range. */
 const char *sim_texture_name(enum sim_texture texture);
 
-/* The colour at a place of a creature at rest (see skeleton.h); another `key` moves the pattern. */
+/* The colour at a point of a creature at rest (see skeleton.h). Another `key` moves the pattern. */
 struct iso_colour sim_texture_colour(enum sim_texture texture, uint64_t key,
                                      struct iso_vec3 rest_mm);
 

@@ -1,12 +1,12 @@
-/* Fewer vertices for meshes that have more than a study needs. */
+/* Reduces the number of vertices of meshes that are finer than a study needs. */
 #ifndef SIM_SHAPES_MAKE_THIN_H
 #define SIM_SHAPES_MAKE_THIN_H
 
 #include "sim/shapes/mesh/mesh_file.h"
 
-/* Collapses edges (sim/train/head/decimate.h) until n_vertices are left, or as few as that allows,
- * and leaves out what became unused; colours stay with their vertices. A mesh with a vertex of more
- * triangles than that can deal with stays as it is. -ENOMEM. */
+/* Collapses edges (sim/train/head/decimate.h) until n_vertices are left, or as few as the
+ * collapse allows, and removes unused vertices. Colours stay with their vertices. A mesh stays
+ * unchanged if one of its vertices has more triangles than the collapse supports. -ENOMEM. */
 int sim_thin(struct iso_coloured_mesh *mesh, int32_t n_vertices)
     __attribute__((warn_unused_result));
 

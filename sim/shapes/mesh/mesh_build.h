@@ -1,4 +1,5 @@
-/* A mesh being read: vertices and faces one by one. Internal to sim/shapes/mesh. */
+/* Builds a mesh from vertices and faces one by one while a file is read. Internal to
+ * sim/shapes/mesh. */
 #ifndef ISO_SIM_SHAPES_MESH_MESH_BUILD_H
 #define ISO_SIM_SHAPES_MESH_MESH_BUILD_H
 
@@ -16,40 +17,40 @@ struct iso__mesh_build {
     int32_t colour_capacity; /* 0: no colours so far */
 };
 
-/* `name` and `fault` are referred to. -ENOMEM. */
+/* `name` and `fault` are borrowed. -ENOMEM. */
 int iso__mesh_build_init(struct iso__mesh_build *build, const char *name, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* One more vertex, with a colour or NULL: either all vertices have one or none. -EBADMSG, -EFBIG,
- * -ENOMEM, with a fault for line `line`. */
+/* Adds a vertex, with a colour or NULL: either all vertices have a colour or none. -EBADMSG,
+ * -EFBIG, -ENOMEM, with a fault for line `line`. */
 int iso__mesh_build_vertex(struct iso__mesh_build *build, unsigned line, struct iso_vec3 at_mm,
                            const struct iso_colour *colour) __attribute__((warn_unused_result));
 
-/* One more triangle; indices from 0, checked at the end. */
+/* Adds a triangle; indices count from 0 and are checked at the end. */
 int iso__mesh_build_triangle(struct iso__mesh_build *build, unsigned line, const int32_t corner[3])
     __attribute__((warn_unused_result));
 
-/* Checks that every index has its vertex and hands the mesh over; -EBADMSG. */
+/* Checks that every index has a vertex and hands the mesh to the caller. -EBADMSG. */
 int iso__mesh_build_finish(struct iso__mesh_build *build, struct iso_coloured_mesh *out)
     __attribute__((warn_unused_result));
 
-/* Frees what is not handed over. */
+/* Frees the mesh unless it was handed over. */
 void iso__mesh_build_done(struct iso__mesh_build *build);
 
-/* "NAME:LINE: WHAT 'WORD'" and -EBADMSG. */
+/* Sets the fault "NAME:LINE: WHAT 'WORD'" and returns -EBADMSG. */
 int iso__mesh_build_refuse(const struct iso__mesh_build *build, unsigned line, const char *what,
                            const char *word) __attribute__((warn_unused_result));
 
-/* Three words as a place. -EBADMSG. */
+/* Reads three words as coordinates. -EBADMSG. */
 int iso__mesh_build_place(const struct iso__mesh_build *build, unsigned line, char *const words[3],
                           struct iso_vec3 *out) __attribute__((warn_unused_result));
 
-/* Three words as a colour: whole numbers of 0..255, or, if one of them has a point, of 0..1.
- * -EBADMSG. */
+/* Reads three words as a colour: whole numbers of 0..255 or, if one of them has a point, numbers
+ * of 0..1. -EBADMSG. */
 int iso__mesh_build_colour(const struct iso__mesh_build *build, unsigned line, char *const words[3],
                            struct iso_colour *out) __attribute__((warn_unused_result));
 
-/* The readers: each fills a build from text (or bytes) that it may change. */
+/* The readers. Each fills a build from a text (or bytes), which it may change. */
 int iso__mesh_read_off(struct iso__mesh_build *build, char *text)
     __attribute__((warn_unused_result));
 int iso__mesh_read_obj(struct iso__mesh_build *build, char *text)

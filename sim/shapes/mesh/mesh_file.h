@@ -1,4 +1,4 @@
-/* Triangle meshes in files, as they come from elsewhere.
+/* Reads triangle meshes from files of other programs.
  *
  *   .off    OFF and COFF, text (Geomview)
  *   .obj    Wavefront, text: v (with colours, as MeshLab writes them) and f; what has to do with
@@ -35,42 +35,42 @@ enum iso_mesh_format {
     ISO_MESH_FORMATS
 };
 
-/* "off", "obj", "ply", "stl", "vert": the end of such a file's name; NULL for no format. */
+/* "off", "obj", "ply", "stl", "vert": the ending of the file name; NULL for an unknown format. */
 const char *iso_mesh_format_suffix(enum iso_mesh_format format);
 
-/* Reads a file by the end of its name and mends it (see iso_mesh_mend). -ENOENT, -EBADMSG for
- * contents that are refused or a mesh without a single triangle, -ENOTSUP for another name, -EFBIG
- * above 1 GiB, -ENOMEM, or the errno of open and read; each with a fault that names the file. */
+/* Reads a file by the ending of its name and mends it (see iso_mesh_mend). -ENOENT; -EBADMSG for
+ * refused contents or a mesh without a triangle; -ENOTSUP for another ending; -EFBIG above 1
+ * GiB; -ENOMEM; or the errno of open and read. Each comes with a fault that names the file. */
 int iso_mesh_file_read(const char *path, struct iso_coloured_mesh *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The same from memory, not mended: triangles may repeat a corner or each other, but their indices
- * are in range. `bytes` is changed; a NUL has to stand behind its end. A TOSCA mesh is two
- * texts; `tri` is NULL for other formats. `name` stands for the file in faults. */
+/* The same from memory and without mending: triangles may repeat a corner or each other, but
+ * their indices are in range. `bytes` is changed; a NUL must follow its end. A TOSCA mesh
+ * consists of two texts; `tri` is NULL for other formats. `name` stands for the file in faults. */
 int iso_mesh_parse(enum iso_mesh_format format, const char *name, char *bytes, size_t size,
                    char *tri, struct iso_coloured_mesh *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* What mending did, and what a mesh is like after it. */
+/* The defects that mending removed. */
 struct iso_mesh_mended {
-    int32_t merged;    /* vertices that lay exactly where another did */
-    int32_t collapsed; /* triangles with two corners in one place */
-    int32_t repeated;  /* triangles of the same three corners as another, whichever way round */
+    int32_t merged;    /* vertices at exactly the same place as another one */
+    int32_t collapsed; /* triangles with two corners at the same place */
+    int32_t repeated;  /* triangles with the same three corners as another one, in any order */
     int32_t unused;    /* vertices of no triangle */
 };
 
-/* The rule for meshes as they come:
+/* Mends a mesh by these rules:
  *
- *  - vertices in exactly the same place become one (its colour the mean of theirs), so that faces
- *    that were written apart hang together;
- *  - triangles with two corners in one place, and copies of a triangle, are left out;
- *  - vertices of no triangle are left out;
- *  - boundaries, edges of more than two triangles, triangles without area, triangles that are
- *    turned inside out and several components stay: heat needs nothing else.
- * isotherm/shape.h says what is done about them.
+ * - Vertices at exactly the same place become one vertex with the mean of their colours, so that
+ *   separately written faces are connected.
+ *  - Triangles with two corners at the same place, and copies of a triangle, are removed.
+ *  - Vertices of no triangle are removed.
+ *  - Boundaries, edges of more than two triangles, triangles without area, triangles that are
+ *    turned inside out, and several components stay, because heat needs no more.
+ *    isotherm/shape.h describes how they are handled.
  *
- * What is left keeps its order. `report` may be NULL. -EBADMSG if no triangle is left, -ENOMEM; the
- * mesh is then as it was. */
+ * The remaining vertices and triangles keep their order. `report` may be NULL. -EBADMSG if no
+ * triangle remains, -ENOMEM; the mesh is then unchanged. */
 int iso_mesh_mend(struct iso_coloured_mesh *mesh, struct iso_mesh_mended *report)
     __attribute__((warn_unused_result));
 

@@ -1,5 +1,4 @@
-/* The descriptions of all shapes of a corpus by all methods: the part of a study that takes time.
- */
+/* Describes all shapes of a corpus by all methods. This is the slow part of a study. */
 #ifndef SIM_SHAPES_STUDY_BANK_H
 #define SIM_SHAPES_STUDY_BANK_H
 
@@ -14,10 +13,10 @@ struct sim_bank_options {
     int n_methods;
     const int32_t *rows; /* [n_rows] of the manifest to describe; NULL: all of them */
     int32_t n_rows;
-    const struct sim_distortion *distortion; /* NULL: as they are */
+    const struct sim_distortion *distortion; /* NULL: no distortion */
     uint64_t seed;                           /* of the distortion */
-    int smooth;       /* double steps of the smoothing filter before anything else */
-    int32_t vertices; /* meshes of more are thinned to so many; 0: none are */
+    int smooth;       /* double steps of the smoothing filter, applied before the methods */
+    int32_t vertices; /* meshes with more vertices are thinned to this number; 0: no thinning */
     int threads;
 };
 
@@ -26,26 +25,25 @@ struct sim_bank {
     int32_t n;
     int32_t *row;                               /* [n] of the manifest */
     struct iso_shape_description **description; /* [n_methods][n] */
-    double *seconds;                            /* [n_methods] thread time in all */
-    double shape_seconds;                       /* the same, of reading and of eigenpairs */
+    double *seconds;                            /* [n_methods] total thread time */
+    double shape_seconds;                       /* the same for reading and for eigenpairs */
     double elapsed_seconds;
     double mean_vertices;
-    long peak_kib; /* of the process's memory so far */
+    long peak_kib; /* peak memory of the process so far */
 };
 
-/* Reads, distorts, smooths and describes the shapes, each by all methods in one thread. A shape
- * that cannot be read or described fails it all: -EBADMSG, -ENODATA, -ENOENT, ..., with a fault
- * that names its file; -ENOMEM. */
+/* Reads, distorts, smooths and describes the shapes. One thread describes a shape by all
+ * methods. If one shape cannot be read or described, the whole call fails: -EBADMSG, -ENODATA,
+ * -ENOENT, ..., with a fault that names its file; -ENOMEM. */
 int sim_bank_new(const struct sim_bank_options *options, struct sim_bank **out,
                  struct iso_fault *fault) __attribute__((warn_unused_result));
 void sim_bank_free(struct sim_bank *bank);
 
-/* The descriptions by one method: [n]. */
+/* The descriptions of all shapes by one method: [n]. */
 const struct iso_shape_description *const *sim_bank_of(const struct sim_bank *bank, int method);
 
-/* Reads a shape as a bank does it: mended, thinned, distorted, smoothed. `row` seeds the
- * distortion.
- */
+/* Reads a shape in the same way as a bank: mended, thinned, distorted, smoothed. `row` seeds the
+ * distortion. */
 int sim_bank_read(const struct sim_bank_options *options, int32_t row,
                   struct iso_coloured_mesh *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -1,10 +1,10 @@
-/* The tables of the dissertation, chapters 4 and 5: what each row was made of, and its figures. */
+/* The tables of the dissertation, chapters 4 and 5: the settings of each row, and its figures. */
 #ifndef SIM_SHAPES_STUDY_PAPER_H
 #define SIM_SHAPES_STUDY_PAPER_H
 
 #include "sim/shapes/make/distort.h"
 
-/* What the columns of a table are. */
+/* The columns of a table. */
 enum sim_paper_columns {
     SIM_PAPER_RETRIEVAL, /* NN, 1-tier, 2-tier, e-measure, DCG */
     SIM_PAPER_NEAREST,   /* NN */
@@ -14,7 +14,7 @@ enum sim_paper_columns {
 
 enum { SIM_PAPER_FIGURES = 5 };
 
-/* Its data sets. */
+/* The data sets of the dissertation. */
 enum sim_paper_set {
     SIM_PAPER_NONRIGID_WORLD,
     SIM_PAPER_SHREC11,
@@ -23,9 +23,10 @@ enum sim_paper_set {
 };
 
 struct sim_paper_row {
-    const char *method, *classifier;  /* names of ours; NULL: of others, figures only */
-    const char *title;                /* of a row without a method */
-    int size;                         /* of features; 0: the method's */
+    const char *method,
+        *classifier;   /* names in this project; NULL: a method of others, figures only */
+    const char *title; /* of a row without a method */
+    int size;          /* number of features; 0: the method's own */
     struct sim_distortion distortion; /* of the queries; level 0: none */
     double figure[SIM_PAPER_FIGURES]; /* 0, 0, ...: the dissertation does not have this row */
 };
@@ -42,7 +43,7 @@ enum { SIM_PAPER_TABLES = 15 };
 
 extern const struct sim_paper_table sim_paper_tables[SIM_PAPER_TABLES];
 
-/* How many figures a row of such columns has, and what they are called. */
+/* The number of figures in a row with these columns, and their names. */
 int sim_paper_n_columns(enum sim_paper_columns columns);
 const char *sim_paper_column_name(enum sim_paper_columns columns, int column);
 

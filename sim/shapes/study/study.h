@@ -1,5 +1,5 @@
-/* isotherm-sim shapes eval: a corpus against itself, or its distorted shapes against it, by methods
- * and classifiers; result files. */
+/* isotherm-sim shapes eval: compares a corpus with itself, or its distorted shapes with it, by
+ * methods and classifiers, and writes result files. */
 #ifndef SIM_SHAPES_STUDY_STUDY_H
 #define SIM_SHAPES_STUDY_STUDY_H
 
@@ -11,12 +11,12 @@
 
 struct sim_shapes_study_options {
     const char *corpus, *out;
-    const char *method;     /* a name, or "all": those that the corpus has what they need for */
-    const char *classifier; /* a name, or "all"; NULL: what goes with each method */
+    const char *method;     /* a name, or "all": every method whose input the corpus has */
+    const char *classifier; /* a name, or "all"; NULL: each method's own */
     struct sim_distortion distortion; /* level 0: none */
     size_t seed;
     int smooth;   /* see sim_smooth */
-    int vertices; /* meshes of more are thinned; 0: none are */
+    int vertices; /* meshes with more vertices are thinned; 0: no thinning */
     int pictures; /* matches of a query in a picture; 0: no pictures */
     int threads;
 };

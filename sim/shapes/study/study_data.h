@@ -1,4 +1,4 @@
-/* What a study keeps, and its two parts. Internal to sim/shapes/study. */
+/* The data of a study, and its two parts. Internal to sim/shapes/study. */
 #ifndef SIM_SHAPES_STUDY_STUDY_DATA_H
 #define SIM_SHAPES_STUDY_STUDY_DATA_H
 
@@ -13,7 +13,7 @@ enum {
     SIM_STUDY_RESULTS_MAX = SIM_STUDY_METHODS_MAX * SIM_STUDY_CLASSIFIERS_MAX,
 };
 
-/* What one method and classifier came to. */
+/* The result of one method and classifier. */
 struct sim_study_result {
     const struct iso_shape_method *method;
     const struct iso_classifier_ops *classifier;
@@ -34,9 +34,9 @@ struct sim_study {
     struct sim_study_result result[SIM_STUDY_RESULTS_MAX];
 };
 
-/* Measures the study's method number m with each classifier, or with its own: adds the results,
- * prints a line for each and writes the files of its directory. Errors of the features and of the
- * classifier, each with a fault. */
+/* Measures the study's method number m with each classifier, or with its own classifier. Adds
+ * the results, prints a line for each and writes the files of its directory. Errors of the
+ * features and of the classifier, each with a fault. */
 int sim_study_run_method(struct sim_study *study, int m, FILE *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

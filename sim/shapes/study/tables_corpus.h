@@ -1,5 +1,4 @@
-/* A corpus that tables are made of, with what was found out about it. Internal to
- * sim/shapes/study. */
+/* A corpus that supplies tables, and its results so far. Internal to sim/shapes/study. */
 #ifndef SIM_SHAPES_STUDY_TABLES_CORPUS_H
 #define SIM_SHAPES_STUDY_TABLES_CORPUS_H
 
@@ -8,16 +7,16 @@
 
 enum { SIM_TABLES_METHODS_MAX = 16, SIM_TABLES_CACHE_MAX = 32 };
 
-/* All zero but for its directory: not opened yet. */
+/* All zero except the directory: not opened yet. */
 struct sim_tables_corpus {
     const char *directory;
     struct sim_shape_manifest *manifest;
     const struct iso_shape_method
-        *method[SIM_TABLES_METHODS_MAX]; /* those that its tables ask for */
+        *method[SIM_TABLES_METHODS_MAX]; /* the methods that its tables need */
     int n_methods;
     struct sim_bank_options how;
     struct sim_bank *items, *distorted[SIM_DISTORTIONS][SIM_DISTORTION_LEVELS];
-    int32_t *query_row; /* which shapes are distorted */
+    int32_t *query_row; /* the shapes to distort */
     int32_t n_queries;
     struct {
         int method, size;
@@ -26,26 +25,26 @@ struct sim_tables_corpus {
     int n_cached;
 };
 
-/* Says before the corpus is opened that a table needs this method. */
+/* Requests a method that a table needs, before the corpus is opened. */
 void sim_tables_corpus_ask_method(struct sim_tables_corpus *corpus, const char *name);
 
-/* Reads the corpus, describes its shapes by the methods that were asked for, and prints how long it
- * took. Errors of reading and of sim_bank_new, with a fault; -ENOMEM without one. */
+/* Reads the corpus, describes its shapes by the requested methods, and prints the duration.
+ * Errors of reading and of sim_bank_new, with a fault; -ENOMEM without one. */
 int sim_tables_corpus_open(struct sim_tables_corpus *corpus,
                            const struct sim_tables_options *options, FILE *out,
                            struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Frees all but the struct; also of a corpus that could not be opened. */
+/* Frees all content of the struct, also for a corpus that could not be opened. */
 void sim_tables_corpus_close(struct sim_tables_corpus *corpus);
 
-/* The queries of a row: the items, or some of them distorted, which are described when they are
- * first asked for. Errors of sim_bank_new. */
+/* The queries of a row: the items, or some of them distorted. Distorted items are described on
+ * the first request. Errors of sim_bank_new. */
 int sim_tables_corpus_queries(struct sim_tables_corpus *corpus, struct sim_distortion distortion,
                               const struct sim_bank **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The features by a method that was asked for; they belong to the corpus. -ENOSPC if it holds too
- * many; errors of sim_features_new. */
+/* The features by a requested method; the corpus owns them. -ENOSPC if it holds too many; errors
+ * of sim_features_new. */
 int sim_tables_corpus_features(struct sim_tables_corpus *corpus, const char *method, int size,
                                uint64_t seed, struct sim_features **out)
     __attribute__((warn_unused_result));

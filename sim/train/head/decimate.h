@@ -1,6 +1,6 @@
-/* Coarser meshes from fine ones by half-edge collapse with quadric error metrics (Garland and
- * Heckbert 1997): a vertex is merged into a neighbour, so that the vertices that remain are
- * original ones and carry whatever is known of them (modes of a morphable model). */
+/* Coarsens meshes by half-edge collapse with quadric error metrics (Garland and Heckbert 1997).
+ * A vertex is merged into a neighbour, so that the remaining vertices are original ones and keep
+ * their data (modes of a morphable model). */
 #ifndef SIM_TRAIN_HEAD_DECIMATE_H
 #define SIM_TRAIN_HEAD_DECIMATE_H
 
@@ -9,17 +9,17 @@
 #include "isotherm/vec.h"
 
 struct sim_decimate_options {
-    uint32_t n_target;        /* vertices to stop at */
-    const uint8_t *keep;      /* [n_vertices], 1: is never merged away; NULL: none */
-    const double *importance; /* [n_vertices], > 0, what an error there counts; NULL: 1 */
+    uint32_t n_target;        /* stop at this number of vertices */
+    const uint8_t *keep;      /* [n_vertices], 1: the vertex is never merged away; NULL: none */
+    const double *importance; /* [n_vertices], > 0, weight of an error at the vertex; NULL: 1 */
 };
 
-/* Merges vertices until n_target that triangles refer to are left, or no merge is allowed: one that
- * would flip a triangle, make a sliver, change the topology, or move the boundary (a boundary
- * vertex only moves along it). `triangles` is changed in place and *n_triangles lowered; vertices
- * stay where they are, some without triangles. Deterministic: among equal costs the lowest vertex
- * goes first. -EINVAL for a triangle out of range or a vertex with more than 24 triangles; -ENOMEM.
- */
+/* Merges vertices until n_target of them have triangles, or until no merge is allowed. A merge
+ * is not allowed if it would flip a triangle, make a sliver, change the topology, or move the
+ * boundary (a boundary vertex only moves along it). `triangles` is changed in place and
+ * *n_triangles is reduced. Vertices keep their places; some have no triangles afterwards.
+ * Deterministic: among equal costs the lowest vertex goes first. -EINVAL for a triangle out of
+ * range or a vertex with more than 24 triangles; -ENOMEM. */
 int sim_decimate(const struct iso_vec3 *vertices_mm, uint32_t n_vertices,
                  const struct sim_decimate_options *options, uint32_t (*triangles)[3],
                  uint32_t *n_triangles) __attribute__((warn_unused_result));

@@ -1,4 +1,4 @@
-/* Closing the openings of a mesh of the face: the eyes and the mouth. */
+/* Closes the openings in a mesh of the face: the eyes and the mouth. */
 #ifndef SIM_TRAIN_HEAD_OPENING_H
 #define SIM_TRAIN_HEAD_OPENING_H
 
@@ -6,7 +6,7 @@
 
 #include "sim/train/head/head_surface.h"
 
-/* A surface under construction; the arrays have room for what is added. */
+/* A surface under construction; the arrays have room for additions. */
 struct sim_surface_builder {
     struct sim_head_surface *surface;
     uint32_t vertex_capacity, triangle_capacity;
@@ -18,11 +18,11 @@ int sim_surface_add_vertex(struct sim_surface_builder *builder, const struct sim
 int sim_surface_add_triangle(struct sim_surface_builder *builder, uint32_t a, uint32_t b,
                              uint32_t c) __attribute__((warn_unused_result));
 
-/* Closes every hole of the surface but the one with the longest rim, which is its outer edge. The
- * upper and the lower half of a rim are joined by a strip of triangles; where an eyeball lies
- * behind, by way of a row of vertices on it, which follow the lids: halfway between them, at the
- * eyeball's depth in the mean face. -ENOSPC, -ENOMEM; -EINVAL for a rim that is not a simple loop.
- */
+/* Closes every hole of the surface except the one with the longest rim, which is its outer edge.
+ * A strip of triangles joins the upper and the lower half of a rim. If an eyeball lies behind
+ * the hole, the strip passes through a row of vertices on the eyeball, halfway between the lids,
+ * which they follow, at the eyeball's depth in the mean face. -ENOSPC, -ENOMEM; -EINVAL for a
+ * rim that is not a simple loop. */
 int sim_close_openings(struct sim_surface_builder *builder, const struct sim_ict *ict)
     __attribute__((warn_unused_result));
 

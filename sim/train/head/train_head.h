@@ -1,4 +1,4 @@
-/* Training the compact head model (isotherm/head_model.h) from the statistical head model. */
+/* Trains the compact head model (isotherm/head_model.h) from the statistical head model. */
 #ifndef SIM_TRAIN_HEAD_TRAIN_HEAD_H
 #define SIM_TRAIN_HEAD_TRAIN_HEAD_H
 
@@ -6,7 +6,7 @@
 #include "sim/world/face/ict.h"
 
 struct sim_train_head_options {
-    uint64_t seed;         /* of the expressions that are learned from */
+    uint64_t seed;         /* of the random expressions in the training set */
     uint32_t n_vertices;   /* of the result */
     uint32_t n_identity;   /* modes to keep */
     uint32_t n_expression; /* modes to keep */
@@ -22,16 +22,16 @@ struct sim_train_head_report {
     double decimation_mean_mm, decimation_p95_mm,
         decimation_max_mm;                           /* fine vertex to coarse mesh */
     double identity_explained, expression_explained; /* shares of variance, 0..1 */
-    double identity_rms_mm;                          /* how far people differ from the mean */
-    double unseen_rms_mm;          /* what the modes leave of it, people not learned from */
-    double expression_rms_mm;      /* how far expressions move the face */
-    double expression_left_rms_mm; /* what the modes leave of it */
+    double identity_rms_mm;                          /* deviation of people from the mean */
+    double unseen_rms_mm;     /* residual after the modes, for people outside the training set */
+    double expression_rms_mm; /* movement of the face by expressions */
+    double expression_left_rms_mm; /* residual after the modes */
 };
 
-/* Keeps the front of the head (head_surface.h), decimates it with all 68 landmarks in place, and
+/* Keeps the front of the head (head_surface.h), decimates it but keeps all 68 landmarks, and
  * takes principal components of identity and of seeded random expressions, both without rigid
- * motion of the region ISO_HEAD_RIGID. The same arguments give the same model. -EINVAL with *fault
- * for a head model or options that this does not work for; -ENOMEM. */
+ * motion of the region ISO_HEAD_RIGID. The same arguments give the same model. -EINVAL with
+ * *fault for an unsuitable head model or unsuitable options; -ENOMEM. */
 int sim_train_head(const struct sim_ict *ict, const struct sim_train_head_options *options,
                    struct iso_head_model **out, struct sim_train_head_report *report,
                    struct iso_fault *fault) __attribute__((warn_unused_result));

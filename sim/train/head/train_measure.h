@@ -1,4 +1,4 @@
-/* How well a trained head model describes the faces that it was trained from. */
+/* Measures how well a trained head model describes the faces that it was trained from. */
 #ifndef SIM_TRAIN_HEAD_TRAIN_MEASURE_H
 #define SIM_TRAIN_HEAD_TRAIN_MEASURE_H
 
@@ -8,15 +8,15 @@ struct sim_distances {
     double mean_mm, p95_mm, max_mm;
 };
 
-/* Distances of the fine surface's vertices in the face, where they are exposed (head_exposure.h),
- * to the coarse surface. -ENOMEM. */
+/* Distances from the exposed face vertices (head_exposure.h) of the fine surface to the coarse
+ * surface. -ENOMEM. */
 int sim_surface_distances(const struct sim_head_surface *fine, const double *exposure,
                           const struct sim_head_surface *coarse, struct sim_distances *out)
     __attribute__((warn_unused_result));
 
-/* Root mean square over the weighted vertices and over 200 people of the population "test" of: how
- * far they are from the mean, and what is left after projection to the components. `fields_mm` are
- * the identity fields, [SIM_IDENTITY_MODES][n_vertices][3]; `variance` as from sim_principal.
+/* Root mean square over the weighted vertices and over 200 people of the population "test": the
+ * deviation from the mean, and the residual after projection to the components. `fields_mm` are
+ * the identity fields, [SIM_IDENTITY_MODES][n_vertices][3]; `variance` comes from sim_principal.
  * -ENOMEM. */
 struct sim_rms {
     double before_mm, after_mm;

@@ -6,19 +6,19 @@
 
 #include "isotherm/metric.h"
 
-/* Comparisons of strangers: the metric's calibrated score, and -ln(rms / 1 mm) of the upper faces'
- * misfit (NaN: they could not be registered; not counted). */
+/* Comparisons of strangers: the metric's calibrated score, and -ln(rms / 1 mm) of the upper
+ * faces' misfit (NaN if they could not be registered; such comparisons do not count). */
 struct sim_rerank_pairs {
     size_t n;
     const double *score, *fit;
 };
 
-/* The misfit is calibrated as the metric's score is (sim_metric_calibrate), both are added (the sum
- * rule: Kittler, Hatef, Duin and Matas 1998), and the sum is calibrated again. So each score says
- * how rare it is among strangers, and mated comparisons are not used. Weights that separate the
- * people held out best (logistic regression) would nearly ignore the surfaces: the metric has
- * learned from similar people and hardly errs on them. Surfaces are needed for other faces and
- * sensors. Errors of sim_metric_calibrate, -ENOMEM. */
+/* The misfit is calibrated like the metric's score (sim_metric_calibrate). Both are added (the
+ * sum rule: Kittler, Hatef, Duin and Matas 1998), and the sum is calibrated again. So each score
+ * states its rarity among strangers, and mated comparisons are not used. The alternative,
+ * weights that best separate the people held out (logistic regression), would nearly ignore the
+ * surfaces: the metric was trained with similar people and hardly makes errors on them. Surfaces
+ * are needed for other faces and sensors. Errors of sim_metric_calibrate, -ENOMEM. */
 int sim_rerank_learn(const struct sim_rerank_pairs *strangers, struct iso_rerank_weights *out)
     __attribute__((warn_unused_result));
 

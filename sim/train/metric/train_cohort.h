@@ -1,5 +1,5 @@
-/* The cohort that scores are normalised against (core/match/cohort.h): templates of rendered
- * people who are in no gallery, made by the same extractor as everyone's. */
+/* The cohort for the normalisation of scores (core/match/cohort.h): templates of rendered people
+ * who are in no gallery, made by the same extractor as all other templates. */
 #ifndef SIM_TRAIN_METRIC_TRAIN_COHORT_H
 #define SIM_TRAIN_METRIC_TRAIN_COHORT_H
 
@@ -12,23 +12,23 @@ enum { SIM_COHORT_SENSORS_MAX = 8 };
 struct sim_train_cohort_options {
     const struct sim_ict *ict;
     const struct iso_head_model *model;
-    struct iso_extract_options extract; /* its sensor and clock are set here */
-    const struct sim_sensor *sensors[SIM_COHORT_SENSORS_MAX]; /* people stand before them in turn */
+    struct iso_extract_options extract; /* the training sets its sensor and clock */
+    const struct sim_sensor *sensors[SIM_COHORT_SENSORS_MAX]; /* used for the people in turn */
     int n_sensors;
     uint32_t n_people; /* ISO_COHORT_MIN..ISO_COHORT_MAX */
     uint64_t seed;
 };
 
 struct sim_train_cohort_report {
-    uint32_t n_people, n_frames; /* templates; frames it took, refused ones among them */
+    uint32_t n_people, n_frames; /* templates; all frames, including refused ones */
 };
 
-/* One template from one frame of each of n_people people of the population "train": at rest or with
- * a mild expression, near frontal, with hair, clothes and a room. A frame that the extractor
- * refuses is taken again on another day, up to three times in all; then the next person takes that
- * place. The same arguments give the same templates. *out is one array of n_people templates that
- * the caller wipes and frees with free(). -EINVAL with *fault for options out of range, -ENODATA if
- * hardly anyone was accepted, or errors of rendering and extraction. */
+/* One template from one frame of each of n_people people of the population "train": at rest or
+ * with a mild expression, near frontal, with hair, clothes and a room. If the extractor refuses
+ * a frame, another frame is taken on another day, up to three times in all; then the next person
+ * takes that place. The same arguments give the same templates. *out is one array of n_people
+ * templates; the caller wipes it and frees it with free(). -EINVAL with *fault for options out
+ * of range, -ENODATA if almost no person was accepted, or errors of rendering and extraction. */
 int sim_train_cohort(const struct sim_train_cohort_options *options, struct iso_template **out,
                      struct sim_train_cohort_report *report, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -1,8 +1,9 @@
-/* Training of the metric (isotherm/metric.h) on corpora of generated people.
+/* Trains the metric (isotherm/metric.h) on corpora of generated people.
  *
  * Every usable frame of every row goes through the extractor, as in an evaluation. A person is a
- * subject of a corpus; corpora share nobody. One person in five is left out of the learning and
- * calibrates the scores afterwards: the metric's and the fused one (core/match/rerank.h). */
+ * subject of a corpus; corpora share no people. One person in five is left out of the learning
+ * and calibrates the scores afterwards: the metric's score and the fused score
+ * (core/match/rerank.h). */
 #ifndef SIM_TRAIN_METRIC_TRAIN_METRIC_H
 #define SIM_TRAIN_METRIC_TRAIN_METRIC_H
 
@@ -21,19 +22,20 @@ struct sim_train_metric_options {
     int n_dimensions, threads;
 };
 
-/* All but the corpora, the model and the threads: the upper landmarks, 150 dimensions. */
+/* Sets all options except the corpora, the model and the threads: the upper landmarks, 150
+ * dimensions. */
 struct sim_train_metric_options sim_train_metric_options_default(void);
 
-/* What a score comes to among the people held out. */
+/* Error rates of a score among the people held out. */
 struct sim_train_scores {
     size_t n_mated, n_others;                /* comparisons */
     double fmr_at[3], false_non_match_at[3]; /* at scores 2, 3 and 4 */
 };
 
 struct sim_train_metric_report {
-    size_t n_frames, n_templates, n_people; /* usable ones of all; people with a template */
-    double explained;                       /* share of the variance in the dimensions */
-    struct sim_train_scores metric, fused;  /* fused: of fewer comparisons of strangers */
+    size_t n_frames, n_templates, n_people; /* frames; usable ones; people with a template */
+    double explained;                       /* share of the variance that the dimensions hold */
+    struct sim_train_scores metric, fused;  /* `fused` uses fewer comparisons of strangers */
 };
 
 /* The same corpora make the same metric. -EINVAL for options out of range or a row without an
