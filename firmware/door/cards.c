@@ -10,7 +10,7 @@
 enum { FILE_MAX_BYTES = 1 << 20, FIELD_MAX = 65535 };
 
 struct iso_cards {
-    char *text; /* the file, cut up */
+    char *text; /* the contents of the file; the names point into it */
     size_t n;
     struct row {
         struct iso_card card;
@@ -28,7 +28,7 @@ static int parse_count(const char *text, unsigned *out)
     return 0;
 }
 
-/* Cuts the line at its first two blanks. NULL, or what is wrong with it. */
+/* Cuts the line at its first two blanks. Returns NULL, or what is wrong with the line. */
 static const char *parse_row(char *line, struct row *row)
 {
     char *number = strchr(line, ' ');
@@ -137,7 +137,9 @@ const struct iso_card *iso_cards_find(const struct iso_cards *cards, const char 
     for (size_t i = 0; i < cards->n; i++) {
         if (iso_person_name_key_is_same(&cards->rows[i].key, &key)) {
             if (found) {
-                return NULL; /* two spellings: neither is sure to be this person's */
+                return NULL;
+                /* Two spellings match the name, and it is not certain which card is this
+                 * person's. */
             }
             found = &cards->rows[i].card;
         }

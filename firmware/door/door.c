@@ -38,7 +38,7 @@ static enum iso_door_state resting_state(const struct iso_door *door)
     return door->fault ? ISO_DOOR_FAULT : ISO_DOOR_LOCKED;
 }
 
-/* When a state that is entered, or entered anew, ends by itself. */
+/* The time at which a state ends by itself if it is entered, or entered again, now. */
 static int64_t due_of(const struct iso_door *door, enum iso_door_state state,
                       enum iso_door_event event, int64_t now_ns)
 {
@@ -53,7 +53,7 @@ static int64_t due_of(const struct iso_door *door, enum iso_door_state state,
     }
 }
 
-/* Changes what the event says about faults, the housing and refusals. */
+/* Applies what the event changes of faults, the housing and refusals. */
 static void set_flags(struct iso_door *door, enum iso_door_event event, int64_t now_ns)
 {
     switch (event) {
@@ -121,7 +121,8 @@ static bool is_shut(enum iso_door_state state)
     return state == ISO_DOOR_LOCKED || state == ISO_DOOR_UNLOCKED || state == ISO_DOOR_FAULT;
 }
 
-/* The state that follows, once the flags are set; the same one if the event changes nothing. */
+/* The state that follows once the flags are set. It is the same state if the event changes
+ * nothing. */
 static enum iso_door_state state_after(const struct iso_door *door, enum iso_door_event event,
                                        int64_t now_ns)
 {
@@ -154,7 +155,7 @@ static enum iso_door_state state_after(const struct iso_door *door, enum iso_doo
     }
 }
 
-/* Whether an unlocked door stays so for the whole time again. */
+/* Whether the event starts the time of an unlocked door again. */
 static bool renews_unlocking(const struct iso_door *door, enum iso_door_event event)
 {
     return door->state == ISO_DOOR_UNLOCKED &&

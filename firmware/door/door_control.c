@@ -32,7 +32,7 @@ void iso_door_control_init(struct iso_door_control *control, const struct iso_do
     iso_door_init(&control->door, options);
 }
 
-/* Alarms do not show in the state alone. */
+/* An alarm is reported even if the state stays the same. */
 static bool is_alarm(enum iso_door_event event)
 {
     return event == ISO_DOOR_ON_TAMPER || event == ISO_DOOR_ON_TAMPER_ENDED;
@@ -48,7 +48,7 @@ static void tell_change(struct iso_door_control *control, enum iso_door_event ev
 
 /* ---- lines ---- */
 
-/* Notes whether the lines work, and lets the machine know when that changes. */
+/* Notes whether the lines work, and tells the state machine when that changes. */
 static void note_lines(struct iso_door_control *control, const struct iso_fault *fault, bool broken,
                        int64_t now_ns)
 {
@@ -66,8 +66,8 @@ static void note_lines(struct iso_door_control *control, const struct iso_fault 
     }
 }
 
-/* Switches the lines that differ. After a failure no line is known, and all are switched the next
- * time. */
+/* Switches the lines whose level differs. After a failure the level of no line is known, and the
+ * next call switches all of them. */
 static bool switch_outputs(struct iso_door_control *control, struct iso_fault *fault)
 {
     const struct iso_door_outputs wanted = iso_door_outputs_of(&control->door);
@@ -78,7 +78,7 @@ static bool switch_outputs(struct iso_door_control *control, struct iso_fault *f
         }
         const int error = iso_door_io_set_output(control->io, (enum iso_door_output)i,
                                                  wanted.active[i], fault);
-        fine = fine && !error; /* the others are switched all the same */
+        fine = fine && !error; /* the loop still switches the other lines */
         if (i == ISO_DOOR_RELAY) {
             control->relay_failed = error != 0;
         }
@@ -100,8 +100,8 @@ static void tell_inputs(struct iso_door_control *control, const struct iso_door_
 {
     const bool *now = inputs->active, *before = control->inputs.active;
     if (now[ISO_DOOR_EXIT_BUTTON] && !before[ISO_DOOR_EXIT_BUTTON]) {
-        tell_change(control, ISO_DOOR_ON_EXIT_BUTTON,
-                    now_ns); /* first: the person who opens the door has pressed it */
+        /* The button comes first, because the person who opens the door has pressed it. */
+        tell_change(control, ISO_DOOR_ON_EXIT_BUTTON, now_ns);
     }
     if (now[ISO_DOOR_CONTACT] != before[ISO_DOOR_CONTACT]) {
         tell_change(control, now[ISO_DOOR_CONTACT] ? ISO_DOOR_ON_OPENED : ISO_DOOR_ON_CLOSED,
@@ -123,7 +123,7 @@ static void wait_for_lines(struct iso_door_control *control, int64_t now_ns)
     control->wait_ns = longer_ns < max_ns ? longer_ns : max_ns;
 }
 
-/* True if the lines are open, or are open again. */
+/* Returns true if the lines are open, or could be opened again. */
 static bool have_lines(struct iso_door_control *control, int64_t now_ns)
 {
     struct iso_fault fault = {.text = ""};
@@ -146,7 +146,7 @@ static bool have_lines(struct iso_door_control *control, int64_t now_ns)
     return true;
 }
 
-/* After anything that may have found the lines gone. */
+/* Called after every operation that may have noticed the loss of the lines. */
 static void note_loss(struct iso_door_control *control, bool had_lines, int64_t now_ns)
 {
     if (had_lines && iso_door_io_is_lost(control->io)) {
@@ -162,7 +162,7 @@ static void apply_outputs(struct iso_door_control *control, int64_t now_ns)
 {
     struct iso_fault fault = {.text = ""};
     if (iso_door_io_is_lost(control->io)) {
-        return; /* known, and a fault already */
+        return; /* the fault has been reported already */
     }
     if (!switch_outputs(control, &fault)) {
         note_lines(control, &fault, true, now_ns);
@@ -170,8 +170,8 @@ static void apply_outputs(struct iso_door_control *control, int64_t now_ns)
     }
 }
 
-/* Reads and switches. Any failure is a fault of the door, which ends when everything works again.
- */
+/* Reads the inputs and switches the outputs. Any failure is a fault of the door, which ends when
+ * everything works again. */
 static void exercise_lines(struct iso_door_control *control, int64_t now_ns)
 {
     struct iso_fault fault = {.text = ""};
@@ -227,8 +227,8 @@ static enum iso_door_answer answer_of(const struct iso_door_control *control)
     }
 }
 
-/* Unlocks the door because of an event. The lock is switched first, so that what is reported is
- * what it did. If the relay did not follow, or its line is gone, the event is withdrawn: the lock
+/* Unlocks the door because of an event. The lock is switched first, so that the report says what
+ * the lock did. If the relay did not follow, or its line is gone, the event is withdrawn: the lock
  * does not unlock later, when the line is back. */
 static enum iso_door_answer unlock_by(struct iso_door_control *control, enum iso_door_event event,
                                       int64_t now_ns)
@@ -241,8 +241,8 @@ static enum iso_door_answer unlock_by(struct iso_door_control *control, enum iso
     if (failed && unlocks) {
         (void)iso_door_handle(&control->door, ISO_DOOR_ON_NOT_SWITCHED, now_ns);
     } else if (failed && control->door.state == ISO_DOOR_UNLOCKED) {
-        tell_change(control, ISO_DOOR_ON_NOT_SWITCHED,
-                    now_ns); /* somebody was told that it is unlocked */
+        /* An earlier report said that the door is unlocked. */
+        tell_change(control, ISO_DOOR_ON_NOT_SWITCHED, now_ns);
     } else if (unlocks) {
         control->changed(control->context, event);
     }
@@ -251,7 +251,7 @@ static enum iso_door_answer unlock_by(struct iso_door_control *control, enum iso
         note_loss(control, true, now_ns);
     }
     if (failed) {
-        apply_outputs(control, now_ns); /* the lock goes back to rest, if it can */
+        apply_outputs(control, now_ns); /* the lock goes back to rest if its line works */
     }
     return answer_of(control);
 }

@@ -12,7 +12,7 @@ static const char *const names[ISO_DOOR_SOURCES] = {
     [ISO_DOOR_BY_FAULT] = "fault",
 };
 
-/* ISO_DOOR_SOURCES: it is not limited. */
+/* Returns ISO_DOOR_SOURCES for an event whose records are not limited. */
 static enum iso_door_source source_of(enum iso_door_event cause)
 {
     switch (cause) {

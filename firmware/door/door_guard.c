@@ -16,16 +16,16 @@
 struct iso_door_guard {
     struct iso_door_guard_options options;
     pthread_t thread;
-    bool running;          /* the thread is there */
-    bool ordinary;         /* without a real-time priority */
+    bool running;          /* the thread has been started */
+    bool ordinary;         /* the thread has no real-time priority */
     int wake_fd;           /* wakes the thread; -1 without one */
-    int timer_fd;          /* readable when something is due */
-    int news_fd;           /* readable while there are news */
-    pthread_mutex_t mutex; /* of what follows, and of the door's lines */
+    int timer_fd;          /* readable when a time is due */
+    int news_fd;           /* readable while there is news */
+    pthread_mutex_t mutex; /* protects all members below, and the door's lines */
     struct iso_door_control control;
-    int64_t granted_until_ns; /* of the last grant */
+    int64_t granted_until_ns; /* the limit of the last grant */
     bool ending;
-    struct iso_door_news news[ISO_DOOR_GUARD_NEWS]; /* a ring */
+    struct iso_door_news news[ISO_DOOR_GUARD_NEWS]; /* a ring buffer */
     size_t first, n, missed;
 };
 
@@ -126,11 +126,11 @@ static void step(struct iso_door_guard *guard)
     iso_door_control_step(&guard->control, fd >= 0, now_ns(guard));
 }
 
-/* Without a timer the thread looks so often. */
+/* Without a timer the thread steps the door at this interval. */
 static const int blind_ms = 5;
 
-/* Times that have passed are due at once: a time of 0 would disarm the timer. False: there is no
- * timer. */
+/* A time that has passed is due at once; a time of 0 would disarm the timer. Returns false if there
+ * is no timer. */
 static bool arm_timer(const struct iso_door_guard *guard, int64_t due_ns)
 {
     struct itimerspec when = {.it_value.tv_sec = 0};
@@ -142,8 +142,8 @@ static bool arm_timer(const struct iso_door_guard *guard, int64_t due_ns)
     return timerfd_settime(guard->timer_fd, TFD_TIMER_ABSTIME, &when, NULL) == 0;
 }
 
-/* Waits for an edge, for the time that is due, or to be woken. A descriptor of lines that do not
- * work may stay readable: such lines are looked at by time only. */
+/* Waits for an edge, for the time that is due, or until it is woken. A descriptor of lines that do
+ * not work may stay readable; the caller then polls the lines by time only. */
 static void wait_for_something(const struct iso_door_guard *guard, int lines_fd, int64_t due_ns)
 {
     struct pollfd ready[] = {
@@ -249,7 +249,7 @@ int iso_door_guard_start(struct iso_door_guard *guard)
 
 /* ---- calls ---- */
 
-/* After a call that may have changed what is due next. */
+/* Called after an operation that may have changed the next due time. */
 static void unlock_and_wake(struct iso_door_guard *guard)
 {
     (void)pthread_mutex_unlock(&guard->mutex);
@@ -266,8 +266,9 @@ void iso_door_guard_stop(struct iso_door_guard *guard)
     unlock_and_wake(guard);
 }
 
-/* The time is looked at again behind the switching: the process may have been stopped just before
- * it. Somebody else's unlocking, by the exit button, stays. */
+/* The time is checked again after the switching, because the process may have been stopped just
+ * before it. If something else, such as the exit button, has unlocked the door, it stays
+ * unlocked. */
 static int grant(struct iso_door_guard *guard, int64_t until_ns, enum iso_door_answer *answer)
 {
     struct iso_door_control *control = &guard->control;

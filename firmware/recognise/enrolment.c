@@ -19,8 +19,8 @@ void iso_enrolment_begin(struct iso_enrolment *enrolment,
     enrolment->duplicate_of = 0;
 }
 
-/* The best score of a probe among these; -INFINITY if there is nobody, or too few points for a
- * comparison. */
+/* The best score of a probe among these templates; -INFINITY if there are none, or if too few
+ * points can be compared. */
 static int best_score(const struct iso_pipeline *pipeline, const struct iso_candidate_list *among,
                       const struct iso_template *probe, double *out)
 {
@@ -34,7 +34,7 @@ static int best_score(const struct iso_pipeline *pipeline, const struct iso_cand
     return 0;
 }
 
-/* The lowest score of a frame with those before it; INFINITY for the first. */
+/* The lowest score of a frame compared with the frames before it; INFINITY for the first frame. */
 static int lowest_score(const struct iso_enrolment *enrolment, const struct iso_template *frame,
                         const struct iso_pipeline *pipeline, double *out)
 {
@@ -53,12 +53,13 @@ static int lowest_score(const struct iso_enrolment *enrolment, const struct iso_
     return 0;
 }
 
-/* Whether somebody else in the gallery is the same person: their number, or 0. */
+/* Searches the gallery for another person with this face. *out is the number of that person; it
+ * stays unchanged if there is none. */
 static int find_duplicate(const struct iso_enrolment *enrolment,
                           const struct iso_pipeline *pipeline,
                           const struct iso_enrolment_gallery *gallery, int64_t *out)
 {
-    struct iso_search_hit hits[2]; /* one of them may be the person's own */
+    struct iso_search_hit hits[2]; /* one of the hits may be the enrolled person */
     int n = 0;
     const int error = pipeline->ops->search(pipeline->self, &gallery->everybody, &enrolment->fused,
                                             hits, 2, &n);
@@ -75,7 +76,7 @@ static int find_duplicate(const struct iso_enrolment *enrolment,
     return 0;
 }
 
-/* What the gallery says to the whole: the state that follows. */
+/* Compares the complete enrolment with the gallery, and returns the state that follows. */
 static int judge(struct iso_enrolment *enrolment, const struct iso_pipeline *pipeline,
                  const struct iso_enrolment_gallery *gallery)
 {

@@ -11,15 +11,15 @@ struct pipeline {
     struct iso_head_model *head;
     struct iso_extractor *extractor;
     const struct iso_method_ops *method;
-    void *comparison; /* the method's own state; NULL: it is not open */
+    void *comparison; /* the state of the method; NULL: it is not open */
     enum iso_image_check image;
-    struct iso_fault image_lacks; /* why there is no face_check; "" if there is, or need not be */
+    struct iso_fault image_lacks; /* why face_check is missing; "" if it is there or not needed */
     struct iso_face_check *face_check; /* NULL: images are not checked */
-    enum iso_face_seen seen;           /* of the last frame */
+    enum iso_face_seen seen;           /* what the image of the last frame showed */
 };
 
-/* Asks the image about a usable face. One that contradicts costs the frame its template; so does
- * one that cannot be asked, if it has a veto. */
+/* Checks a usable face in the image. If the check has a veto, the frame loses its template when the
+ * image contradicts or cannot be checked. */
 static int check_image(struct pipeline *pipeline, const struct iso_frame *frame,
                        struct iso_extraction *out)
 {
@@ -163,9 +163,9 @@ static int open_method(struct pipeline *pipeline, const struct iso_pipeline_opti
     return pipeline->method->open(&setup, &pipeline->comparison, fault);
 }
 
-/* A cascade that is named has to be there. Without one, a machine that lacks the module or its data
- * does without the check. A module that is there and cannot be used is a fault: the check was asked
- * for. */
+/* A cascade that the configuration names must exist. Without a name, a machine that lacks the
+ * module or its data runs without the check. A module that is installed but cannot be used is a
+ * fault, because the configuration asked for the check. */
 static int make_face_check(struct pipeline *pipeline, const struct iso_pipeline_options *options,
                            struct iso_fault *fault)
 {

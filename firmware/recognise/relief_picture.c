@@ -13,10 +13,10 @@
 
 enum { DARKEST = 24, BRIGHTEST = 255, PNG_LEVEL = 6 };
 
-/* A neighbour that lies farther away than this belongs to another surface. */
+/* A neighbour whose depth differs by more than this belongs to another surface. */
 static const double jump_mm = 30.0;
 
-/* From here on everything is as bright, or as dark, as it gets. */
+/* Depths outside this range are drawn with full or with least brightness. */
 static const double near_mm = 400.0, far_mm = 2500.0;
 
 /* ---- light ---- */
@@ -35,8 +35,8 @@ static bool is_neighbour(const struct iso_frame *frame, int column, int row, dou
     return true;
 }
 
-/* How fast depth changes along a row (dx 1) or a column (dy 1): by the neighbours on both sides, or
- * by the one that there is; 0 without any. */
+/* The slope of the depth along a row (dx 1) or a column (dy 1). It is computed from both
+ * neighbours, or from one if the other is missing; it is 0 without neighbours. */
 static double slope(const struct iso_frame *frame, int column, int row, int dx, int dy)
 {
     const double depth_mm = (double)iso_frame_depth_at(frame, column, row);
@@ -47,8 +47,8 @@ static double slope(const struct iso_frame *frame, int column, int row, int dx, 
     return steps > 0 ? (after_mm - before_mm) / (steps * pixel_mm) : 0.0;
 }
 
-/* Lambert's law for the normal (x, y, -1) and the light (-1, -1, -2) / sqrt 6, with some light from
- * everywhere; darker with distance. */
+/* Lambert's law for the normal (x, y, -1) and the light from (-1, -1, -2) / sqrt 6, with some
+ * ambient light; the brightness falls with distance. */
 static uint8_t brightness(const struct iso_frame *frame, int column, int row)
 {
     const double depth_mm = (double)iso_frame_depth_at(frame, column, row);
@@ -71,7 +71,7 @@ static void shade(const struct iso_frame *frame, uint8_t *pixels)
 
 /* ---- the picture ---- */
 
-/* The smallest whole factor by which the frame fits. */
+/* The smallest whole factor that makes the frame fit. */
 static int factor_of(const struct iso_frame *frame)
 {
     const int across = (frame->width_px + ISO_RELIEF_WIDTH_PX - 1) / ISO_RELIEF_WIDTH_PX;

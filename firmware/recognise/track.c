@@ -14,7 +14,7 @@ void iso_track_reset(struct iso_track *track)
     track->has_pose = false;
 }
 
-/* The angle by which two attitudes differ: trace(A^T B) = 1 + 2 cos(angle). */
+/* The angle between two attitudes: trace(A^T B) = 1 + 2 cos(angle). */
 static double angle_between(const struct iso_mat3 *a, const struct iso_mat3 *b)
 {
     double trace = 0.0;
@@ -26,7 +26,7 @@ static double angle_between(const struct iso_mat3 *a, const struct iso_mat3 *b)
     return acos(fmin(fmax(0.5 * (trace - 1.0), -1.0), 1.0));
 }
 
-/* Whether a head can have come so far in so much time. */
+/* Whether a head can have moved so far in this time. */
 static bool is_within_reach(const struct iso_track_options *options, double moved_mm,
                             double turned_rad, double dt_s)
 {

@@ -40,8 +40,8 @@ void iso_decision_reset(struct iso_decision *decision)
     forget_face(decision);
 }
 
-/* Whom a frame counts for, or 0. A score that is not finite counts for nobody: no comparison gives
- * one. */
+/* The person for whom a frame counts, or 0. A frame whose score is not finite counts for nobody,
+ * because no comparison gives such a score. */
 static int64_t counted_person(const struct iso_decision_options *options,
                               const struct iso_decision_frame *frame)
 {
@@ -50,8 +50,8 @@ static int64_t counted_person(const struct iso_decision_options *options,
     return sure ? frame->person : 0;
 }
 
-/* How many frames count for a person and are not stale at t_ns, with the best of their scores and
- * the time of the oldest. */
+/* Counts the frames that count for a person and are not stale at t_ns. Also finds their best score
+ * and the time of the oldest. */
 static int count_of(const struct iso_decision *decision, int64_t person, int64_t t_ns, double *best,
                     int64_t *since_ns)
 {
@@ -77,15 +77,15 @@ static void spend_visit(struct iso_decision *decision, int64_t t_ns)
     decision->verdict_ns = t_ns;
 }
 
-/* How many frames have to agree: `agree`, and at least half of the usable frames of the visit.
- * Otherwise each further frame would be one more chance for a stranger. */
+/* The number of frames that have to agree: `agree`, and at least half of the usable frames of the
+ * visit. Otherwise each further frame would be one more chance for a stranger. */
 static int frames_needed(const struct iso_decision *decision)
 {
     const int half = (decision->n_frames + 1) / 2;
     return half > decision->options.agree ? half : decision->options.agree;
 }
 
-/* Notes that somebody is there. Returns false in SPENT, where frames do not count. */
+/* Notes that a person is there. Returns false in the state SPENT, in which frames do not count. */
 static bool enter_visit(struct iso_decision *decision, int64_t t_ns)
 {
     decision->seen_ns = t_ns;
@@ -98,7 +98,7 @@ static bool enter_visit(struct iso_decision *decision, int64_t t_ns)
 
 static enum iso_capture main_cue(const struct iso_decision *decision)
 {
-    enum iso_capture cue = ISO_CAPTURE_OK; /* which no attack frame has */
+    enum iso_capture cue = ISO_CAPTURE_OK; /* no attack frame has this cue */
     for (int i = 0; i < ISO_CAPTURES; i++) {
         if (decision->by_cue[i] > decision->by_cue[cue]) {
             cue = (enum iso_capture)i;
@@ -107,7 +107,7 @@ static enum iso_capture main_cue(const struct iso_decision *decision)
     return cue;
 }
 
-/* The verdict on the visit, with this reason; DENY, as every verdict until it is allowed. */
+/* The verdict on the visit, with this reason. Every verdict is DENY until the caller allows it. */
 static struct iso_verdict verdict_for(const struct iso_decision *decision, enum iso_reason reason)
 {
     return (struct iso_verdict){
@@ -127,7 +127,8 @@ static void note_frame(struct iso_decision *decision, const struct iso_decision_
     decision->frames[decision->n_frames].t_ns = frame->t_ns;
     decision->n_frames++;
     if (frame->person != 0 && isfinite(frame->score)) {
-        decision->best_score = fmax(decision->best_score, frame->score); /* of a NaN: the other */
+        /* fmax() returns the other argument if one is NaN. */
+        decision->best_score = fmax(decision->best_score, frame->score);
     }
 }
 
@@ -152,7 +153,8 @@ bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_
         return false;
     }
     if (decision->n_frames > 0 && decision->track != frame->track) {
-        forget_face(decision); /* a caller that did not tell the track gets no agreement */
+        forget_face(decision);
+        /* The caller did not report the new track: frames of two tracks must not agree. */
     }
     decision->track = frame->track;
     note_frame(decision, frame);

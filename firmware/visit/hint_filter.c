@@ -18,7 +18,7 @@ void iso_hint_filter_forget(struct iso_hint_filter *filter)
     filter->n_frames = 0;
 }
 
-/* Puts a frame before the others, and drops those that do not vote any more. */
+/* Inserts the newest frame at the front, and drops the frames that no longer vote. */
 static void note(struct iso_hint_filter *filter, enum iso_capture capture, int64_t t_ns)
 {
     const int kept = filter->n_frames < ISO_HINT_FRAMES ? filter->n_frames : ISO_HINT_FRAMES - 1;
@@ -31,7 +31,7 @@ static void note(struct iso_hint_filter *filter, enum iso_capture capture, int64
     }
 }
 
-/* The word with most votes, and how many. */
+/* Returns the word with the most votes, and how many it has. */
 static enum iso_capture count_votes(const struct iso_hint_filter *filter, int *votes)
 {
     int counts[ISO_CAPTURES] = {0};
@@ -39,7 +39,8 @@ static enum iso_capture count_votes(const struct iso_hint_filter *filter, int *v
     for (int i = 0; i < filter->n_frames; i++) {
         counts[filter->frames[i].capture]++;
     }
-    for (int i = 0; i < filter->n_frames; i++) { /* from the newest on: it wins a tie */
+    for (int i = 0; i < filter->n_frames; i++) {
+        /* The loop begins with the newest frame, whose word wins a tie. */
         if (counts[filter->frames[i].capture] > counts[winner]) {
             winner = filter->frames[i].capture;
         }

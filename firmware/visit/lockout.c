@@ -2,7 +2,7 @@
 
 #include "drivers/base/times.h"
 
-/* Doubling ends long before this. */
+/* The duration of a lock reaches its limit long before this number of locks. */
 enum { LOCKS_MAX = 40, COUNT_MAX = 1000000 };
 
 static bool is_locked(const struct iso_lockout *lockout)
@@ -24,7 +24,7 @@ void iso_lockout_init(struct iso_lockout *lockout, const struct iso_lockout_opti
     forget(lockout);
 }
 
-/* Of a lock after so many others. */
+/* The duration of a lock that follows so many others. */
 static int64_t length_ns(const struct iso_lockout_options *options, int locks)
 {
     int64_t length = options->first_ns;

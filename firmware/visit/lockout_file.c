@@ -23,7 +23,7 @@ enum {
     FILE_MAX_BYTES = 4096,
 };
 
-/* Rounded up, so that a lock that is almost over is still a lock. */
+/* Rounded up, so that a lock that ends in less than a millisecond is still a lock. */
 static int64_t remaining_ms(const struct iso_lockout_record *record)
 {
     return record->remaining_ns > INT64_MAX - ISO_NS_PER_MS
@@ -55,7 +55,7 @@ int iso_lockout_parse(const char *text, size_t size, struct iso_lockout_record *
     }
     record.lockdown = strcmp(word, "lockdown") == 0;
     record.remaining_ns = left_ms * ISO_NS_PER_MS;
-    /* A record is written in one way only: any other text was not written by this program. */
+    /* There is only one way to write a record. Any other text was not written by this program. */
     const size_t length = print_record(&record, again);
     if (left_ms < 0 || length != size || memcmp(text, again, size) != 0) {
         return -EBADMSG;
@@ -162,7 +162,9 @@ int iso_lockout_load(const char *path, const struct iso_key_ring *ring,
     struct iso_heads_board *board = iso_key_ring_board(ring);
     struct iso_lockout_file file;
     int error = iso_lockout_read(path, ring, &file, fault);
-    if (!error) { /* what a power cut may still take away is not told to the other stores */
+    if (!error) {
+        /* A power failure may still undo this write, so the other stores must not learn of it
+         * yet. */
         error = iso_directory_sync(path, fault);
     }
     if (error && error != -ENOENT) {
@@ -203,7 +205,8 @@ int iso_lockout_save(const char *path, const struct iso_key_ring *ring,
     iso_seal_close(iso_key_ring_find(ring, ISO_KEY_ANCHOR, key), &label, plain, sizeof plain,
                    bytes + HEAD_BYTES);
     int error = iso_data_file_replace(path, bytes, sizeof bytes, &why);
-    if (error && iso_data_file_holds(path, bytes, sizeof bytes)) { /* it is there nevertheless */
+    if (error && iso_data_file_holds(path, bytes, sizeof bytes)) {
+        /* The file holds the new contents in spite of the error. */
         error = iso_directory_sync(path, fault);
     } else if (iso_storage_is_refusal(error)) {
         error = iso_storage_refused(path, error, fault);

@@ -2,9 +2,9 @@
 
 static const int64_t least_ns = 10 * ISO_NS_PER_MS;
 
-/* Boot time is read first. If the thread loses its processor between the two readings, the time
- * asleep is underestimated, and no suspension is seen where there was none. *now_ns: the monotonic
- * time. */
+/* Reads boot time first. If the thread loses its processor between the two readings, the time
+ * asleep is then underestimated, and the program never sees a suspension that did not happen.
+ * *now_ns is the monotonic time. */
 static int64_t measure(const struct iso_times *times, int64_t *now_ns)
 {
     const int64_t boot_ns = iso_times_boot_ns(times);

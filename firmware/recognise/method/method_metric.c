@@ -56,7 +56,7 @@ static int metric_open(const struct iso_method_setup *setup, void **self, struct
     return 0;
 }
 
-/* One person of an index: verification. */
+/* Compares with one person of an index, for a verification. */
 static int score_one(const struct by_metric *method, const struct iso_candidate_list *among,
                      const struct iso_metric_vector *probe, struct iso_search_hit *hits,
                      int capacity, int *n_hits)
@@ -75,7 +75,7 @@ static int score_one(const struct by_metric *method, const struct iso_candidate_
     return 0;
 }
 
-/* The best by the metric, then the best of those after reranking. */
+/* Finds the best people by the metric, and then the best of these after reranking. */
 static int search_index(const struct by_metric *method, const struct iso_candidate_list *among,
                         const struct iso_template *tmpl, struct iso_search_hit *hits, int capacity,
                         int *n_hits)

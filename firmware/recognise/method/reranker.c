@@ -6,20 +6,21 @@
 
 enum {
     TEMPLATES = ISO_INDEX_TEMPLATES_MAX,
-    SLOTS = 2 * ISO_RERANK_CANDIDATES, /* those of this frame, and some of the frames before */
+    SLOTS = 2 *
+            ISO_RERANK_CANDIDATES, /* the candidates of this frame, and some of earlier frames */
 };
 
-/* A person whose upper faces are here. */
+/* A person whose upper faces are in memory. */
 struct slot {
-    int64_t person; /* 0: nobody */
-    uint64_t used;  /* the look that used it last */
+    int64_t person; /* 0: the slot is empty */
+    uint64_t used;  /* number of the look that used the slot last */
     int n;
     struct iso_upper_face upper[TEMPLATES];
 };
 
 struct iso_reranker {
-    const void *owner; /* of whom the slots are, ... */
-    uint64_t version;  /* ... and when */
+    const void *owner; /* the gallery whose people are in the slots */
+    uint64_t version;  /* the version of that gallery */
     uint64_t looks;
     struct slot slots[SLOTS];
     struct iso_template opened[TEMPLATES];
@@ -93,7 +94,7 @@ static int open_person(struct iso_reranker *look, const struct iso_candidate_lis
     return 0;
 }
 
-/* The slot of a person; one that was not used for longest gives way. */
+/* The slot of a person. A new person takes the slot that was not used for the longest time. */
 static int find(struct iso_reranker *look, const struct iso_candidate_list *among, int64_t person,
                 struct slot **out)
 {
