@@ -15,11 +15,11 @@
 #include "drivers/file/storage_fault.h"
 
 enum {
-    PLAIN_1_BYTES = 8 + 8 + ISO_ANCHOR_EXTRA_BYTES, /* turn, value, extra: format 1 */
+    PLAIN_1_BYTES = 8 + 8 + ISO_ANCHOR_EXTRA_BYTES, /* format 1: turn, value, extra */
     PLAIN_BYTES = PLAIN_1_BYTES + ISO_HEADS_BYTES,
     USED_1_BYTES = 4 + PLAIN_1_BYTES + ISO_SEAL_OVERHEAD,
     USED_BYTES = 4 + PLAIN_BYTES + ISO_SEAL_OVERHEAD,
-    SLOT_BYTES = 4096, /* apart, so that a sector which is cut short is one slot's */
+    SLOT_BYTES = 4096, /* in different sectors: a torn write damages one slot only */
 };
 
 _Static_assert(USED_BYTES <= 512, "a slot is written in one sector");
@@ -30,7 +30,7 @@ struct iso_anchor {
     const char *kind;
     const struct iso_key_ring *ring;
     bool sync;
-    uint64_t turn; /* of the slot in force; the next goes into the other */
+    uint64_t turn; /* the turn of the valid slot; the next write goes to the other one */
     struct iso_anchor_state state;
     struct iso_heads known;
 };
@@ -61,7 +61,7 @@ static void fill_slot(const struct iso_anchor *anchor, uint64_t turn,
                    sizeof plain, slot + 4);
 }
 
-/* Opens a slot of either format; one of the first knows nothing. */
+/* Opens a slot of either format. A slot of format 1 has no heads. */
 static int open_slot(const struct iso_anchor *anchor, const uint8_t slot[USED_BYTES],
                      uint8_t plain[PLAIN_BYTES])
 {
@@ -79,7 +79,7 @@ static int open_slot(const struct iso_anchor *anchor, const uint8_t slot[USED_BY
     return iso_seal_open(key, &before, slot + 4, USED_1_BYTES - 4, plain);
 }
 
-/* Takes a slot that is sound and newer than what is known. */
+/* Uses the slot if it is intact and newer than the one used so far. */
 static void try_slot(struct iso_anchor *anchor, const uint8_t slot[USED_BYTES], bool *found)
 {
     uint8_t plain[PLAIN_BYTES];
@@ -147,7 +147,8 @@ int iso_anchor_open(const char *path, const char *kind, const struct iso_key_rin
     if (!error) {
         error = read_slots(anchor, fault);
     }
-    /* What a power cut may still take away is not told to the other stores (heads.h). */
+    /* A power failure may still undo a write that is only in the cache. The other stores must learn
+     * of it only when it is on the disk (heads.h). */
     if (!error && sync && iso_disk_wait_fdatasync(anchor->fd)) {
         error = iso_storage_refused(path, -errno, fault);
     }

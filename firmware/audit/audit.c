@@ -61,7 +61,8 @@ static int begin_log(struct iso_audit *audit, struct iso_fault *fault)
     size_t torn = 0;
     int error = 0;
     audit->first = 1;
-    if (ftruncate(audit->fd, 0)) { /* of a header that was cut short */
+    /* A header that was cut short may be in the file. */
+    if (ftruncate(audit->fd, 0)) {
         return iso_storage_refused(audit->path, -errno, fault);
     }
     if (!audit->anchor && audit->closed.n > 0) {
@@ -91,8 +92,7 @@ static int go_on(struct iso_audit *audit, size_t *torn, struct iso_fault *fault)
     return error ? error : iso__audit_check_end(audit, false, fault);
 }
 
-/* Removes the part of a record that a crash has left, and writes a record of that if there is
- * room. */
+/* Removes the part of a record that a crash has left. Writes a record of that if there is room. */
 static int mend_end(struct iso_audit *audit, size_t torn, struct iso_fault *fault)
 {
     char note[80];
@@ -130,7 +130,7 @@ int iso__audit_open_file(const char *path, int flags, int *fd, struct iso_fault 
 
 enum content { EMPTY, PLAIN, SEALED };
 
-/* What PATH holds; a header without its end is nothing yet. */
+/* Examines the file PATH. A header without its end counts as an empty file. */
 static int look_at_content(const struct iso_audit *audit, enum content *out,
                            struct iso_fault *fault)
 {
@@ -246,5 +246,6 @@ uint64_t iso_audit_gallery_changes(const struct iso_audit *audit, const char *ga
 int iso_audit_renew_anchor(struct iso_audit *audit, struct iso_fault *fault)
 {
     const int error = iso__audit_write_anchor(audit, fault);
-    return error ? error : iso__audit_write_anchor(audit, fault); /* both of its slots */
+    /* The second write fills the other slot. */
+    return error ? error : iso__audit_write_anchor(audit, fault);
 }

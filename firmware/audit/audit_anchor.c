@@ -1,4 +1,4 @@
-/* The anchor of the log: what stands in it, and what is compared with it when the log is opened. */
+/* The anchor of the log: its contents, and the comparison with it when the log is opened. */
 #include <errno.h>
 #include <inttypes.h>
 #include <sodium.h>
@@ -14,7 +14,7 @@
  * that is written u64 (0: unknown), closed segments from the first sequence on u16, number of the
  * counter of the state u32 (0: none, state_counter.h) ---- */
 
-/* lax: the log goes on without the anchor, as records are not synchronised. */
+/* lax: records are not synchronised, so the log may be ahead of the anchor. */
 enum {
     EXTRA_HEAD = 8,
     EXTRA_SEALING = EXTRA_HEAD + ISO_AUDIT_LINK_BYTES,
@@ -27,7 +27,7 @@ enum {
 
 _Static_assert((int)EXTRA_END <= (int)ISO_ANCHOR_EXTRA_BYTES, "the anchor has room for it");
 
-/* How many closed segments stand from sequence `from` on to below `to`. */
+/* Counts the closed segments whose first sequence is at least `from` and below `to`. */
 static uint16_t count_closed(const struct iso_audit *audit, uint64_t from, uint64_t to)
 {
     uint16_t n = 0;
@@ -88,7 +88,8 @@ int iso__audit_write_anchor(struct iso_audit *audit, struct iso_fault *fault)
     return error;
 }
 
-/* What the anchor, as it was found, and the newest record know of the other stores. */
+/* Tells the board what the anchor, as it was found, and the newest record know of the other
+ * stores. */
 void iso__audit_tell_anchor(const struct iso_audit *audit)
 {
     struct iso_heads_board *board = iso_key_ring_board(audit->options.ring);
@@ -136,7 +137,8 @@ int iso__audit_check_closed(const struct iso_audit *audit, bool closed, struct i
                                   "%s: an old segment: there are closed ones of later records",
                                   audit->path);
     }
-    if (segment == 0) { /* of an anchor that did not say */
+    if (segment == 0) {
+        /* An anchor of an older version does not name the segment. */
         return 0;
     }
     if (audit->segment_first < segment) {

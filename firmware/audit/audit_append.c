@@ -1,4 +1,4 @@
-/* Writing the log: groups of records, which are synchronised together. */
+/* Writing the log in groups of records, which are synchronised together. */
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
@@ -79,7 +79,7 @@ static void add_gallery(struct iso_json_line *line, const char *gallery, uint64_
     iso_json_line_string(line, "gallery", text);
 }
 
-/* Length of the object, without a newline; 0 if it is too long. */
+/* Returns the length of the object without a newline, or 0 if it is too long. */
 static size_t format_record(struct iso_audit *audit, const struct iso_audit_record *record)
 {
     struct iso_json_line *line = &audit->json;
@@ -130,7 +130,7 @@ int iso__audit_sync(const struct iso_audit *audit, int fd)
     return audit->options.sync && iso_disk_wait_fdatasync(fd) ? -errno : 0;
 }
 
-/* Removes what is after the last record, so that the next one begins a line. */
+/* Removes everything after the last record, so that the next record begins a line. */
 static int take_back(struct iso_audit *audit, struct iso_fault *fault)
 {
     audit->torn = ftruncate(audit->fd, audit->size) != 0;
@@ -148,7 +148,7 @@ int iso__audit_catch_up(struct iso_audit *audit, struct iso_fault *fault)
     if (!audit->options.sync || iso_anchor_state(audit->anchor)->value >= audit->last) {
         return 0;
     }
-    /* A crash may have left records that are not on the disk yet. */
+    /* A crash may have left records that are in the file but not yet on the disk. */
     const int error = iso__audit_sync(audit, audit->fd);
     return error ? iso_storage_refused(audit->path, error, fault)
                  : iso__audit_write_anchor(audit, fault);
@@ -161,8 +161,8 @@ static bool is_full(const struct iso_audit *audit)
     return limit > 0 && (uint64_t)audit->size >= limit && audit->last >= audit->segment_first;
 }
 
-/* Prepares for a group: the files are as expected, the anchor has caught up, the segment has room.
- */
+/* Prepares for a group: checks the files, brings the anchor up to date, and begins a new segment if
+ * the present one is full. */
 static int prepare_files(struct iso_audit *audit, struct iso_fault *fault)
 {
     int error = iso__audit_settle(audit, fault);
@@ -220,7 +220,7 @@ static void refuse_entry(struct iso_audit_entry *entry, int error, const struct 
     }
 }
 
-/* What a record that is written now knows of the other stores, and of the anchor. */
+/* What a record that is written now states about the other stores and about the anchor. */
 static struct iso_heads known_now(const struct iso_audit *audit)
 {
     struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
@@ -289,7 +289,7 @@ static void write_entry(struct iso_audit *audit, struct iso_audit_entry *entry)
 {
     struct iso_fault fault = {.text = ""};
     const int error = write_record(audit, entry->record, &fault);
-    explicit_bzero(audit->json.text, sizeof audit->json.text); /* it may name somebody */
+    explicit_bzero(audit->json.text, sizeof audit->json.text); /* the text may contain a name */
     if (error) {
         refuse_entry(entry, error, &fault);
         return;
@@ -299,8 +299,8 @@ static void write_entry(struct iso_audit *audit, struct iso_audit_entry *entry)
                          sizeof audit->link.bytes);
 }
 
-/* Synchronises what was written behind `before`. If that fails the whole group is removed again,
- * because it is not known which part of it is on the disk. */
+/* Synchronises the records that were written after `before`. If this fails, the whole group is
+ * removed again, because it is not known which part of it is on the disk. */
 static void commit_group(struct iso_audit *audit, const struct end *before,
                          struct iso_audit_entry *entries, size_t n)
 {
@@ -321,11 +321,12 @@ static void commit_group(struct iso_audit *audit, const struct end *before,
         return;
     }
     if (audit->options.sync || iso__audit_wants_number(audit)) {
-        (void)!iso__audit_write_anchor(audit, NULL); /* or before the next group */
+        /* If this fails, it is tried again before the next group. */
+        (void)!iso__audit_write_anchor(audit, NULL);
     }
 }
 
-/* Writes as many entries as fit into one group, at least one. Returns how many. */
+/* Writes as many entries as fit into one group, but at least one. Returns their number. */
 static size_t append_some(struct iso_audit *audit, struct iso_audit_entry *entries, size_t n)
 {
     struct iso_fault fault = {.text = ""};

@@ -6,9 +6,9 @@
 #include "firmware/audit/audit_state.h"
 #include "firmware/contract/json_member.h"
 
-enum { VALUE_SIZE = 48 }; /* dates and words; nothing longer is looked for */
+enum { VALUE_SIZE = 48 }; /* long enough for the dates and words that are compared */
 
-/* The date of a member of a record's text, seconds since 1970; 0 if there is none. */
+/* The date in a member of a record's text, in seconds since 1970; 0 if there is none. */
 static int64_t date_of(const char *text, const char *member)
 {
     struct tm date = {0};
@@ -37,7 +37,8 @@ void iso__audit_note_clock(struct iso_audit *audit, const char *text)
         audit->latest_s = written_s;
         return;
     }
-    /* What was known before may stand in records that are gone since. */
+    /* The record repeats the latest date of before, because the records that had it may have been
+     * deleted. */
     const bool has_known = of_clock || member_is(text, "event", "log-rotated");
     const int64_t known_s = has_known ? date_of(text, "before") : 0;
     const int64_t latest_s = written_s > known_s ? written_s : known_s;

@@ -1,4 +1,4 @@
-/* A group of records: what it takes from the queue, and what becomes of each of them. */
+/* A group of records: which records it takes from the queue, and how each of them ends. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 void iso__audit_writer_stamp(const struct iso_audit_writer *writer, struct iso_audit_record *record)
 {
     if (record->wall_ns || record->monotonic_ns) {
-        return; /* a record that bears a time already keeps it */
+        return; /* a record that already has a time keeps it */
     }
     record->wall_ns = iso_times_wall_ns(writer->times);
     record->monotonic_ns = iso_times_now_ns(writer->times);
@@ -42,7 +42,7 @@ bool iso__audit_writer_has_to_admit(const struct iso_audit_writer *writer)
            (writer->n > 0 || writer->lost != writer->lost_tried);
 }
 
-/* The record of the losses. */
+/* Begins the group with a record of how many records were lost. */
 static void begin_admission(struct iso_audit_writer *writer)
 {
     struct iso_audit_record *record = &writer->admission.record;
@@ -60,7 +60,7 @@ static void begin_admission(struct iso_audit_writer *writer)
 static void end_admission(struct iso_audit_writer *writer, const struct iso_audit_entry *entry)
 {
     if (!entry->error) {
-        writer->lost -= writer->admission.lost; /* others may have been lost meanwhile */
+        writer->lost -= writer->admission.lost; /* more records may have been lost since */
         writer->lost_behind = writer->queued;
     }
 }
@@ -75,8 +75,8 @@ static void note_awaited(struct iso_audit_writer *writer, const struct iso__audi
 }
 
 /* Takes a record into the group. A cancelled record is not written. An outcome and the record that
- * it belongs to are never in one group, unless that record was cancelled: so the outcome knows
- * what became of it. */
+ * it belongs to are never in one group, unless that record was cancelled. So the outcome can say
+ * whether the record was written. */
 static void begin_slot(struct iso_audit_writer *writer, struct iso__audit_slot *slot)
 {
     if (slot->outcome_of) {
@@ -90,8 +90,8 @@ static void begin_slot(struct iso_audit_writer *writer, struct iso__audit_slot *
     }
 }
 
-/* Takes everything that is queued. If losses have to be recorded between two records, the group
- * ends there. */
+/* Takes all queued records. If a loss has to be recorded between two of them, the group ends
+ * there. */
 static void begin_group(struct iso_audit_writer *writer)
 {
     writer->n_entries = 0;
@@ -109,7 +109,7 @@ static void begin_group(struct iso_audit_writer *writer)
     }
 }
 
-/* Takes the first record out of the queue; entry is NULL if the record was cancelled. */
+/* Removes the first record from the queue. `entry` is NULL if the record was cancelled. */
 static void end_slot(struct iso_audit_writer *writer, const struct iso_audit_entry *entry)
 {
     struct iso__audit_slot *slot = iso__audit_writer_slot(writer, 0);

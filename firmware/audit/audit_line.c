@@ -52,7 +52,7 @@ int iso_audit_header_get(const char *line, struct iso_audit_header *out)
                        2 * ISO_AUDIT_LINK_BYTES, NULL, NULL, NULL)) {
         return -EBADMSG;
     }
-    /* One way of writing it, and no other. */
+    /* A header can be written in one way only; any other text is refused. */
     const size_t length = iso_audit_header_put(&header, again);
     if (length != strlen(line) + 1 || memcmp(again, line, length - 1) != 0) {
         return -EBADMSG;
@@ -108,7 +108,8 @@ size_t iso_audit_line_close(const struct iso_audit_seal *seal, uint64_t sequence
     return length;
 }
 
-/* Opens a record of either format: how many bytes stand before its text, 0 if it is none. */
+/* Opens a record of either format. Returns the number of bytes before its text, or 0 if it is not a
+ * record. */
 static size_t open_record(const struct iso_audit_seal *seal, uint64_t sequence,
                           const uint8_t *sealed, size_t size, uint8_t plain[PLAIN_MAX_BYTES])
 {

@@ -1,9 +1,10 @@
-/* Sealing a log of the version before: the same records, one JSON object a line, in plain text.
+/* Seals a log of the previous version: the same records, which were JSON objects in plain text, one
+ * in each line.
  *
- * It is done once, while no part of the log of this appliance was sealed. Sequences are kept; a
- * record after them says that these lines were not sealed before. First of all the anchor says
- * that sealing goes on: a kill leaves the old file, with which sealing begins again, or the new
- * one. */
+ * This is done once, while no part of the log of this appliance is sealed. The records keep their
+ * sequences, and a record after them says that they were not sealed before. First the anchor notes
+ * that sealing is under way. If the daemon is killed, it finds either the old file, and begins the
+ * sealing again, or the new one. */
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -40,8 +41,8 @@ static int set_anchor(struct iso_audit *audit, struct iso_fault *fault)
                                  &state, &audit->anchor, fault);
 }
 
-/* Whether a line is the record that has to come next, with its newline: one that is too long, or
- * that holds a NUL, has been read without it. */
+/* Whether a line is the expected next record with its newline. A line that is too long, or that
+ * contains a NUL, was read without its newline. */
 static bool is_next(const struct iso_audit *audit, const char *line, size_t length)
 {
     char begin[40];
@@ -64,7 +65,7 @@ static int seal_line(struct iso_audit *audit, FILE *out, const char *line, size_
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", audit->path);
     }
     struct iso_heads known = iso_heads_now(iso_key_ring_board(audit->options.ring));
-    known.count[ISO_HEAD_LOG] = 0; /* the anchor is written behind all of them */
+    known.count[ISO_HEAD_LOG] = 0; /* the anchor is written after all these records */
     const size_t sealed = iso_audit_line_close(&audit->seal, audit->last + 1, &known, line,
                                                length - 1, audit->line, &audit->link);
     if (fwrite(audit->line, 1, sealed, out) != sealed) {
@@ -76,12 +77,12 @@ static int seal_line(struct iso_audit *audit, FILE *out, const char *line, size_
 
 static int seal_lines(struct iso_audit *audit, FILE *in, FILE *out, struct iso_fault *fault)
 {
-    char line[ISO_AUDIT_TEXT_MAX + 2]; /* one that does not fit is no record */
+    char line[ISO_AUDIT_TEXT_MAX + 2]; /* a longer line is not a record */
     int error = 0;
     while (!error && fgets(line, sizeof line, in)) {
         const size_t length = strlen(line);
         if (feof(in)) {
-            break; /* cut short by a crash */
+            break; /* a crash has cut this record short */
         }
         error = seal_line(audit, out, line, length, fault);
     }
@@ -92,7 +93,7 @@ static int seal_lines(struct iso_audit *audit, FILE *in, FILE *out, struct iso_f
     return error;
 }
 
-/* Both files as streams; `fd` stays open. */
+/* Opens both files as streams; `fd` stays open. */
 static int seal_file(struct iso_audit *audit, int fd, struct iso_fault *fault)
 {
     FILE *in = NULL;

@@ -1,4 +1,4 @@
-/* Reading the log: a few records, or all of them to see whether they are sound. */
+/* Reading the log: a few records, or all of them to check whether they are intact. */
 #include <errno.h>
 #include <inttypes.h>
 #include <sodium.h>
@@ -11,7 +11,8 @@
 
 /* ---- a few ---- */
 
-/* Sequence behind the last record of closed segment i; of the present one with i == closed.n. */
+/* The sequence after the last record of closed segment i, or of the present segment if i ==
+ * closed.n. */
 static uint64_t segment_end(const struct iso_audit *audit, size_t i)
 {
     if (i + 1 < audit->closed.n) {
@@ -30,7 +31,7 @@ static int segment_path(const struct iso_audit *audit, size_t i, char path[PATH_
     return 0;
 }
 
-/* Goes to a record; in the present segment it starts at the mark before the record. */
+/* Moves to a record. In the present segment it starts at the nearest mark before the record. */
 static int seek_record(const struct iso_audit *audit, size_t i, struct iso_audit_reader *reader,
                        uint64_t from)
 {
@@ -43,7 +44,7 @@ static int seek_record(const struct iso_audit *audit, size_t i, struct iso_audit
                                  audit->marks[mark], from);
 }
 
-/* Reads records of one segment, from *from to `end` (behind the last). */
+/* Reads records of one segment, from *from up to, but without, `end`. */
 static int read_segment(const struct iso_audit *audit, size_t i, struct iso_audit_reader *reader,
                         uint64_t *from, uint64_t end, int (*each)(void *context, const char *line),
                         void *context)
@@ -101,11 +102,11 @@ int iso_audit_read(struct iso_audit *audit, uint64_t from, uint32_t max,
 struct verifying {
     const struct iso_audit *audit;
     struct iso_audit_reader reader;
-    uint64_t next;              /* sequence that has to come */
-    struct iso_audit_link link; /* behind the last one */
+    uint64_t next;              /* the expected sequence */
+    struct iso_audit_link link; /* of the last record read */
     bool has_link;
     uint64_t known_sequence;
-    const char *known_head; /* NULL: none */
+    const char *known_head; /* NULL: no head is given */
     const struct iso_work_listener *listener;
     struct iso_audit_report *report;
 };
@@ -133,7 +134,8 @@ static void check_known(struct verifying *verifying)
     }
 }
 
-/* The segment that is written may hold records behind the last one that is known, by a fault. */
+/* Reports progress. After a fault, the present segment may hold more records than the log
+ * counts. */
 static void tell_record(const struct verifying *verifying)
 {
     const struct iso_audit_report *report = verifying->report;
@@ -143,8 +145,8 @@ static void tell_record(const struct verifying *verifying)
     }
 }
 
-/* The records of one segment, which has to begin where the one before it ended. 0, or -ENOMEM and
- * the like; flaws go into the report. */
+/* Checks the records of one segment, which has to begin where the previous one ended. Returns 0, or
+ * a negative errno such as -ENOMEM. Flaws go into the report. */
 static int verify_segment(struct verifying *verifying, const char *path)
 {
     struct iso_audit_reader *reader = &verifying->reader;
@@ -196,7 +198,7 @@ static int verify_segments(struct verifying *verifying, struct iso_fault *fault)
     return error;
 }
 
-/* What the end has to be is in memory, and was checked against the anchor. */
+/* Compares the end of the files with the end in memory, which was checked against the anchor. */
 static void check_end(struct verifying *verifying)
 {
     const struct iso_audit *audit = verifying->audit;

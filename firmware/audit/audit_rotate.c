@@ -1,7 +1,8 @@
-/* Segments of the log: closing one, beginning the next, forgetting the oldest.
+/* Segments of the log: closing one, beginning the next, deleting the oldest.
  *
- * The new segment is whole, beside its place (PATH.new), before the old one gives up its name: a
- * kill leaves at worst no file at PATH, which is then begun where the newest closed one ends. */
+ * The new segment is complete under another name (PATH.new) before the old one is renamed. If the
+ * daemon is killed, the worst case is that there is no file at PATH; the next start then begins one
+ * after the newest closed segment. */
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -15,7 +16,8 @@
 #include "firmware/audit/audit_state.h"
 #include "firmware/contract/validity.h"
 
-/* The key of a closed segment: below it none is needed any more. */
+/* Deletes the keys that no segment needs any more: those older than the key of the oldest
+ * segment. */
 static int drop_keys(struct iso_audit *audit, struct iso_fault *fault)
 {
     uint32_t number = audit->seal.key_number;
@@ -34,7 +36,9 @@ static int drop_keys(struct iso_audit *audit, struct iso_fault *fault)
             (void)fclose(file);
         }
         if (!read || iso_audit_header_get(line, &header)) {
-            return 0; /* verify finds it; no key goes for it */
+            return 0;
+            /* The check of the whole log reports this segment. No key is deleted because of
+             * it. */
         }
         number = header.key_number;
     }
@@ -57,8 +61,8 @@ static int remove_segment(const struct iso_audit *audit, uint64_t first, struct 
     return error;
 }
 
-/* The anchor is written first, with the new beginning of the log. So a kill leaves one file too
- * many, and never one too few. */
+/* The anchor, with the new beginning of the log, is written first. So if the daemon is killed, one
+ * file too many remains, and never one too few. */
 int iso__audit_prune(struct iso_audit *audit, struct iso_fault *fault)
 {
     const size_t keep = audit->options.segments > 0 ? (size_t)audit->options.segments : 0;
@@ -85,9 +89,9 @@ int iso__audit_prune(struct iso_audit *audit, struct iso_fault *fault)
     return error || !removed ? error : drop_keys(audit, fault);
 }
 
-/* Renames PATH to that of a closed segment, and what is beside it to PATH. A segment without a
- * record, of a rotation that was killed, is no segment: it goes. After an error any of it may have
- * been done. */
+/* Renames PATH to the name of a closed segment, and the new segment to PATH. A segment without a
+ * record, left by a rotation that was killed, is overwritten. After an error, any of these steps
+ * may have been done. */
 static int exchange(struct iso_audit *audit, const char *beside, uint64_t first, bool empty,
                     struct iso_fault *fault)
 {
@@ -105,7 +109,7 @@ static int exchange(struct iso_audit *audit, const char *beside, uint64_t first,
     return iso_directory_sync(audit->path, fault);
 }
 
-/* The state of a segment, to be restored if the next one cannot begin. */
+/* The state of a segment. It is restored if the next segment cannot begin. */
 struct segment {
     struct iso_audit_seal seal;
     uint64_t first;
@@ -131,7 +135,8 @@ static int append_note(struct iso_audit *audit, uint64_t first, struct iso_fault
                    "the segment before begins with record %" PRIu64 ", the log with %" PRIu64,
                    first, audit->first);
     record.note = note;
-    if (audit->latest_s > 0) { /* only the newest segment is read at the next start */
+    if (audit->latest_s > 0) {
+        /* The next start reads only the newest segment, so the date is repeated there. */
         record.before = iso_validity_date(audit->latest_s, latest);
     }
     if (audit->gallery[0]) {
@@ -159,7 +164,8 @@ int iso__audit_rotate(struct iso_audit *audit, struct iso_fault *fault)
         snprintf(beside, sizeof beside, "%s.new", audit->path) >= PATH_MAX) {
         return iso_fault_set(fault, -EIO, "%s: no segment can be added", audit->path);
     }
-    int error = iso__audit_catch_up(audit, fault); /* the new segment's header proves it */
+    /* The header of the new segment proves that the anchor is up to date. */
+    int error = iso__audit_catch_up(audit, fault);
     if (!error) {
         error = begin_beside(audit, beside, &fd, fault);
     }
@@ -173,7 +179,8 @@ int iso__audit_rotate(struct iso_audit *audit, struct iso_fault *fault)
             (void)close(fd);
         }
         if (begun) {
-            (void)!iso__audit_recover(audit, NULL); /* or before the next record */
+            /* If this fails, it is tried again before the next record. */
+            (void)!iso__audit_recover(audit, NULL);
         }
         (void)unlink(beside);
         return error;

@@ -1,9 +1,9 @@
-/* Opening the log: its newest segment is read to the end, and compared with the anchor.
+/* Opening the log: its newest segment is read to the end and compared with the anchor.
  *
- * A crash while a group of records is written leaves the log ahead of its anchor by as many records
- * as the group had. An old anchor that was put back is ahead in the same way. The two are told
- * apart by the records: each has sealed into it which value the anchor had on the disk when the
- * record was written, so that the anchor must have that value at least. */
+ * A crash while a group of records is written leaves the log ahead of its anchor by at most the
+ * number of records in the group. If an old anchor is put back, the log is ahead of it, too. The
+ * records tell these two cases apart: each has sealed into it the value that the anchor had on the
+ * disk when the record was written. The anchor must have at least that value. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -32,7 +32,7 @@ int iso__audit_stale(const struct iso_audit *audit, enum iso_fault_code code, co
                               audit->path, what);
 }
 
-/* Remembers what a record says of the gallery: "gallery":"ID:CHANGES". */
+/* Stores what a record says about the gallery: "gallery":"ID:CHANGES". */
 static void note_gallery(struct iso_audit *audit, const char *text)
 {
     char value[48], gallery[20];
@@ -44,17 +44,17 @@ static void note_gallery(struct iso_audit *audit, const char *text)
     }
 }
 
-/* What a record proves of the anchor: the value that it had when the record was written. A record
- * that does not say so was written when the anchor was one record behind it at most. */
+/* Stores what a record proves about the anchor: its value when the record was written. When a
+ * record without this value was written, the anchor was at most one record behind it. */
 static void note_proof(struct iso_audit *audit)
 {
     const uint64_t said = audit->known.count[ISO_HEAD_LOG];
     const uint64_t proved = said > 0 ? said - 1 : audit->last - 1;
     audit->proved = proved > audit->proved ? proved : audit->proved;
-    audit->known.count[ISO_HEAD_LOG] = 0; /* it is no claim of another store */
+    audit->known.count[ISO_HEAD_LOG] = 0; /* this count is not a claim about another store */
 }
 
-/* Takes in the record that the reader has just read. */
+/* Updates the log with the record that the reader has just read. */
 static int take_record(struct iso_audit *audit, const struct iso_audit_reader *reader,
                        struct iso_fault *fault)
 {
@@ -75,7 +75,7 @@ static int take_record(struct iso_audit *audit, const struct iso_audit_reader *r
     return 0;
 }
 
-/* The segment's beginning, as the header says it. */
+/* Sets the beginning of the segment from its header. */
 static int take_header(struct iso_audit *audit, const struct iso_audit_reader *reader,
                        struct iso_fault *fault)
 {
@@ -94,7 +94,7 @@ static int take_header(struct iso_audit *audit, const struct iso_audit_reader *r
                : 0;
 }
 
-/* Goes over a segment to its end: the head, and how many bytes stand behind the last whole line. */
+/* Reads a segment to its end. Finds the head, and how many bytes follow the last complete line. */
 int iso__audit_scan(struct iso_audit *audit, const char *path, size_t *torn,
                     struct iso_fault *fault)
 {

@@ -22,7 +22,8 @@ int iso_audit_segment_path(const char *path, uint64_t first, char out[PATH_MAX],
 
 /* ---- which there are ---- */
 
-/* The first sequence in a name such as "audit.log.00000000000000000001"; 0 if it is none. */
+/* The first sequence in a file name such as "audit.log.00000000000000000001"; 0 if there is
+ * none. */
 static uint64_t first_of(const char *name, const char *base)
 {
     const size_t length = strlen(base);
@@ -83,8 +84,8 @@ int iso_audit_segments_find(const char *path, struct iso_audit_segments *out,
 
 /* ---- going over one ---- */
 
-/* One line without its newline: its length, -ENODATA at the end (with what is torn counted), -EIO,
- * or -EBADMSG for one that is too long. */
+/* Reads one line without its newline. Returns its length, -ENODATA at the end (and sets `torn` to
+ * the length of an incomplete line), -EIO, or -EBADMSG for a line that is too long. */
 static ssize_t read_line(struct iso_audit_reader *reader)
 {
     if (!fgets(reader->line, sizeof reader->line, reader->file)) {
@@ -104,7 +105,8 @@ static ssize_t read_line(struct iso_audit_reader *reader)
     return -ENODATA;
 }
 
-/* What is in the place of the file; NULL: the error says something else. */
+/* Describes a file of a wrong type in the place of the segment. NULL: the error has another
+ * cause. */
 static const char *flaw_of(int error)
 {
     switch (error) {

@@ -1,12 +1,12 @@
-/* After an exchange of files whose outcome is not known, the log is opened again to find out which
- * file has which name. Until that is possible nothing is written. */
+/* If the outcome of an exchange of files is not known, the log is opened again to find out which
+ * file has which name. Nothing is written until this succeeds. */
 #include <errno.h>
 #include <sodium.h>
 #include <unistd.h>
 
 #include "firmware/audit/audit_state.h"
 
-/* The lock of this process would keep it from opening the file again. */
+/* The file is closed first, because the lock of this process would prevent opening it again. */
 static void close_segment(struct iso_audit *audit)
 {
     if (audit->fd >= 0) {
@@ -36,7 +36,8 @@ int iso__audit_recover(struct iso_audit *audit, struct iso_fault *fault)
                                    "%s: records are missing that were written", audit->path);
     } else {
         const struct iso_audit given_up = *audit;
-        if (found->latest_s < audit->latest_s) { /* it stands in a segment that was not read */
+        if (found->latest_s < audit->latest_s) {
+            /* The latest date is in a segment that was not read. */
             found->latest_s = audit->latest_s;
         }
         *audit = *found;

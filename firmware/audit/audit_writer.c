@@ -12,7 +12,8 @@
 
 /* ---- slots ---- */
 
-/* Copies a text behind those that are there already; NULL stays NULL. False: no room. */
+/* Copies a text behind the texts that are there already. NULL stays NULL. Returns false if there is
+ * no room. */
 static bool keep_text(struct iso__audit_slot *slot, size_t *used, const char **text)
 {
     if (!*text) {
@@ -46,11 +47,11 @@ static bool fill(struct iso__audit_slot *slot, const struct iso_audit_record *re
 
 /* ---- the queue; the mutex is held ---- */
 
-/* How many places have to be free. The last one is for the outcome of an awaited record, and the
- * one before it for the awaited record. */
+/* The number of places that have to be free. The last place is reserved for the outcome of an
+ * awaited record, and the one before it for the awaited record itself. */
 enum { PLACES_TO_TELL_OUTCOME = 1, PLACES_TO_APPEND, PLACES_TO_POST };
 
-/* A slot for a record, filled in, if there are so many places free. */
+/* Fills in a slot for a record if that many places are free. */
 static int enqueue(struct iso_audit_writer *writer, const struct iso_audit_record *record,
                    size_t places, struct iso__audit_slot **out, struct iso_fault *fault)
 {
@@ -79,7 +80,7 @@ static int enqueue(struct iso_audit_writer *writer, const struct iso_audit_recor
  * that was woken before has run, if another one has begun to wait since then. This thread has an
  * ordinary priority; on a busy machine the door would have waited for a processor as it does. */
 
-/* Waits for work; calls for what was queued meanwhile are all answered. */
+/* Waits for work. All calls that came meanwhile count as answered. */
 static void wait_for_work(struct iso_audit_writer *writer)
 {
     (void)pthread_mutex_unlock(&writer->mutex);
@@ -100,7 +101,7 @@ static void *run(void *context)
             iso__audit_writer_write(writer);
             (void)pthread_mutex_unlock(&writer->mutex);
             (void)pthread_cond_broadcast(&writer->finished_some);
-            iso_stack_wipe(); /* records may have named somebody */
+            iso_stack_wipe(); /* the records may have contained names */
             (void)pthread_mutex_lock(&writer->mutex);
         } else {
             wait_for_work(writer);
@@ -205,7 +206,7 @@ int iso_audit_writer_post_outcome(struct iso_audit_writer *writer,
     return post(writer, record, true, fault);
 }
 
-/* Waits until the record with this ticket is finished, or until wait_ns are over. */
+/* Waits until the record with this ticket is finished, or for at most wait_ns. */
 static bool wait_for(struct iso_audit_writer *writer, uint64_t ticket, int64_t wait_ns)
 {
     struct timespec until = {0};
@@ -226,7 +227,8 @@ static bool wait_for(struct iso_audit_writer *writer, uint64_t ticket, int64_t w
     return writer->done >= ticket;
 }
 
-/* Nobody waits for this record any more: it is not written, unless its group is being written. */
+/* The caller has stopped waiting for this record. The record is not written, unless its group is
+ * being written already. */
 static void give_up(struct iso_audit_writer *writer, uint64_t ticket)
 {
     for (size_t i = writer->group; i < writer->n; i++) {

@@ -12,7 +12,7 @@
 
 static const int wait_at_end_s = 1;
 
-/* One field more than a record has: ISOTHERM_UNSENT. */
+/* One more field than a record has, for ISOTHERM_UNSENT. */
 struct entry {
     size_t n;
     char fields[ISO_JOURNAL_FIELDS_MAX + 1][ISO_JOURNAL_FIELD_SIZE];
@@ -21,14 +21,14 @@ struct entry {
 struct iso_journal {
     iso_journal_send *send;
     pthread_t thread;
-    pthread_mutex_t mutex; /* of what follows; nobody holds it while something is sent */
+    pthread_mutex_t mutex; /* protects all members below; not held while an entry is sent */
     pthread_cond_t changed;
     bool ending;
-    bool abandoned;  /* the thread frees the journal when it comes back */
-    bool ended;      /* the thread does nothing any more */
-    uint64_t unsent; /* since the last entry that found a place */
+    bool abandoned;  /* the thread frees the journal when its call returns */
+    bool ended;      /* the thread has ended */
+    uint64_t unsent; /* entries lost since the last one that was queued */
     size_t first, n;
-    struct entry entries[ISO_JOURNAL_ENTRIES]; /* a ring */
+    struct entry entries[ISO_JOURNAL_ENTRIES]; /* a ring buffer */
 };
 
 static void release(struct iso_journal *journal)
@@ -48,7 +48,8 @@ static void send_entry(iso_journal_send *send, const struct entry *entry)
     (void)send(vectors, (int)entry->n);
 }
 
-/* Sends the oldest entry; the mutex is held before and after, and not meanwhile. */
+/* Sends the oldest entry. The mutex is held on entry and on return, but not while the entry is
+ * sent. */
 static void send_first(struct iso_journal *journal)
 {
     const struct entry entry = journal->entries[journal->first];
@@ -130,7 +131,7 @@ void iso_journal_free(struct iso_journal *journal)
     }
 }
 
-/* An entry's place; NULL: there is none. */
+/* Returns a free place for an entry; NULL if there is none. */
 static struct entry *place(struct iso_journal *journal)
 {
     return journal->n < ISO_JOURNAL_ENTRIES

@@ -13,17 +13,17 @@
 
 enum { CLAIMS_MAX = 16 };
 
-/* One file's knowledge. */
+/* What one file knows of the stores. */
 struct claim {
     char witness[PATH_MAX];
     struct iso_heads known;
-    bool other_link; /* the log has another link there */
+    bool other_link; /* the log has a different link at that sequence */
 };
 
 struct store {
     bool found;
     char path[PATH_MAX];
-    uint64_t count; /* as it was found, or as it was written since: while stores are upgraded */
+    uint64_t count; /* as found, or as written since then while stores are upgraded */
 };
 
 struct iso_heads_board {
@@ -110,14 +110,15 @@ void iso_heads_found(struct iso_heads_board *board, enum iso_head head, const ch
     store->found = true;
     store->count = count;
     (void)snprintf(store->path, sizeof store->path, "%s", path);
-    if (head != ISO_HEAD_LOG) { /* its link comes with iso_heads_record */
+    /* The link of the log comes with iso_heads_record. */
+    if (head != ISO_HEAD_LOG) {
         raise_to(&board->now, head, count, NULL);
     }
     (void)pthread_mutex_unlock(&board->lock);
 }
 
-/* The claim of this witness, or a new one. NULL: there is no room, and what it knows has no name.
- */
+/* Returns the claim of this witness, or a new one; NULL if there is no room. The counts of such a
+ * witness are still used, but without its name. */
 static struct claim *claim_of(struct iso_heads_board *board, const char *witness)
 {
     for (size_t i = 0; i < board->n; i++) {
@@ -159,7 +160,7 @@ void iso_heads_record(struct iso_heads_board *board, uint64_t sequence,
     (void)pthread_mutex_unlock(&board->lock);
 }
 
-/* Which store is old. */
+/* The code of the fault that a store is old. */
 static const enum iso_fault_code codes[ISO_HEADS] = {
     [ISO_HEAD_GALLERY] = ISO_FAULT_GALLERY_OLD,
     [ISO_HEAD_LOG] = ISO_FAULT_LOG_OLD,

@@ -40,8 +40,8 @@ static int make_ring(struct iso_key_ring *ring, struct iso_master_keys *masters,
     return iso__key_ring_commit(ring, &ring->master, fault);
 }
 
-/* Moves the key from beside its place to it. It may be there already, if the disk said that it was
- * not moved. */
+/* Moves the new key from FILE.new to FILE. It may be there already, if the disk reported an error
+ * although it moved the file. */
 static int take_place(struct iso_key_ring *ring, struct iso_fault *fault)
 {
     char beside[PATH_MAX + 8];
@@ -57,7 +57,7 @@ static int take_place(struct iso_key_ring *ring, struct iso_fault *fault)
     return error;
 }
 
-/* The second key opened the ring: a change of the key was not complete. Completes it. */
+/* Completes a change of the key that was interrupted: the second key has opened the ring. */
 static int end_change(struct iso_key_ring *ring, const struct iso_master_keys *masters,
                       struct iso_fault *fault)
 {
@@ -120,7 +120,9 @@ static int find_keys(struct iso_key_ring *ring, const char *credentials, struct 
             error = open_ring(ring, &masters, bytes, size, fault);
         }
     }
-    if (!error) { /* what a power cut may still take away is not told to the other stores */
+    if (!error) {
+        /* A power failure may still undo a write that is only in the cache. The other stores must
+         * learn of it only when it is on the disk. */
         error = iso_directory_sync(ring->path, fault);
     }
     free(bytes);
@@ -165,7 +167,7 @@ void iso_key_ring_close(struct iso_key_ring *ring)
     if (ring) {
         iso_heads_board_free(ring->board);
         (void)pthread_mutex_destroy(&ring->changing);
-        sodium_free(ring); /* which wipes */
+        sodium_free(ring); /* sodium_free() wipes the memory */
     }
 }
 
@@ -204,7 +206,7 @@ static int add_key(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *nu
     return error;
 }
 
-/* A change begins with a draft of what there is. */
+/* A change begins with a copy of the present keys as the draft. */
 static void begin_change(struct iso_key_ring *ring)
 {
     (void)pthread_mutex_lock(&ring->changing);
@@ -226,7 +228,8 @@ int iso_key_ring_add(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *
     return error;
 }
 
-/* Takes the keys of this use with numbers below `number` off the list; true if there were any. */
+/* Removes the keys of this use with numbers below `number` from the list. Returns true if there
+ * were any. */
 static bool take_off(struct iso_key_list *keys, enum iso_key_use use, uint32_t number)
 {
     const uint32_t n = keys->n;
@@ -251,8 +254,8 @@ int iso_key_ring_drop(struct iso_key_ring *ring, enum iso_key_use use, uint32_t 
     return error;
 }
 
-/* Completes an earlier change of the key: FILE.new may hold the key that the ring on the disk is
- * sealed with, and is about to be replaced. */
+/* Completes an earlier change of the key. FILE.new may hold the key with which the ring on the disk
+ * is sealed, and the next change would overwrite it. */
 static int end_change_before(struct iso_key_ring *ring, struct iso_fault *fault)
 {
     int error = 0;
@@ -271,8 +274,8 @@ int iso_key_ring_renew(struct iso_key_ring *ring, struct iso_fault *fault)
     return error;
 }
 
-/* The new key is written beside the old one before the ring is sealed with it, and takes the place
- * of the old one afterwards. So the ring always has its key. */
+/* The new key is written to FILE.new before the ring is sealed with it, and replaces the old key
+ * afterwards. So the key of the ring is on the disk at all times. */
 static int change_key(struct iso_key_ring *ring, struct iso_fault *fault)
 {
     char beside[PATH_MAX + 8];

@@ -8,8 +8,9 @@
 #include "drivers/file/data_file.h"
 #include "drivers/file/directory.h"
 
-/* The file: magic, then sealed: n u32, next number u32, number of the file u64, heads (heads.h),
- * n x (use u32, number u32, key[32]). Format 1, which is still read, has no number and no heads. */
+/* The file: magic, then sealed: n u32, next number u32, number of the file u64, heads (heads.h), n
+ * x (use u32, number u32, key[32]). Format 1, which can still be read, has no number and no
+ * heads. */
 static const char magic[8] = {'I', 'S', 'O', 'K', 'E', 'Y', 'S', '2'};
 
 enum {
@@ -68,9 +69,9 @@ static int get_keys(const uint8_t *plain, size_t size, char format, struct iso_k
     return 0;
 }
 
-/* Called after `error` of writing the ring. The new ring may be in its place all the same; then it
- * holds. Otherwise the old ring holds in memory: its keys are part of both, or it is written again
- * before that matters. */
+/* Called after writing the ring failed with `error`. If the new ring is on the disk in spite of the
+ * error, it is used. Otherwise the old ring stays in use: both rings contain its keys, or the ring
+ * is written again before the difference matters. */
 static int settle(struct iso_key_ring *ring, const struct iso_seal_key *master, uint64_t number,
                   const void *bytes, size_t size, int error, struct iso_fault *fault)
 {

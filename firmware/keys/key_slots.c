@@ -20,8 +20,7 @@ void iso_key_slots_list(const struct iso_key_slots *slots, struct iso_key_list *
     }
 }
 
-/* A key that stays has its slot already, and is taken off the list; one that is not on the list
- * goes. */
+/* Keeps the key of a slot if it is on the list, and takes it off the list. Otherwise drops it. */
 static void keep_or_drop(struct iso_key_slot *slot, struct iso_key_list *keys)
 {
     const uint32_t use = use_of(slot);

@@ -23,7 +23,7 @@ static int check_private(const char *path, struct iso_fault *fault)
                : 0;
 }
 
-/* 0 with *have false if there is no such file. */
+/* Returns 0 with *have false if the file does not exist. */
 static int read_key(const char *path, struct iso_seal_key *out, bool *have, struct iso_fault *fault)
 {
     void *bytes = NULL;

@@ -2,8 +2,8 @@
 
 #include <sodium.h>
 
-/* Deeper than the handlers of calls and the writing of records go, with their libraries; small
- * enough for a stack of 256 kB. */
+/* More than the handlers of calls and the writing of records use, together with their libraries,
+ * and little enough for a stack of 256 kB. */
 enum { STACK_BYTES = 96 * 1024 };
 
 void iso_stack_wipe(void)

@@ -8,29 +8,29 @@
 
 #include "drivers/process/thread.h"
 
-/* Between two increments, by enum iso_state_change. */
+/* The shortest time between two increments, by enum iso_state_change. */
 static const int64_t waits_ns[] = {3600 * ISO_NS_PER_S, 1800 * ISO_NS_PER_S, 0};
 
-/* Waits of the thread after a failure. */
+/* How long the thread waits after a failure. */
 enum { RETRY_S = 1, RETRY_MOST_S = 60 };
 
 struct iso_state_counter {
     const struct iso_times *times;
-    struct iso_counter device; /* of the thread once it runs; until then of the caller */
+    struct iso_counter device; /* used by the thread once it runs, and by the caller before that */
     pthread_t thread;
     bool threaded;
-    pthread_mutex_t mutex; /* of what follows; nobody holds it while the device works */
+    pthread_mutex_t mutex; /* protects all members below; not held while the device works */
     pthread_cond_t changed;
     bool ending;
     bool begun;
-    uint32_t found;    /* in the anchor, before it has begun */
-    uint64_t value;    /* of the device */
-    uint32_t written;  /* in the anchor on the disk */
-    bool owed;         /* something has changed since the number was raised ... */
-    int64_t wait_ns;   /* ... and it may wait for so long since then */
-    int64_t raised_ns; /* when the number was raised last */
+    uint32_t found;    /* the number in the anchor as it was found, before the counter has begun */
+    uint64_t value;    /* the value of the device */
+    uint32_t written;  /* the number in the anchor on the disk */
+    bool owed;         /* something has changed since the number was raised */
+    int64_t wait_ns;   /* the longest time that this change may wait */
+    int64_t raised_ns; /* the time at which the number was last raised */
     bool news;
-    int error; /* of the last increment; 0: it was done */
+    int error; /* of the last increment; 0: it succeeded */
     struct iso_fault fault;
 };
 
@@ -53,7 +53,8 @@ int iso_state_counter_new(const struct iso_counter *counter, const struct iso_ti
     return 0;
 }
 
-/* The shortest of the times that the changes may wait. The mutex is held. */
+/* Notes a change. wait_ns is the shortest of the times that the changes may wait. The mutex is
+ * held. */
 static void owe_increment(struct iso_state_counter *counter, enum iso_state_change change)
 {
     if (!counter->owed || waits_ns[change] < counter->wait_ns) {
@@ -73,7 +74,7 @@ void iso_state_counter_found(struct iso_state_counter *counter, uint32_t number)
     (void)pthread_mutex_unlock(&counter->mutex);
 }
 
-/* Reads the counter. Returns 0 with *there false if the device does not have it. */
+/* Reads the counter. Returns 0 with *there false if the counter does not exist in the device. */
 static int ask_device(struct iso_state_counter *counter, bool *there, uint64_t *value,
                       struct iso_fault *fault)
 {
@@ -150,7 +151,7 @@ int iso_state_counter_begin(struct iso_state_counter *counter, struct iso_fault 
     (void)pthread_mutex_lock(&counter->mutex);
     counter->begun = true;
     counter->value = value;
-    counter->written = 0; /* is written anew with the next anchor */
+    counter->written = 0; /* the next anchor contains the number */
     owe_increment(counter, ISO_STATE_ADMINISTRATOR);
     (void)pthread_mutex_unlock(&counter->mutex);
     return 0;
@@ -178,8 +179,8 @@ static void note_result(struct iso_state_counter *counter, int error, const stru
     }
 }
 
-/* The device is ahead of the anchor, because somebody else has counted: a start would be refused
- * until the number in the anchor is raised. */
+/* The device is ahead of the anchor because another program has incremented it. A start would be
+ * refused until the number in the anchor is raised. */
 static void take_value(struct iso_state_counter *counter, uint64_t value)
 {
     counter->value = value;
@@ -188,9 +189,8 @@ static void take_value(struct iso_state_counter *counter, uint64_t value)
     }
 }
 
-/* Increments the device up to the number in the anchor. The device may have that number already,
- * if it has counted and only its answer got lost; another increment would leave the anchor behind.
- */
+/* Increments the device up to the number in the anchor. The device may have that number already, if
+ * it was incremented but its answer was lost. A second increment would leave the anchor behind. */
 static int reach_number(const struct iso_counter *device, uint32_t number, uint64_t *value,
                         struct iso_fault *fault)
 {
@@ -198,7 +198,8 @@ static int reach_number(const struct iso_counter *device, uint32_t number, uint6
     return error || *value >= number ? error : device->ops->increment(device->self, value, fault);
 }
 
-/* Increments the device; the mutex is held before and after, and not meanwhile. */
+/* Increments the device. The mutex is held on entry and on return, but not while the device
+ * works. */
 static void increment_device(struct iso_state_counter *counter)
 {
     struct iso_fault fault = {.text = ""};
@@ -213,7 +214,7 @@ static void increment_device(struct iso_state_counter *counter)
     note_result(counter, error, &fault);
 }
 
-/* Waits for a change, or for so long. */
+/* Waits for a change, but at most for so many seconds. */
 static void wait_for(struct iso_state_counter *counter, int seconds)
 {
     struct timespec until;
