@@ -45,7 +45,7 @@ static int on_disconnected(sd_bus_message *signal, void *context, sd_bus_error *
     return 0;
 }
 
-/* Gives up the connection, with the claim and the listeners that it had. */
+/* Closes the connection, and ends the claim and the listeners that it had. */
 static void drop_connection(struct iso_bus *bus)
 {
     if (bus->claimant[0]) {
@@ -67,11 +67,11 @@ static void drop_connection(struct iso_bus *bus)
     bus->serving = false;
 }
 
-/* Begins a connection; that it works is not known yet. */
+/* Begins a connection. Whether it works becomes known later. */
 static int begin_connection(struct iso_bus *bus)
 {
     int r = connect_address(bus->address, &bus->bus);
-    /* Who claims the camera is looked up on the bus while the door waits. */
+    /* The bus is asked for the client that claims the camera, and the door waits for the answer. */
     if (r >= 0) {
         r = sd_bus_set_method_call_timeout(bus->bus, CALL_TIMEOUT_US);
     }
@@ -81,7 +81,8 @@ static int begin_connection(struct iso_bus *bus)
                        "org.freedesktop.DBus.Local", "Disconnected", on_disconnected, NULL, bus);
 }
 
-/* A transport and a colon, as the D-Bus specification asks for ("Server Addresses"). */
+/* An address needs a transport and a colon, as the D-Bus specification says ("Server
+ * Addresses"). */
 int iso_bus_check_address(const char *address, struct iso_fault *fault)
 {
     const char *colon = strchr(address, ':');
@@ -103,7 +104,8 @@ int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fa
     }
     (void)snprintf(bus->address, sizeof bus->address, "%s", address);
     int r = begin_connection(bus);
-    if (r >= 0) { /* waits for the handshake */
+    if (r >= 0) {
+        /* This call waits for the handshake. */
         r = sd_bus_get_unique_name(bus->bus, &unique);
     }
     if (r < 0) {
@@ -118,7 +120,7 @@ int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fa
 void iso_bus_close(struct iso_bus *bus)
 {
     if (bus) {
-        bus->claimant[0] = '\0'; /* the appliance may be gone already */
+        bus->claimant[0] = '\0'; /* the appliance may have been freed already */
         bus->aiming = sd_bus_track_unref(bus->aiming);
         bus->picture = sd_bus_message_unref(bus->picture);
         drop_connection(bus);
@@ -126,7 +128,7 @@ void iso_bus_close(struct iso_bus *bus)
     }
 }
 
-/* Calls beyond a client's allowance are answered before they get anywhere. */
+/* Answers a client's calls beyond its allowance with an error, before any other code sees them. */
 static int limit_calls(sd_bus_message *message, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
@@ -143,7 +145,7 @@ static int limit_calls(sd_bus_message *message, void *context, sd_bus_error *out
     return r < 0 ? r : 1;
 }
 
-/* Puts the object and the limit of calls on the connection, and the connection into the event
+/* Adds the object and the limit of calls to the connection, and the connection to the event
  * loop. */
 static int attach_object(struct iso_bus *bus)
 {
@@ -188,7 +190,7 @@ bool iso_bus_is_serving(const struct iso_bus *bus)
     return bus->serving;
 }
 
-/* The answer to the request of the name: 1 is "yours". */
+/* The answer to the request for the name: 1 means that this connection owns it. */
 static int on_named(sd_bus_message *reply, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;

@@ -1,4 +1,5 @@
-/* The methods of an administrator: people copied from door to door, keys, the log's soundness. */
+/* The methods of an administrator: copying people from door to door, changing keys, and checking
+ * the log. */
 #include <errno.h>
 #include <sodium.h>
 #include <stdio.h>
@@ -9,7 +10,7 @@
 #include "firmware/bus/bus_state.h"
 #include "firmware/contract/contract.h"
 
-/* The options of both methods; texts point into the call. */
+/* The options of both methods. The texts point into the call. */
 struct options {
     const char *to, *from;
     bool has_key, has_salt, replace;
@@ -22,7 +23,7 @@ static int invalid_argument(sd_bus_error *out, const char *what, const char *nam
     return sd_bus_error_setf(out, ISO_CONTRACT_ERROR_INVALID_ARGUMENT, "%s '%s'", what, name);
 }
 
-/* A variant of exactly `size` bytes. */
+/* Reads a variant of exactly `size` bytes. */
 static int read_bytes(sd_bus_message *call, void *to, size_t size, bool *has)
 {
     const void *bytes = NULL;

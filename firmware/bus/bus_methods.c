@@ -31,7 +31,7 @@ int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
         {-ENOSPC, ISO_CONTRACT_ERROR_STORAGE},
         {-EROFS, ISO_CONTRACT_ERROR_STORAGE},
     };
-    /* A fault may be cut within a character, and the bus takes valid UTF-8 only. */
+    /* The text of a fault may be cut within a character, but the bus accepts valid UTF-8 only. */
     char text[sizeof fault->text];
     iso__bus_clean_text(text, sizeof text, fault->text[0] ? fault->text : strerror(-error));
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
@@ -115,7 +115,7 @@ static int on_release(sd_bus_message *call, void *context, sd_bus_error *out)
 
 /* ---- actions ---- */
 
-/* Reads one {sv} that has been entered. */
+/* Reads one {sv}, whose container has been entered already. */
 static int read_option(sd_bus_message *call, struct iso_enroll_request *request, sd_bus_error *out)
 {
     const char *name;
@@ -310,7 +310,7 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *out)
 
 /* ---- the table ---- */
 
-/* Names of arguments, each with a NUL behind it; the list ends with an empty one. */
+/* The names of the arguments, each followed by a NUL. The list ends with an empty name. */
 #define NOTHING ""
 #define METHOD(name, in, in_names, out, out_names, handler)               \
     SD_BUS_METHOD_WITH_NAMES(name, in, in_names, out, out_names, handler, \

@@ -1,5 +1,5 @@
-/* The methods that list people, delete one, and change what a person has besides the templates; and
- * what EnrollStart answers for a name that is in use. */
+/* The methods that list people, delete a person, and change a person's data other than the
+ * templates. Also the answer of EnrollStart for a name that is in use. */
 #include <errno.h>
 #include <string.h>
 

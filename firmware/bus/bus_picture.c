@@ -1,4 +1,4 @@
-/* The method Picture: its call is answered when the next frame comes. */
+/* The method Picture. Its call is answered when the next frame arrives. */
 #include <errno.h>
 #include <unistd.h>
 
@@ -19,7 +19,7 @@ int iso__bus_picture(sd_bus_message *call, void *context, sd_bus_error *out)
         return iso__bus_refuse(out, r, &fault);
     }
     bus->picture = sd_bus_message_ref(call);
-    return 1; /* the answer comes later */
+    return 1; /* the answer follows later */
 }
 
 static int reply_error(sd_bus_message *call, int error, const struct iso_fault *fault)
@@ -31,7 +31,8 @@ static int reply_error(sd_bus_message *call, int error, const struct iso_fault *
     return r;
 }
 
-/* A client that has left gets no answer, and nothing depends on its getting one. */
+/* The reply fails if the client has left the bus. This is ignored, because nothing depends on the
+ * reply. */
 void iso__bus_on_picture(void *context, const struct iso_frame *frame)
 {
     struct iso_bus *bus = context;
@@ -42,7 +43,8 @@ void iso__bus_on_picture(void *context, const struct iso_frame *frame)
                                        "no picture: the camera shows nothing, or the claim ended");
     if (bus->picture) {
         int r = fd < 0 ? fd : sd_bus_reply_method_return(bus->picture, "h", fd);
-        if (r < 0) { /* no file, or a client that cannot receive one */
+        if (r < 0) {
+            /* There is no file, or the client cannot receive one. */
             (void)reply_error(bus->picture, r, &fault);
         }
     }

@@ -1,11 +1,12 @@
-/* How far a long call is, for the client that made it. */
+/* Reports the progress of a long call to the client that made it. */
 #include "firmware/bus/bus_state.h"
 #include "firmware/contract/contract.h"
 
-/* Between two signals, and before the first: a call that is shorter sends none. */
+/* The time between two signals, and before the first one. A call that takes less time sends no
+ * signal. */
 static const int64_t interval_ns = 500 * ISO_NS_PER_MS;
 
-/* sd_bus_send() writes what the socket takes at once and queues the rest: it waits for nobody. */
+/* sd_bus_send() writes what the socket takes at once and queues the rest, so it never waits. */
 static void on_step(void *context, uint64_t done, uint64_t total)
 {
     struct iso__bus_progress *progress = context;

@@ -1,4 +1,4 @@
-/* The appliance's events as signals. */
+/* Sends the appliance's events as signals. */
 #include <errno.h>
 #include <stdio.h>
 

@@ -1,4 +1,4 @@
-/* GetStatus: the appliance in words and numbers. */
+/* GetStatus: the state of the appliance in words and numbers. */
 #include <inttypes.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -55,7 +55,7 @@ static void add_words(struct word_list *list, const char *format, const char *fi
 
 struct device_list {
     struct word_list words;
-    enum iso_fault_code code; /* of the first device that has one */
+    enum iso_fault_code code; /* the code of the first device that has one */
 };
 
 static void list_device(const struct iso_sensor_device *device, void *context)
@@ -65,21 +65,23 @@ static void list_device(const struct iso_sensor_device *device, void *context)
     list->code = list->code == ISO_FAULT_NONE ? device->code : list->code;
 }
 
-/* The devices that the driver of the sensor sees. While the sensor is lost, only drivers that look
- * at once are asked: others would keep the door waiting, and the fault names the devices then. */
+/* Lists the devices that the driver of the sensor sees. While the sensor is lost, only drivers that
+ * answer at once are asked. The others would delay the door; then the text of the fault names the
+ * devices. */
 static int append_devices(sd_bus_message *reply, const struct iso_bus *bus, bool sensor_runs)
 {
     struct device_list list = {.code = ISO_FAULT_NONE};
     const char *back_end = bus->borrowed->config->sensor.backend;
     if ((sensor_runs || iso_sensor_probes_at_once(back_end)) &&
         iso_sensor_probe(back_end, list_device, &list, NULL)) {
-        list = (struct device_list){.code = ISO_FAULT_NONE}; /* it cannot tell */
+        /* The driver could not list its devices. */
+        list = (struct device_list){.code = ISO_FAULT_NONE};
     }
     const int r = append_text(reply, "sensor-devices", list.words.text);
     return r < 0 ? r : append_text(reply, "sensor-devices-code", iso_fault_word(list.code));
 }
 
-/* Which lines the configuration names. */
+/* Lists the lines that the configuration names. */
 static int append_lines(sd_bus_message *reply, const struct iso_config_options *options)
 {
     struct word_list list = {.text = ""};
@@ -198,7 +200,7 @@ static int append_counts(sd_bus_message *reply, const struct iso_appliance_count
     return r;
 }
 
-/* How far the appliance has come, and by which model and algorithm it works. */
+/* Appends how much the appliance has worked, and which model and algorithm it uses. */
 static int append_work(sd_bus_message *reply, const struct iso_bus *bus,
                        const struct iso_appliance_status *status)
 {

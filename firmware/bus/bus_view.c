@@ -1,4 +1,5 @@
-/* What the sensor sees, for clients that aim it: View, and a part of GetStatus. */
+/* What the sensor sees, for clients that help to aim it: the signal View, and a part of
+ * GetStatus. */
 #include "firmware/bus/bus_state.h"
 #include "firmware/contract/contract.h"
 
@@ -54,10 +55,10 @@ int iso__bus_append_view(sd_bus_message *message, const struct iso_view *view)
     return r < 0 ? r : sd_bus_message_close_container(message);
 }
 
-/* ---- who listens ---- */
+/* ---- the listeners ---- */
 
-/* Called when the last listener has stopped or left the bus, and again as long as the list exists
- * and is empty. */
+/* Called when the last listener has stopped or left the bus, and again while the list exists and is
+ * empty. */
 static int on_nobody_aims(sd_bus_track *track, void *context)
 {
     struct iso_bus *bus = context;

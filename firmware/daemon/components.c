@@ -15,7 +15,7 @@ static const char *or_shipped(const char *path, const char *shipped)
     return *path ? path : shipped;
 }
 
-/* The file that a method was trained to: the one that [model] names, or the installed one. */
+/* The file with the trained data of a method: the one that [model] names, or the installed one. */
 static const char *data_path_of(const struct iso_config *config,
                                 const struct iso_method_ops *method)
 {
@@ -50,8 +50,8 @@ static int open_pipeline(struct iso_components *components, struct iso_fault *fa
     return iso_pipeline_open(&options, &components->pipeline, fault);
 }
 
-/* Whether an error may pass: a chip is plugged in later, udev sets the permissions, another
- * process releases the line. */
+/* Whether an error may go away by itself: a chip is plugged in later, udev sets the permissions,
+ * another process releases the line. */
 static bool is_passing_error(int error)
 {
     return error == -ENODEV || error == -EBUSY || error == -EACCES || error == -EIO;
@@ -101,7 +101,7 @@ static int new_door(const struct iso_config *config, const struct iso_times *tim
 
 static const struct iso_door_outputs unpowered;
 
-/* Missing lines do not keep the daemon from starting: the door is at fault until they appear. */
+/* Missing lines do not prevent the daemon from starting. The door is at fault until they appear. */
 static int open_door(struct iso_components *components, struct iso_fault *fault)
 {
     int error = new_door(&components->config, &components->times, &components->door_io, fault);
@@ -230,7 +230,7 @@ void iso_components_close(struct iso_components *components)
         iso_door_io_close(components->door_io);
         iso_cards_free(components->cards);
         if (components->counter) {
-            /* Comes to the disk with the last anchor of the log. */
+            /* The last anchor of the log writes this change to the disk. */
             iso_state_counter_changed(components->counter, ISO_STATE_ADMINISTRATOR);
         }
         iso_audit_close(components->audit);

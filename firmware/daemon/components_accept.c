@@ -1,4 +1,5 @@
-/* Stores of different times, taken as they are: an administrator's decision, on record. */
+/* Accepts stores of different ages as they are. An administrator decides this, and it is
+ * recorded. */
 #include <errno.h>
 #include <stdlib.h>
 
@@ -15,8 +16,8 @@ static int record(struct iso_components *components, const char *why, struct iso
     return iso_audit_append(components->audit, &record, fault);
 }
 
-/* A file that cannot be read may have had a lockdown: the door stays locked until `lockdown off`.
- */
+/* A file that cannot be read may have contained a lockdown. The door then stays locked until
+ * `lockdown off`. */
 static int renew_lockout(const struct iso_components *components, struct iso_fault *fault)
 {
     struct iso_lockout_file file;
@@ -26,8 +27,8 @@ static int renew_lockout(const struct iso_components *components, struct iso_fau
     return iso_lockout_save(components->lockout_path, components->ring, &file.record, fault);
 }
 
-/* Every file that knew of another one is written anew, the log before all others, as they are to
- * know its head. After an interruption it is done once more. */
+/* Writes every file that knew of another one again. The log comes first, because the others must
+ * know its head. After an interruption all of this is repeated. */
 static int renew(struct iso_components *components, const char *why, struct iso_fault *fault)
 {
     int error = record(components, why, fault);
@@ -43,7 +44,8 @@ static int renew(struct iso_components *components, const char *why, struct iso_
     if (!error) {
         error = renew_lockout(components, fault);
     }
-    if (!error) { /* of the gallery as it is now */
+    if (!error) {
+        /* This second record knows the gallery as it is now. */
         error = record(components, why, fault);
     }
     return error ? error : iso_audit_renew_anchor(components->audit, fault);
@@ -58,7 +60,8 @@ int iso_components_accept_stores(struct iso_components *components, struct iso_f
         return error;
     }
     error = iso_components_compare_stores(components, why);
-    if (error && error != -ESTALE) { /* the counter's device, about which nothing can be decided */
+    if (error && error != -ESTALE) {
+        /* The device of the counter has failed; an administrator's decision cannot help. */
         return iso_fault_set_code(fault, why->code, error, "%s", why->text);
     }
     if (!error) {

@@ -1,4 +1,4 @@
-/* The counter of the state directory as the configuration asks for it. */
+/* Sets up the counter of the state directory as the configuration says. */
 #include <errno.h>
 #include <string.h>
 
@@ -44,7 +44,7 @@ int iso_components_open_counter(struct iso_components *components, struct iso_fa
     return 0;
 }
 
-/* The increment that the anchor brought. */
+/* Checks whether the increment that followed the anchor succeeded. */
 static int check_increment(struct iso_state_counter *counter, struct iso_fault *fault)
 {
     struct iso_fault why = {.text = ""};

@@ -1,5 +1,5 @@
-/* The stores that a configuration asks for: their places, their opening, and whether they are of
- * one time. */
+/* The stores that a configuration names: their places, their opening, and whether their states are
+ * of the same time. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -9,7 +9,7 @@
 #include "firmware/daemon/components.h"
 #include "firmware/visit/lockout_file.h"
 
-/* The length of a path's directory with its last slash; 0: the working directory. */
+/* The length of the directory part of a path, with its last slash. 0: the working directory. */
 static size_t directory_length(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -113,7 +113,7 @@ static int open_gallery(struct iso_components *components, struct iso_fault *fau
     return iso_gallery_open(&options, &components->gallery, fault);
 }
 
-/* The lock-out file is next to the audit log, if the configuration names no path for it. */
+/* Places the lock-out file next to the audit log if the configuration names no path for it. */
 static void place_lockout(struct iso_components *components)
 {
     static const char name[] = "lockout";
@@ -128,8 +128,8 @@ static void place_lockout(struct iso_components *components)
     }
 }
 
-/* Reads what the lock-out file knows of the other stores, for the comparison. The appliance
- * decides whether the file can be used, and lets nobody in if not. */
+/* Reads what the lock-out file knows of the other stores, for the comparison. The appliance decides
+ * later whether the file can be used, and lets nobody in if it cannot. */
 static void look_at_lockout(const struct iso_components *components)
 {
     struct iso_lockout_file file;
@@ -137,7 +137,8 @@ static void look_at_lockout(const struct iso_components *components)
     (void)!iso_lockout_load(components->lockout_path, components->ring, &file, &fault);
 }
 
-/* If a gallery is put back together with its anchor, the log knows more changes of it. */
+/* Also detects a gallery that was put back together with its anchor: the log knows of more changes
+ * than it has. */
 int iso_components_compare_stores(const struct iso_components *components, struct iso_fault *fault)
 {
     const int error = iso_heads_check(iso_key_ring_board(components->ring), fault);

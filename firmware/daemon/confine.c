@@ -6,8 +6,8 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 
-/* Whether all memory can be locked that will ever be allocated. If not, an allocation could fail
- * later, because locked memory is limited. */
+/* Whether the process may lock all memory that it will ever allocate. The amount of locked memory
+ * is limited; beyond it an allocation would fail later. */
 static bool may_lock_all(void)
 {
     struct rlimit limit;

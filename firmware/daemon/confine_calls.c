@@ -1,7 +1,8 @@
-/* seccomp: what the daemon, its libraries and their threads call; taken from systemd's group
- * @system-service (systemd.exec(5)), less what starts programs, changes users or priorities of
- * others, less sockets that leave the machine, and less what changes scheduling policies: the
- * threads that are real-time ones have been started by then (drivers/process/thread.h). */
+/* seccomp: the system calls that the daemon, its libraries and their threads use. The list comes
+ * from systemd's group @system-service (systemd.exec(5)). It lacks calls that start programs, that
+ * change users or the priorities of other processes, and that change scheduling policies: the
+ * real-time threads have been started before (drivers/process/thread.h). It also lacks sockets that
+ * reach beyond the machine. */
 #include <errno.h>
 #include <seccomp.h>
 #include <stddef.h>
@@ -117,7 +118,7 @@ static const char *const allowed[] = {
     "timerfd_create",
     "timerfd_gettime",
     "timerfd_settime",
-    /* local sockets; socket() itself is looked at below */
+    /* local sockets; a separate rule limits socket() itself */
     "accept",
     "accept4",
     "bind",
@@ -160,7 +161,7 @@ static const char *const allowed[] = {
     "pkey_mprotect",
     "remap_file_pages",
     "set_mempolicy",
-    /* threads of the libraries; a process would have to execute something to be of use */
+    /* threads of the libraries; a new process would be of no use without execve() */
     "arch_prctl",
     "clone",
     "clone3",
@@ -183,7 +184,7 @@ static const char *const allowed[] = {
     "set_robust_list",
     "set_thread_area",
     "set_tid_address",
-    /* signals, times, and what one is */
+    /* signals, times, and the identity of the process */
     "alarm",
     "clock_getres",
     "clock_getres_time64",
@@ -250,7 +251,7 @@ static const char *const allowed[] = {
     "waitpid",
 };
 
-/* Neither the daemon nor a library makes these calls: an attacker does. */
+/* Neither the daemon nor a library makes these calls. If one is made, an attacker made it. */
 static const char *const fatal[] = {
     "execve",
     "execveat",
@@ -292,7 +293,7 @@ static const char *const fatal[] = {
 
 static const int families[] = {AF_UNIX, AF_NETLINK};
 
-/* Names that this machine does not have need no rule. */
+/* Adds rules for the calls that exist on this machine; a call that does not exist needs no rule. */
 static int add_rules(scmp_filter_ctx filter, uint32_t action, const char *const *names, size_t n)
 {
     int error = 0;
@@ -316,11 +317,12 @@ static int build_filter(scmp_filter_ctx filter)
             .arg = 0, .op = SCMP_CMP_EQ, .datum_a = (scmp_datum_t)families[i], .datum_b = 0};
         error = seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, SCMP_SYS(socket), 1, &is_family);
     }
-    /* Every thread, also those that the libraries have started. */
+    /* The filter applies to every thread, also to threads that the libraries have started. */
     return error ? error : seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1);
 }
 
-/* libseccomp 2.5 takes some 400 kB for a filter and ends by a signal if it gets less. */
+/* libseccomp 2.5 needs some 400 kB for a filter, and ends the process by a signal if it gets
+ * less. */
 static bool has_room(void)
 {
     void *volatile room = malloc(ISO_CONFINE_CALLS_BYTES);

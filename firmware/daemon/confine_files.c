@@ -1,4 +1,5 @@
-/* Landlock (linux/landlock.h), by its system calls: the C library has no names for them. */
+/* Landlock (linux/landlock.h), by its system calls, because the C library has no functions for
+ * them. */
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -14,7 +15,7 @@
 #include "drivers/base/shipped.h"
 #include "firmware/daemon/confine.h"
 
-/* Of later versions of the interface than the header this is built with may know. */
+/* Rights of later versions of the interface, which the installed header may lack. */
 #ifndef LANDLOCK_ACCESS_FS_REFER
 #define LANDLOCK_ACCESS_FS_REFER (1ULL << 13)
 #endif
@@ -30,10 +31,10 @@ static const uint64_t of_files = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_
 
 struct ruleset {
     int fd;
-    uint64_t handled; /* the rights that this kernel knows; all others are not restricted */
+    uint64_t handled; /* the rights that this kernel knows; no other right is restricted */
 };
 
-/* Everything of version 1 is handled; later ones added a right each. */
+/* All rights of version 1 are handled. Each later version added one right. */
 static uint64_t rights_of(long version)
 {
     uint64_t rights = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;
@@ -41,7 +42,7 @@ static uint64_t rights_of(long version)
     return rights | (version >= 3 ? LANDLOCK_ACCESS_FS_TRUNCATE : 0);
 }
 
-/* Allows something beneath a path; one that does not exist needs no rule. */
+/* Allows access beneath a path. A path that does not exist needs no rule. */
 static int allow(const struct ruleset *ruleset, const char *path, uint64_t rights)
 {
     struct landlock_path_beneath_attr beneath = {0};
@@ -62,7 +63,7 @@ static int allow(const struct ruleset *ruleset, const char *path, uint64_t right
     return error;
 }
 
-/* The directory in which a file lies. */
+/* Allows access to the directory that contains a file. */
 static int allow_beside(const struct ruleset *ruleset, const char *path, uint64_t rights)
 {
     char directory[PATH_MAX];
@@ -107,7 +108,8 @@ static int allow_beside_library(struct dl_phdr_info *library, size_t size, void 
     return loaded->error;
 }
 
-/* A library may load its parts from beside itself, later: OpenNI2 its drivers. */
+/* A library may later load more files from its own directory; OpenNI2 loads its drivers from
+ * there. */
 static int allow_libraries(const struct ruleset *ruleset)
 {
     struct loaded loaded = {.ruleset = ruleset};
@@ -115,7 +117,7 @@ static int allow_libraries(const struct ruleset *ruleset)
     return loaded.error;
 }
 
-/* The files that options of a back end name. */
+/* Allows reading the files that options of a back end name. */
 static int allow_options(const struct ruleset *ruleset, const struct iso_config_options *options)
 {
     int error = 0;

@@ -17,13 +17,13 @@
 #include "firmware/daemon/quit_signal.h"
 #include "firmware/keys/stack_wipe.h"
 
-/* Wakes up the event loop when one of these can be read; it does nothing else. */
+/* Wakes up the event loop when one of these can be read, and has no other effect. */
 struct watched_fd {
     int fd;
     sd_event_source *source;
 };
 
-/* The first and the longest wait before a lost bus is tried again. */
+/* The first and the longest delay before the daemon connects to a lost bus again. */
 static const int64_t bus_retry_ns = 200 * ISO_NS_PER_MS, bus_retry_max_ns = 10 * ISO_NS_PER_S;
 
 struct daemon {
@@ -34,16 +34,16 @@ struct daemon {
     struct iso_appliance *appliance;
     struct watched_fd sensor, door;
     bool quit;
-    void *room;                  /* kept back for iso_confine_calls; NULL behind it */
+    void *room;                  /* reserved for iso_confine_calls; NULL after it */
     struct iso_fault unlocked;   /* why memory is not locked; "" if it is */
     struct iso_fault unconfined; /* why the process is not confined; "" if it is */
-    bool bus_lost;               /* as it was told */
-    int64_t bus_try_ns;          /* when to connect next, while it is gone */
-    int64_t bus_wait_ns;         /* how long after the next failure */
-    struct iso_life_sign *life;  /* NULL without a service manager */
-    uint64_t watchdog_us;        /* 0: nobody watches */
-    uint64_t progress;           /* as it was when the watchdog was fed last */
-    int64_t fed_ns;              /* and when that was */
+    bool bus_lost;               /* as the log says */
+    int64_t bus_try_ns;          /* when to connect next while the bus is lost */
+    int64_t bus_wait_ns;         /* the delay after the next failure */
+    struct iso_life_sign *life;  /* NULL: there is no service manager */
+    uint64_t watchdog_us;        /* 0: there is no watchdog */
+    uint64_t progress;           /* the progress when the watchdog was last notified */
+    int64_t fed_ns;              /* the time of that notification */
 };
 
 static void on_message(void *context, int priority, const char *text)
@@ -59,7 +59,8 @@ static int fail_at(int error, const char *what, struct iso_fault *fault)
     return iso_fault_set(fault, error, "%s: %s", what, strerror(-error));
 }
 
-/* SIGXFSZ ignored: a file at its limit is then a full disk (EFBIG) and not the end. */
+/* SIGXFSZ is ignored, so that a file at its size limit is an error (EFBIG), like a full disk, and
+ * does not end the daemon. */
 static int prepare_process(struct daemon *daemon, struct iso_fault *fault)
 {
     daemon->room = malloc(ISO_CONFINE_CALLS_BYTES);
@@ -84,7 +85,7 @@ static void notify_manager(void *context, const char *text)
     (void)sd_notify(0, text);
 }
 
-/* How often the service manager is told of a main thread that waits for the disk. */
+/* The interval between messages to the service manager while the main thread waits for the disk. */
 static const int64_t life_tick_ns = 5 * ISO_NS_PER_S;
 
 static int start_life_sign(struct daemon *daemon, struct iso_fault *fault)
@@ -119,8 +120,8 @@ static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
                  : iso_appliance_start(daemon->appliance, fault);
 }
 
-/* A kernel that cannot confine does not keep the daemon from starting; the daemon warns of it when
- * it is ready. */
+/* The daemon starts also on a kernel that cannot confine it. It then warns of this when it is
+ * ready. */
 static int take_confinement(struct daemon *daemon, int error, const struct iso_fault *why,
                             struct iso_fault *fault)
 {
@@ -238,8 +239,8 @@ static void tell_service_manager(struct daemon *daemon, int64_t now_ns)
     }
 }
 
-/* Connects again if the bus is lost. The door needs no bus and works meanwhile. Returns when to
- * look again. */
+/* Connects again if the bus is lost. The door works without the bus meanwhile. Returns the time of
+ * the next attempt. */
 static int64_t mend_bus(struct daemon *daemon, int64_t now_ns)
 {
     struct iso_fault fault = {.text = ""};
@@ -258,7 +259,7 @@ static int64_t mend_bus(struct daemon *daemon, int64_t now_ns)
     }
     if (now_ns >= daemon->bus_try_ns) {
         if (iso_bus_mend(daemon->bus, &fault)) {
-            fault.text[0] = '\0'; /* that it is gone has been said */
+            fault.text[0] = '\0'; /* the log already says that the bus is gone */
         }
         daemon->bus_try_ns = now_ns + daemon->bus_wait_ns;
         daemon->bus_wait_ns = 2 * daemon->bus_wait_ns < bus_retry_max_ns ? 2 * daemon->bus_wait_ns
@@ -267,7 +268,7 @@ static int64_t mend_bus(struct daemon *daemon, int64_t now_ns)
     return daemon->bus_try_ns;
 }
 
-/* Waits until something happens or the appliance has something to do. */
+/* Waits for an event, or until the appliance has something to do. */
 static int wait_until(struct daemon *daemon, int64_t wake_ns, struct iso_fault *fault)
 {
     const int64_t now_ns = iso_times_now_ns(&daemon->components->times);

@@ -16,7 +16,7 @@ void iso_daemon_say(int priority, const char *text)
     }
     const int written = snprintf(line, sizeof line, "<%d>%s\n", priority, text);
     const size_t length = (size_t)written < sizeof line ? (size_t)written : sizeof line - 1;
-    line[length - 1] = '\n'; /* also of a text that was cut */
+    line[length - 1] = '\n'; /* a text that was cut needs it, too */
     if (send(STDERR_FILENO, line, length, MSG_DONTWAIT | MSG_NOSIGNAL) < 0 && errno == ENOTSOCK) {
         (void)!write(STDERR_FILENO, line, length);
     }

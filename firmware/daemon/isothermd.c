@@ -17,7 +17,7 @@
 #include "firmware/daemon/components.h"
 #include "firmware/daemon/daemon.h"
 
-/* As of every program of the project; see isothermd(8). */
+/* The same codes as those of every program of the project; see isothermd(8). */
 enum { EXIT_OK = 0, EXIT_USAGE = 2, EXIT_NOT_FOUND = 3, EXIT_FAULT = 4 };
 
 enum option_id {
@@ -33,7 +33,7 @@ enum option_id {
     OPTION_VERSION,
 };
 
-/* Every option: what it is called, what it takes (NULL: nothing), what it does. */
+/* Every option: its name, its argument (NULL: none), and its help. */
 static const struct choice {
     const char *name, *argument;
     enum option_id id;
@@ -85,7 +85,7 @@ static void make_getopt_table(struct option table[CHOICES + 1])
 
 struct arguments {
     const char *config;
-    const char *bus; /* NULL: the configured one */
+    const char *bus; /* NULL: the bus that the file names */
     bool check_config, rest_door, print_log, accept_state;
 };
 
@@ -114,7 +114,7 @@ static int say_fault(int error, const struct iso_fault *fault)
     return exit_code(error);
 }
 
-/* The bus of the command line goes before that of the file. */
+/* The bus on the command line replaces the one in the file. */
 static int take_bus(const char *address, struct iso_config *config, struct iso_fault *fault)
 {
     if (!address) {
@@ -129,7 +129,8 @@ static int take_bus(const char *address, struct iso_config *config, struct iso_f
     return 0;
 }
 
-/* What the service manager has given: a directory with the key; and whether its journal listens. */
+/* Reads what the service manager provides: a directory with the key, and whether its journal
+ * receives messages. */
 static void take_surroundings(struct iso_config *config)
 {
     const char *credentials = getenv("CREDENTIALS_DIRECTORY");
@@ -196,7 +197,7 @@ static void say_version(void)
     printf("isothermd " ISOTHERM_VERSION "\nimage check: %s\n", *engine ? engine : "not installed");
 }
 
-/* Does what the options ask for. */
+/* Runs the program as the options say. */
 static int obey_options(int argc, char **argv)
 {
     struct arguments arguments = {.config = ISOTHERM_CONFIG};
@@ -246,8 +247,8 @@ static int obey_options(int argc, char **argv)
     return run_daemon(&arguments);
 }
 
-/* What is made belongs to its owner alone, whatever umask was inherited: one that takes the owner's
- * own rights away would leave files that the next start cannot open. */
+/* New files belong to their owner alone, whatever umask was inherited. A umask that removes the
+ * owner's own rights would leave files that the next start cannot open. */
 int main(int argc, char **argv)
 {
     (void)umask(S_IRWXG | S_IRWXO);

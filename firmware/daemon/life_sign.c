@@ -12,11 +12,11 @@
 struct iso_life_sign {
     struct iso_life_sign_options options;
     pthread_t thread;
-    pthread_mutex_t mutex; /* of what follows; nobody sends while holding it */
+    pthread_mutex_t mutex; /* protects all members below; not held while a message is sent */
     pthread_cond_t changed;
     bool running, ending;
     enum iso_life_phase phase;
-    int64_t renewed_ns; /* when the main thread last said that all is well */
+    int64_t renewed_ns; /* when the main thread last reported progress */
 };
 
 static int64_t now_ns(void)
@@ -26,7 +26,8 @@ static int64_t now_ns(void)
     return now.tv_sec * ISO_NS_PER_S + now.tv_nsec;
 }
 
-/* What is to be said now; NULL: nothing. Each message reaches far enough to be missed once. */
+/* The message that is due now; NULL: none. Each message covers two intervals, so that one may be
+ * missed. */
 static const char *words(const struct iso_life_sign *sign)
 {
     const bool speaks = iso_disk_wait_lasts() &&
@@ -40,7 +41,7 @@ static const char *words(const struct iso_life_sign *sign)
     return sign->options.watchdog ? "WATCHDOG=1" : NULL;
 }
 
-/* Waits for the next tick, or for the end. */
+/* Waits for the next tick, or for the request to end. */
 static void await_tick(struct iso_life_sign *sign)
 {
     const int64_t t_ns = now_ns() + sign->options.tick_ns;

@@ -7,10 +7,10 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-static atomic_int quit_fd = -1; /* for the handler: there is one daemon in a process */
+static atomic_int quit_fd = -1; /* used by the handler; a process has only one daemon */
 
-/* A handler, not a signalfd: that needs the signal blocked in all threads, and the linear algebra
- * library has made some before main() came. */
+/* This is a handler and not a signalfd, because a signalfd needs the signal blocked in all threads,
+ * and the linear algebra library has started some before main(). */
 static void on_quit_signal(int number)
 {
     const int saved = errno;
@@ -40,8 +40,8 @@ int iso_quit_signal_catch(sd_event *event, bool *quit)
     return sd_event_add_io(event, NULL, fd, EPOLLIN, on_quit, quit);
 }
 
-/* The descriptor stays open until the process ends: the handler may just be running in one of those
- * threads, and is not to write where something else has been opened meanwhile. */
+/* The descriptor stays open until the process ends. The handler may still run in another thread,
+ * and must not write to a file that was opened later under the same number. */
 void iso_quit_signal_release(void)
 {
     (void)signal(SIGTERM, SIG_DFL);

@@ -1,13 +1,13 @@
-/* Freed memory is wiped: names and templates pass through buffers of libsystemd, SQLite, stdio and
- * of our own, and whoever reads the memory of the process later shall not find them there.
+/* Wipes freed memory. Names and templates pass through buffers of libsystemd, SQLite, stdio and our
+ * own code; nobody who later reads the memory of the process shall find them there.
  *
- * A program that is linked with this file has free() and realloc() of its own in front of those of
+ * A program that is linked with this file uses its own free() and realloc() in place of those of
  * the C library, for itself and for every library that it loads. Memory that grows moves to a new
- * place, and the old one is wiped. Each byte that is freed is written once more, some 0.1 ms for a
- * megabyte; our own code allocates nothing for a frame.
+ * place, and its old place is wiped. Each byte that is freed is written once more, which takes some
+ * 0.1 ms for a megabyte; our own code allocates nothing for a frame.
  *
- * Sanitizers have a heap of their own, which this must not get in front of: with them the file is
- * empty, and what is freed is not wiped. */
+ * Sanitizers have a heap of their own, which this file must not replace. With them the file is
+ * empty, and freed memory is not wiped. */
 #ifdef ISOTHERM_SANITIZED
 
 typedef int iso_wiping_heap_is_left_out;
@@ -19,7 +19,7 @@ typedef int iso_wiping_heap_is_left_out;
 #include <stdlib.h>
 #include <string.h>
 
-/* The C library's own, under the names that it keeps for programs which replace them. */
+/* The C library's own functions, under the names that it keeps for programs which replace them. */
 // NOLINTBEGIN(bugprone-reserved-identifier)
 extern void *__libc_malloc(size_t size);
 extern void *__libc_calloc(size_t n, size_t size);
@@ -30,8 +30,8 @@ extern void *__libc_realloc(void *memory, size_t size);
 extern void __libc_free(void *memory);
 // NOLINTEND(bugprone-reserved-identifier)
 
-/* The rest of the set, unchanged: memory of another heap, such as that of a library which is loaded
- * before all others, must not come to free(). */
+/* The rest of the set, unchanged. Memory of another heap, such as that of a library which is loaded
+ * before all others, must not reach free(). */
 
 void *malloc(size_t size)
 {
@@ -98,7 +98,8 @@ void *realloc(void *memory, size_t size)
         return NULL;
     }
     const size_t old = malloc_usable_size(memory);
-    if (size <= old && size >= old / 2) { /* it may stay */
+    if (size <= old && size >= old / 2) {
+        /* The memory can stay where it is. */
         return memory;
     }
     void *moved = malloc(size);

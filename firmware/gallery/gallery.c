@@ -47,7 +47,8 @@ int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
     const char *flaw = person ? NULL : iso_person_name_flaw(name);
-    if (flaw) { /* of a new name: those of before stay */
+    if (flaw) {
+        /* Only new names are checked; a name that the gallery has already may stay. */
         return iso_fault_set(fault, -EINVAL, "%s", flaw);
     }
     if (!person && gallery->memory.n_people >= gallery->capacity) {
@@ -63,7 +64,7 @@ int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct
     return 0;
 }
 
-/* The transaction, and then the memory, where nothing can go wrong. */
+/* Ends the transaction first, and then changes the memory, which cannot fail. */
 static int add_prepared(struct iso_gallery *gallery, const struct iso_person *person,
                         const void *bytes, size_t size, struct iso_gallery_kept *kept,
                         struct iso_fault *fault)
@@ -116,7 +117,8 @@ int iso_gallery_add(struct iso_gallery *gallery, const struct iso_person *person
     if (size < 0) {
         return iso_fault_set(fault, -EINVAL, "the template is out of range");
     }
-    /* As it will be read back: the search sees the same before and after a restart. */
+    /* The template is written and read back, so that the search sees the same before and after a
+     * restart. */
     struct iso_gallery_kept kept = {.tmpl = NULL};
     error = iso_gallery_memory_prepare(&gallery->memory, bytes, (size_t)size, &kept);
     if (error) {

@@ -1,5 +1,6 @@
-/* What changes of a person besides the templates: the name, and the limits of validity. Both stand
- * in the person's own record, which is sealed anew; templates are bound to the number alone. */
+/* Changes of a person besides the templates: the name, and the limits of validity. Both are in the
+ * person's own record, which is sealed again. The templates are bound to the person's number
+ * alone. */
 #include <errno.h>
 #include <stdio.h>
 
@@ -10,7 +11,7 @@ static int no_such_person(const char *name, struct iso_fault *fault)
     return iso_fault_set(fault, -ENOENT, "%s: no such person", name);
 }
 
-/* The transaction, and then the memory, where nothing can go wrong. */
+/* Ends the transaction first, and then changes the memory, which cannot fail. */
 static int update(struct iso_gallery *gallery, const struct iso_person *row,
                   struct iso_fault *fault)
 {

@@ -6,17 +6,17 @@
 
 #include "firmware/gallery/gallery_state.h"
 
-/* ---- the names of those who come ---- */
+/* ---- the names in an import ---- */
 
-/* Whether a person has exactly this name here. Such a name may stay, even if it would be refused
- * now. */
+/* Whether a person in this gallery has exactly this name. Such a name may stay, even if it would be
+ * refused today. */
 static bool has_exactly(const struct iso_gallery *gallery, const char *name)
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
     return person && strcmp(person->name, name) == 0;
 }
 
-/* A name of the import, with its key. */
+/* A name in the import, with its key. */
 struct coming {
     const char *name;
     struct iso_person_name_key key;
@@ -29,8 +29,8 @@ static int by_key(const void *a, const void *b)
     return order ? order : strcmp(one->name, other->name);
 }
 
-/* An import may have two spellings of one name only if both people are here under exactly these
- * names: an old gallery may have both. */
+/* An import may contain two spellings of one name only if this gallery has two people with exactly
+ * these names, as an old gallery may. */
 static int check_pair(const struct iso_gallery *gallery, const struct coming *one,
                       const struct coming *other, struct iso_fault *fault)
 {
@@ -46,7 +46,8 @@ static int check_pair(const struct iso_gallery *gallery, const struct coming *on
                                one->name, other->name);
 }
 
-/* Whether the names are all different, in case too (gallery.h). -EINVAL, -ENOMEM. */
+/* Checks that all names are different, also without regard to case (gallery.h). Returns 0, -EINVAL
+ * or -ENOMEM. */
 static int check_names(const struct iso_gallery *gallery, const struct iso_gallery_item *items,
                        size_t n, struct iso_fault *fault)
 {
@@ -107,7 +108,7 @@ static int put_item(struct iso_gallery *gallery, const struct iso_gallery_item *
     return error;
 }
 
-/* An import of n people: first they are put in, then everybody is read back. */
+/* An import of n people. First they are stored, and then the whole gallery is read back. */
 struct importing {
     const struct iso_work_listener *listener;
     size_t n;
@@ -119,12 +120,13 @@ static void tell_reread(void *context, uint64_t done, uint64_t total)
     iso_work_step(importing->listener, importing->n + done, importing->n + total);
 }
 
-/* Within a transaction. */
+/* Called within a transaction. */
 static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
                      bool replace, const struct iso_work_listener *listener, size_t *added,
                      struct iso_fault *fault)
 {
-    const size_t most = n + gallery->memory.n_people + n; /* if nobody is known */
+    const size_t most = n + gallery->memory.n_people +
+                        n; /* the number of steps if none of them is in the gallery yet */
     int error = 0;
     for (size_t i = 0; !error && i < n; i++) {
         const struct iso_person *known = iso_gallery_find(gallery, items[i].person.name);
@@ -143,8 +145,8 @@ static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item 
     return error;
 }
 
-/* Reads the database back before the transaction ends. This also finds two people of one name in
- * one import. */
+/* Reads the database back before the transaction ends. This also detects two people with one name
+ * in an import. */
 static int reread_people(const struct iso_gallery *gallery, struct importing *importing,
                          struct iso_gallery_memory *out, struct iso_fault *fault)
 {
@@ -201,7 +203,8 @@ int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_ite
 
 /* ---- export ---- */
 
-/* Collects the templates of one person, and passes them on when those of the next person begin. */
+/* Collects the templates of one person, and passes them on when the templates of the next person
+ * begin. */
 struct exporting {
     const struct iso_gallery *gallery;
     const struct iso_person *only; /* NULL: all */
@@ -222,7 +225,7 @@ static int hand_on(struct exporting *exporting, struct iso_fault *fault)
 
 static int export_person(void *context, const struct iso_person *person, struct iso_fault *fault)
 {
-    (void)context, (void)person, (void)fault; /* known from memory */
+    (void)context, (void)person, (void)fault; /* the people are read from memory */
     return 0;
 }
 

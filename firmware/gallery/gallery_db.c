@@ -36,8 +36,9 @@ static int write_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
     return error;
 }
 
-/* The head on the disk against the anchor: the same, or one change ahead. Then the anchor follows
- * before the next change, and not here: it may be an old one, which the other stores know. */
+/* Compares the head on the disk with the anchor. The head may be the same or one change ahead. In
+ * the second case the anchor is written before the next change, and not here, because it may be an
+ * old anchor; the other stores can tell. */
 int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     if (!db->anchor) {
@@ -66,8 +67,8 @@ int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault
     return iso__gallery_anchor_is_sealing(db) ? write_anchor(db, fault) : 0;
 }
 
-/* Tells the board what gallery and anchor know of the other stores, and the count that the others
- * may know. If one of the two is behind, it is the anchor. */
+/* Tells the board what the gallery and its anchor know of the other stores, and which count the
+ * others may know. If one of the two is behind, it is the anchor. */
 static void tell_heads(const struct iso_gallery_db *db)
 {
     struct iso_heads_board *board = iso_key_ring_board(db->ring);
@@ -87,7 +88,7 @@ static int open_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 
 /* ---- checking ---- */
 
-/* *version is that of the schema: 1 or ISO_GALLERY_SCHEMA. */
+/* *version is the version of the schema: 1 or ISO_GALLERY_SCHEMA. */
 static int check_kind(const struct iso_gallery_db *db, int *version, struct iso_fault *fault)
 {
     char answer[32];
@@ -126,7 +127,7 @@ static int check_whole(const struct iso_gallery_db *db, struct iso_fault *fault)
                              : iso_gallery_db_damaged(db, "a template belongs to nobody", fault);
 }
 
-/* The head row, under the key that it names. */
+/* Checks and reads the head row with the key that it names. */
 static int take_head(struct iso_gallery_db *db, sqlite3_stmt *row, struct iso_fault *fault)
 {
     const void *id = sqlite3_column_blob(row, 0), *record = sqlite3_column_blob(row, 2);
@@ -167,7 +168,7 @@ int iso__gallery_read_head(struct iso_gallery_db *db, struct iso_fault *fault)
     return error;
 }
 
-/* Takes the lock that exclusive locking then keeps, and checks what is under it. */
+/* Takes the lock, which exclusive locking then keeps, and checks the contents of the database. */
 static int check_database(struct iso_gallery_db *db, int *version, struct iso_fault *fault)
 {
     if (sqlite3_db_readonly(db->sqlite, "main") == 1) {
@@ -189,8 +190,8 @@ static int check_database(struct iso_gallery_db *db, int *version, struct iso_fa
 
 /* ---- opening ---- */
 
-/* A gallery of version 1 is sealed only while nothing of this appliance is sealed: later somebody
- * may have put it there. */
+/* A gallery of version 1 is sealed only while nothing of this appliance is sealed. Later, an
+ * attacker may have put it there. */
 static int may_migrate(const struct iso_gallery_db *db, bool wanted, struct iso_fault *fault)
 {
     const bool first = !db->anchor && iso_key_ring_newest(db->ring, ISO_KEY_GALLERY) == 0;
@@ -245,7 +246,7 @@ int iso_gallery_db_open(const struct iso_gallery_options *options, struct iso_ga
     }
     if (!error) {
         tell_heads(db);
-        /* Keys of a rotation that was cut short. */
+        /* A rotation that was interrupted may have left keys. */
         error = iso_key_ring_drop(db->ring, ISO_KEY_GALLERY, db->seal.key_number, fault);
     }
     if (error) {
@@ -285,14 +286,14 @@ int iso_gallery_db_begin(struct iso_gallery_db *db, struct iso_fault *fault)
     return iso__gallery_execute(db, "BEGIN IMMEDIATE", fault);
 }
 
-/* Whether the transaction is certainly gone, and the database as before it. A transaction that is
- * open no more was ended by SQLite, because of an error of the disk. */
+/* Whether the transaction is certainly undone, and the database is as before it. If the transaction
+ * is no longer open, SQLite has ended it because of an error of the disk. */
 static bool roll_back(struct iso_gallery_db *db)
 {
     return !sqlite3_get_autocommit(db->sqlite) && iso__gallery_execute(db, "ROLLBACK", NULL) == 0;
 }
 
-/* An anchor that cannot be written is written before the next change. */
+/* An anchor that cannot be written now is written before the next change. */
 int iso_gallery_db_end(struct iso_gallery_db *db, int error, struct iso_fault *fault)
 {
     bool tried = false;
@@ -320,7 +321,7 @@ int iso_gallery_db_end(struct iso_gallery_db *db, int error, struct iso_fault *f
 int iso_gallery_db_renew_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     const int error = write_anchor(db, fault);
-    return error ? error : write_anchor(db, fault); /* both of its slots */
+    return error ? error : write_anchor(db, fault); /* the second write fills the other slot */
 }
 
 struct iso_gallery_version iso_gallery_db_version(const struct iso_gallery_db *db)

@@ -1,4 +1,4 @@
-/* Deletes the learned templates: the gallery is again as it was enrolled. */
+/* Deletes the learned templates: the gallery then contains only what was enrolled. */
 #include <errno.h>
 #include <sodium.h>
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 
 #include "firmware/gallery/gallery.h"
 
-/* A person without what was learned, with the bytes that the item points to. */
+/* A person without learned templates, with the bytes to which the item points. */
 struct restored {
     struct iso_gallery_item item;
     uint8_t bytes[ISO_GALLERY_TEMPLATES_MAX][ISO_TEMPLATE_BYTES_MAX];
@@ -17,7 +17,7 @@ struct restoring {
     size_t n, capacity, n_learned;
 };
 
-/* A template that this version cannot read was not learned by it. */
+/* A template that this version cannot read was not learned by this version. */
 static bool is_learned(const void *bytes, size_t size)
 {
     struct iso_template_facts facts;
@@ -32,7 +32,7 @@ static void wipe(struct restoring *restoring)
     }
 }
 
-/* Room for one more; what moves is wiped where it was. */
+/* Makes room for one more person. If the array moves, its old memory is wiped. */
 static int reserve(struct restoring *restoring)
 {
     if (restoring->n < restoring->capacity) {
@@ -84,7 +84,7 @@ static int restore(void *context, const struct iso_gallery_item *item, struct is
     return 0;
 }
 
-/* The items side by side, as an import wants them. */
+/* Puts the items into one array, as an import expects them. */
 static int import(struct iso_gallery *gallery, const struct restoring *restoring,
                   struct iso_fault *fault)
 {

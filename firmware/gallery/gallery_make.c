@@ -1,4 +1,4 @@
-/* A database of the gallery is made: an empty one, or one beside another that it replaces. */
+/* Makes a database for the gallery: an empty one, or a new one that replaces another. */
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -35,7 +35,8 @@ static const char schema[] = "BEGIN EXCLUSIVE;"
 _Static_assert(ISO_GALLERY_APPLICATION_ID == 0x49534f54 && ISO_GALLERY_SCHEMA == 2,
                "the schema's text has to say the same");
 
-/* Makes an empty private file for SQLite, which itself would make one that everybody can read. */
+/* Makes an empty private file for SQLite, which would itself make a file that everybody can
+ * read. */
 static int make_file(const char *path, struct iso_fault *fault)
 {
     if (unlink(path) && errno != ENOENT) {
@@ -71,7 +72,8 @@ int iso__gallery_make_beside(struct iso_gallery_db *db, struct iso_gallery_db *b
         return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", db->path);
     }
     (void)snprintf(path, sizeof path, "%.*s", (int)(strlen(journal) - strlen("-journal")), journal);
-    (void)unlink(journal); /* of an attempt that was killed */
+    /* The journal of an earlier attempt that was killed may remain. */
+    (void)unlink(journal);
     int error = new_seal(db, &beside->seal, fault);
     if (!error) {
         error = make_file(path, fault);
@@ -133,7 +135,8 @@ int iso__gallery_move_in(struct iso_gallery_db *db, struct iso_gallery_db *besid
     return error ? error : iso_directory_sync(db->path, fault);
 }
 
-/* Makes an empty gallery. Its anchor comes first: a database without one is not trusted. */
+/* Makes an empty gallery. Its anchor is written first, because a database without an anchor is not
+ * trusted. */
 static int make_empty(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     struct iso_gallery_db *beside = calloc(1, sizeof *beside);

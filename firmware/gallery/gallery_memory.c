@@ -32,7 +32,7 @@ void iso_gallery_memory_done(struct iso_gallery_memory *memory)
 
 /* ---- room ---- */
 
-/* Room for one more item of an array. */
+/* Makes room for one more item in an array. */
 static int reserve_item(void **items, size_t item_size, size_t n, size_t *capacity)
 {
     if (n < *capacity) {
@@ -79,7 +79,7 @@ static int keep_vector(const struct iso_metric *metric, const struct iso_templat
     return error == -ENODATA ? 0 : error;
 }
 
-/* A template as it is kept: itself, or its vector alone. */
+/* Reads a template in the form in which it is kept: the template itself, or its vector alone. */
 static int read_template(const struct iso_gallery_memory *memory, const void *bytes, size_t size,
                          struct iso_gallery_kept *kept)
 {
@@ -102,7 +102,8 @@ static int read_template(const struct iso_gallery_memory *memory, const void *by
     return error;
 }
 
-/* A template as it is kept, and room for it. The people stay where they are. */
+/* Prepares a template in the form in which it is kept, and room for it. The people stay at their
+ * addresses. */
 static int prepare_template(struct iso_gallery_memory *memory, const void *bytes, size_t size,
                             struct iso_gallery_kept *out)
 {
@@ -115,7 +116,7 @@ static int prepare_template(struct iso_gallery_memory *memory, const void *bytes
         iso_gallery_memory_discard(&kept);
         return error;
     }
-    *out = kept; /* NOLINT(clang-analyzer-unix.Malloc): whoever asked has the copy */
+    *out = kept; /* NOLINT(clang-analyzer-unix.Malloc): the caller owns the copy */
     sodium_memzero(&kept, sizeof kept);
     return 0;
 }
@@ -137,7 +138,8 @@ void iso_gallery_memory_discard(struct iso_gallery_kept *kept)
     sodium_memzero(kept, sizeof *kept);
 }
 
-/* Behind the last entry of this person or of one enrolled before. There is room. */
+/* Inserts an entry after the last one of this person, or of a person who was enrolled earlier. The
+ * caller has made room. */
 static void insert_entry(struct iso_gallery_memory *memory, int64_t person,
                          const struct iso_template *tmpl)
 {
@@ -151,7 +153,7 @@ static void insert_entry(struct iso_gallery_memory *memory, int64_t person,
     memory->n_entries++;
 }
 
-/* There is room, and nobody has more templates than an index takes. */
+/* The caller has made room, and nobody has more templates than an index takes. */
 static int insert_vector(struct iso_gallery_memory *memory, int64_t person,
                          struct iso_gallery_kept *kept)
 {
@@ -170,7 +172,8 @@ void iso_gallery_memory_add(struct iso_gallery_memory *memory, const struct iso_
                             struct iso_gallery_kept *kept)
 {
     struct iso_person *own = iso_gallery_memory_find(memory, row->id);
-    if (!own) { /* numbers rise */
+    if (!own) {
+        /* A new person has the highest number, so the array stays sorted. */
         own = &memory->people[memory->n_people++];
         *own = *row;
         own->templates = own->usable = 0;
@@ -210,7 +213,8 @@ void iso_gallery_memory_remove(struct iso_gallery_memory *memory, int64_t person
         }
     }
     memory->n_entries = kept;
-    if (memory->index) { /* who has no vector is not in it */
+    if (memory->index) {
+        /* A person without a vector is not in the index. */
         (void)!iso_index_remove(memory->index, person);
     }
     if (own) {
@@ -244,7 +248,7 @@ static int load_person(void *context, const struct iso_person *person, struct is
     return 0;
 }
 
-/* Takes a template in that the running algorithm can use. */
+/* Loads a template that the running algorithm can use. */
 static int load_usable(struct iso_gallery_memory *memory, struct iso_person *person,
                        const void *bytes, size_t size)
 {
@@ -257,7 +261,7 @@ static int load_usable(struct iso_gallery_memory *memory, struct iso_person *per
     return error;
 }
 
-/* Whether it is a template of that algorithm at all. */
+/* Checks that the bytes are a template of this algorithm, which is not the running one. */
 static int check_unusable(const void *bytes, size_t size, uint32_t algorithm)
 {
     struct iso_template_facts facts;
@@ -290,7 +294,7 @@ static int load_template(void *context, int64_t person_id, uint32_t algorithm, c
                : 0;
 }
 
-/* Those of one key side by side, and among them those of one spelling. */
+/* Sorts by key, and people with the same key by spelling. */
 static int by_name(const void *a, const void *b)
 {
     const struct iso_person *one = *(const struct iso_person *const *)a;
@@ -299,8 +303,9 @@ static int by_name(const void *a, const void *b)
     return order ? order : strcmp(one->name, other->name);
 }
 
-/* Two people of one spelling cannot be. Of two spellings of one name they can, in a gallery that
- * was written when case told people apart: they stay, and are counted. */
+/* Two people cannot have the same spelling. They can have two spellings of one name in a gallery
+ * that was written when the case of letters made a difference. Such people stay, and are
+ * counted. */
 static int check_names(struct loading *loading, struct iso_fault *fault)
 {
     struct iso_gallery_memory *memory = &loading->memory;

@@ -1,11 +1,11 @@
-/* Sealing a gallery of version 1, which was not sealed:
+/* Seals a gallery of version 1, which was not sealed:
  *
  *   person    id, name, enrolled_s, valid_from_s, valid_until_s
  *   template  id, person_id, algorithm, bytes
  *
- * First of all the anchor says that sealing goes on. So a kill at any moment leaves the old
- * database, with which sealing begins again, or the new one. Every number is kept. The old file is
- * overwritten; what a flash memory keeps of it elsewhere is out of reach. */
+ * First the anchor notes that sealing is under way. If the daemon is killed at any moment, either
+ * the old database is there, and sealing begins again, or the new one is. Every number is kept. The
+ * old file is overwritten; copies that a flash memory keeps elsewhere cannot be reached. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -50,7 +50,8 @@ static int copy_template(const struct iso_gallery_db *from, sqlite3_stmt *row,
         return iso_gallery_db_damaged(from, "a template cannot be read", fault);
     }
     const int error = iso_template_check(bytes, size, &facts);
-    if (error && error != -EPROTONOSUPPORT) { /* a newer one is kept */
+    if (error && error != -EPROTONOSUPPORT) {
+        /* A template of a newer format cannot be checked and is kept. */
         return iso_gallery_db_damaged(from, "a template cannot be read", fault);
     }
     if ((uint64_t)place.number >= to->draft.next) {
@@ -98,8 +99,9 @@ static int fill(struct iso_gallery_db *db, struct iso_gallery_db *beside, struct
     return error ? error : set_anchor(db, beside->seal.gallery, fault);
 }
 
-/* The old file is held open over its exchange, to be overwritten when no name leads to it. Locks of
- * SQLite on it end with the first close of any descriptor, so it is the last that is opened. */
+/* The old file is kept open during the exchange, so that it can be overwritten when no name leads
+ * to it any more. The locks of SQLite on a file end when any descriptor of it is closed; therefore
+ * this descriptor is opened last. */
 static int exchange(struct iso_gallery_db *db, struct iso_gallery_db *beside, int error,
                     struct iso_fault *fault)
 {

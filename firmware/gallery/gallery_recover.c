@@ -1,4 +1,4 @@
-/* A gallery that is out of service, and how it comes back (gallery.h). */
+/* How a gallery that is out of service comes back into service (gallery.h). */
 #include "firmware/gallery/gallery_state.h"
 
 int iso_gallery_state(const struct iso_gallery *gallery, struct iso_fault *fault)

@@ -1,5 +1,5 @@
-/* The rows of the gallery's database: every one is sealed when it goes in and opened when it comes
- * out, and the digest over all of them follows. */
+/* The rows of the gallery's database. Every row is sealed when it is written and opened when it is
+ * read, and the digest over all rows is kept up to date. */
 #include <errno.h>
 #include <sodium.h>
 #include <stdio.h>
@@ -19,8 +19,8 @@ static int is_not_what_it_was(const struct iso_gallery_db *db, const char *kind,
     return iso_gallery_db_damaged(db, what, fault);
 }
 
-/* Opens the sealed column of a row into db->plain, and takes it into a digest. Returns its size, or
- * negative. */
+/* Opens the sealed column of a row into db->plain, and adds it to a digest. Returns its size, or a
+ * negative number. */
 static int open_column(struct iso_gallery_db *db, sqlite3_stmt *row, int column,
                        const struct iso_gallery_place *place, uint8_t *digest)
 {
@@ -75,7 +75,7 @@ typedef int (*visit_fn)(struct iso_gallery_db *db, sqlite3_stmt *row,
                         const struct iso_gallery_visitor *visitor, uint8_t *digest,
                         struct iso_fault *fault);
 
-/* `parameter` is that of the statement, if it has one. */
+/* `parameter` is bound to the parameter of the statement, if the statement has one. */
 static int each_row(struct iso_gallery_db *db, const char *sql, int64_t parameter, visit_fn visit,
                     const struct iso_gallery_visitor *visitor, uint8_t *digest,
                     struct iso_fault *fault)
@@ -121,7 +121,8 @@ int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visi
 int iso_gallery_db_templates(struct iso_gallery_db *db, int64_t person,
                              const struct iso_gallery_visitor *visitor, struct iso_fault *fault)
 {
-    uint8_t digest[ISO_SEAL_DIGEST_BYTES] = {0}; /* of a part: it says nothing */
+    /* The digest of some rows cannot be compared with anything. */
+    uint8_t digest[ISO_SEAL_DIGEST_BYTES] = {0};
     return each_row(db,
                     "SELECT id, person_id, algorithm, record FROM template "
                     "WHERE person_id = ?1 ORDER BY id",
@@ -130,7 +131,7 @@ int iso_gallery_db_templates(struct iso_gallery_db *db, int64_t person,
 
 /* ---- writing ---- */
 
-/* Runs a statement whose last parameter is the record. */
+/* Runs a statement whose last parameter is the sealed record. */
 static int write_record(struct iso_gallery_db *db, const char *sql,
                         const struct iso_gallery_place *place, const void *plain, size_t size,
                         struct iso_fault *fault)
@@ -173,7 +174,8 @@ int iso__gallery_insert_template(struct iso_gallery_db *db, const struct iso_gal
                         place, bytes, size, fault);
 }
 
-/* Takes what a query finds out of the draft's digest: id, person_id, algorithm, record. */
+/* Removes the rows that a query finds (id, person_id, algorithm, record) from the draft's
+ * digest. */
 static int take_out(struct iso_gallery_db *db, const char *sql, int64_t id, struct iso_fault *fault)
 {
     sqlite3_stmt *query = NULL;
@@ -256,8 +258,9 @@ int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso
 
 /* ---- another key ---- */
 
-/* Seals the row behind number *after anew, from `old` to db->seal; *after is then its number. 1, or
- * 0 if there is none, or a negative errno. */
+/* Seals the row with the next number after *after again: it was sealed with `old`, and now with
+ * db->seal. *after is then its number. Returns 1, 0 if there is no such row, or a negative
+ * errno. */
 static int reseal_next(struct iso_gallery_db *db, const struct iso_gallery_seal *old,
                        const char *select, const char *update, int64_t *after,
                        struct iso_fault *fault)
@@ -288,7 +291,7 @@ static int reseal_next(struct iso_gallery_db *db, const struct iso_gallery_seal 
     return error ? error : 1;
 }
 
-/* How many records there are to seal, those of people and of templates. */
+/* Counts the records to be sealed, of people and of templates. */
 static int count_records(const struct iso_gallery_db *db, uint64_t *n, struct iso_fault *fault)
 {
     char answer[32];
@@ -345,8 +348,9 @@ int iso_gallery_db_rotate(struct iso_gallery_db *db, const struct iso_work_liste
         iso_gallery_seal_wipe(&db->seal);
         db->seal = old;
     } else if (iso__gallery_execute(db, "VACUUM", NULL)) {
-        /* What is free was to go, too: it is overwritten, but not by a new key's records. The
-         * connection cannot be relied on any more. */
+        /* VACUUM was to remove the free pages, too. Their contents are overwritten, but a failure
+         * may leave pages without records of the new key. The connection cannot be trusted any
+         * more. */
         error = iso__gallery_settle(db, 0, fault);
     }
     if (!error) {

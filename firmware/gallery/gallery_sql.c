@@ -1,4 +1,4 @@
-/* SQLite, with its failures in words. */
+/* Calls of SQLite, with its failures described in words. */
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -10,14 +10,14 @@
 #include "drivers/file/storage_fault.h"
 #include "firmware/gallery/gallery_db_state.h"
 
-enum { BUSY_MS = 1000 }; /* somebody may be making a copy */
+enum { BUSY_MS = 1000 }; /* another process may be making a copy */
 
-/* More than 400,000 people need: a longer file is no gallery. */
+/* More than 400,000 people need: a longer file is not a gallery. */
 static const uint64_t bytes_max = (uint64_t)1 << 32;
 
-/* The journal goes when a change is complete; EXTRA synchronises the directory then, too. Exclusive
- * locking keeps other writers from changing what the memory holds a copy of. What is deleted is
- * overwritten. */
+/* The journal is deleted when a change is complete; EXTRA then synchronises the directory, too.
+ * Exclusive locking prevents other writers from changing data that is also kept in memory. Deleted
+ * data is overwritten. */
 static const char settings[] = "PRAGMA locking_mode = EXCLUSIVE;"
                                "PRAGMA journal_mode = DELETE;"
                                "PRAGMA synchronous = EXTRA;"
@@ -37,8 +37,8 @@ int iso_gallery_db_damaged(const struct iso_gallery_db *db, const char *what,
         db->path, what);
 }
 
-/* The errno behind an error of SQLite, as far as SQLite knows it: of the database, of its journal,
- * or of the last call. */
+/* Returns the errno behind an error of SQLite, as far as SQLite knows it: from the database, from
+ * its journal, or from the last call. */
 static int system_error(const struct iso_gallery_db *db)
 {
     sqlite3_file *journal = NULL;
@@ -116,7 +116,7 @@ int iso__gallery_ask(const struct iso_gallery_db *db, const char *sql, char *ans
 {
     sqlite3_stmt *query = NULL;
     int error = 0;
-    iso_disk_wait_begin(); /* the first question may bring back what a journal holds */
+    iso_disk_wait_begin(); /* the first query may roll back a journal */
     int step = sqlite3_prepare_v2(db->sqlite, sql, -1, &query, NULL);
     step = step == SQLITE_OK ? sqlite3_step(query) : step;
     iso_disk_wait_end();
@@ -152,7 +152,7 @@ static int check_files(const char *path, struct iso_fault *fault)
     return 0;
 }
 
-/* The path without the symbolic links among its directories: SQLITE_OPEN_NOFOLLOW refuses those,
+/* Resolves symbolic links among the path's directories, because SQLITE_OPEN_NOFOLLOW refuses those,
  * too. */
 static int resolve_directory(const char *path, char out[PATH_MAX], struct iso_fault *fault)
 {

@@ -1,13 +1,14 @@
-/* What the disk holds after a change whose outcome is not known.
+/* Finds out what the disk holds after a change whose outcome is not known.
  *
  * An error of COMMIT says nothing about the transaction: SQLite may report that the last
- * synchronisation failed although the transaction is on the disk, and its cache may then disagree
- * with the file. So the connection is given up. A new one plays back a journal that is still valid,
- * and reads the head: it is that of before the change or that of after it. The journal is then
- * deleted and the directory synchronised, so that a power cut cannot bring the other state back.
+ * synchronisation failed although the transaction is on the disk, and its cache may then differ
+ * from the file. Therefore the connection is given up. A new connection plays back a journal that
+ * is still valid, and reads the head, which is either the one before the change or the one after
+ * it. The journal is then deleted and the directory synchronised, so that a power failure cannot
+ * bring the other state back.
  *
- * While none of this can be done the database is out of service: nothing is read from it, and
- * nothing is written to it. */
+ * Until this succeeds the database is out of service: nothing is read from it, and nothing is
+ * written to it. */
 #include <errno.h>
 #include <limits.h>
 #include <sodium.h>
@@ -19,7 +20,7 @@
 #include "drivers/file/storage_fault.h"
 #include "firmware/gallery/gallery_db_state.h"
 
-/* The journal is not needed any more: nobody holds it open between two changes. */
+/* Removes the journal, which is not needed any more: no process has it open between two changes. */
 static int delete_journal(const struct iso_gallery_db *db, struct iso_fault *fault)
 {
     char journal[PATH_MAX];
@@ -32,8 +33,8 @@ static int delete_journal(const struct iso_gallery_db *db, struct iso_fault *fau
     return iso_directory_sync(db->path, fault);
 }
 
-/* Connects again and reads the head; db->head, db->draft and db->seal are then those of the disk.
- */
+/* Connects again and reads the head. db->head, db->draft and db->seal are then those on the
+ * disk. */
 static int read_again(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     iso__gallery_disconnect(db);

@@ -66,7 +66,7 @@ int iso__transfer_parse_address(const char *address, uint8_t halves[2][ISO__TRAN
 
 /* ---- writing ---- */
 
-/* A buffer that grows; its old memory is wiped. It has n of n_people. */
+/* A buffer that grows; its old memory is wiped. It contains n of n_people people. */
 struct buffer {
     uint8_t *bytes;
     size_t size, capacity, n, n_people;
@@ -124,7 +124,7 @@ static int put_item(void *context, const struct iso_gallery_item *item, struct i
     return 0;
 }
 
-/* How many people will be written. */
+/* Counts the people who will be written. */
 static size_t count_people(const struct iso_gallery *gallery, const char *const *people)
 {
     size_t n = 0;
@@ -165,7 +165,7 @@ struct iso_seal_label iso__transfer_body_label(const uint8_t header[ISO__TRANSFE
     return label;
 }
 
-/* Fills the header, and draws or takes the file's key. */
+/* Fills in the header, and makes a random key for the file or takes the given one. */
 static int lock_header(const struct iso_key_ring *ring, const struct iso_transfer_lock *lock,
                        uint8_t header[ISO__TRANSFER_HEADER_BYTES], struct iso_seal_key *key,
                        struct iso_fault *fault)

@@ -1,4 +1,4 @@
-/* A file of people is read. */
+/* Reads a file of people. */
 #include <errno.h>
 #include <sodium.h>
 #include <stdlib.h>
@@ -9,12 +9,12 @@
 #include "firmware/gallery/transfer_format.h"
 
 struct iso_transfer {
-    uint8_t *plain; /* the items point into it */
+    uint8_t *plain; /* the items point into this memory */
     size_t size, n;
     struct iso_gallery_item *items;
 };
 
-/* What is left to be read. */
+/* The bytes that are still to be read. */
 struct cursor {
     const uint8_t *at;
     size_t left;
@@ -71,7 +71,8 @@ static int parse_items(struct iso_transfer *transfer)
     struct cursor cursor = {transfer->plain, transfer->size};
     const uint8_t *count = take_bytes(&cursor, 4);
     const size_t n = count ? iso_get_u32(count) : SIZE_MAX;
-    if (n > cursor.left / (2 + 3 * 8 + 4)) { /* so few bytes cannot be so many people */
+    if (n > cursor.left / (2 + 3 * 8 + 4)) {
+        /* So few bytes cannot hold so many people. */
         return -EBADMSG;
     }
     transfer->items = calloc(n ? n : 1, sizeof *transfer->items);
@@ -87,7 +88,7 @@ static int parse_items(struct iso_transfer *transfer)
     return cursor.left ? -EBADMSG : 0;
 }
 
-/* Takes `plain` over, which is malloc'd. */
+/* Takes ownership of `plain`, which was allocated by malloc(). */
 static int parse_people(uint8_t *plain, size_t size, struct iso_transfer **out)
 {
     struct iso_transfer *transfer = calloc(1, sizeof *transfer);
