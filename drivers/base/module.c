@@ -8,15 +8,15 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of all slots */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* protects all slots */
 
-/* ---- where it lies ---- */
+/* ---- the path of a module ---- */
 
 int iso_module_path(const char *name, char path[PATH_MAX], struct iso_fault *fault)
 {
     Dl_info library;
     char own[PATH_MAX];
-    /* A function of libisotherm-core.so. */
+    /* Any function of libisotherm-core.so tells where the library is. */
     if (!dladdr((const void *)(uintptr_t)iso_fault_set, &library) ||
         !realpath(library.dli_fname, own)) {
         return iso_fault_set(fault, -ENOENT, "the module %s: the library's own folder is not known",
@@ -53,8 +53,9 @@ static int check_file(const char *path, const char *name, struct iso_fault *faul
     return 0;
 }
 
-/* RTLD_NOW: nothing is looked up later, when the process is confined. Never closed: libraries of
- * C++ leave threads and destructors behind. */
+/* RTLD_NOW resolves all symbols at once, because nothing can be loaded later, when the process is
+ * confined. A module is never closed, because C++ libraries leave threads and destructors
+ * behind. */
 static void *open_file(const char *path, struct iso_fault *fault)
 {
     void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
@@ -118,7 +119,7 @@ int iso_module_read(const char *path, const char *name, size_t size_bytes,
     return error;
 }
 
-/* ---- once in a process ---- */
+/* ---- loading once in a process ---- */
 
 static int try(struct iso_module_slot *slot)
 {

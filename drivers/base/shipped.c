@@ -7,12 +7,13 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { LEVELS = 3 }; /* BUILD/sim/isotherm-sim, BUILD/tests/sim/test_..., one to spare */
+/* Enough for BUILD/sim/isotherm-sim and BUILD/tests/sim/test_..., and one more. */
+enum { LEVELS = 3 };
 
 static char model[PATH_MAX + 32], metric[PATH_MAX + 32], cohort[PATH_MAX + 32];
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 
-/* Cuts the last part of a path off; false if it has but one. */
+/* Removes the last part of a path. Returns false if the path has only one part. */
 static bool cut(char *path)
 {
     char *slash = strrchr(path, '/');

@@ -1,12 +1,13 @@
 #include "drivers/base/utf8.h"
 
-/* Length by the first byte, 0 if none begins so. */
+/* The length of a sequence by its first byte; 0 if no sequence begins with this byte. */
 static int sequence_length(unsigned char first)
 {
     if (first < 0x80) {
         return 1;
     }
-    if (first < 0xc2) { /* a continuation, or an overlong pair */
+    if (first < 0xc2) {
+        /* A continuation byte, or the beginning of an overlong sequence. */
         return 0;
     }
     if (first < 0xe0) {

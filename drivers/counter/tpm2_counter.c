@@ -21,21 +21,21 @@ struct tpm2_counter {
     char *tcti_name;
     uint32_t index;
     TSS2_TCTI_CONTEXT *tcti;
-    bool tcti_is_loaded; /* by Tss2_TctiLdr_Initialize */
+    bool tcti_is_loaded; /* it was loaded by Tss2_TctiLdr_Initialize */
     ESYS_CONTEXT *esys;  /* NULL: the TPM is not open */
-    ESYS_TR handle;      /* of the index; ESYS_TR_NONE until it is found */
+    ESYS_TR handle;      /* handle of the index; ESYS_TR_NONE until it is found */
 };
 
 /* ---- the TPM ---- */
 
-/* The TPM's own codes, with or without a resource manager before it. */
+/* Whether the TPM itself returned the code, directly or through a resource manager. */
 static bool is_of_tpm(TSS2_RC rc)
 {
     const TSS2_RC layer = rc & TSS2_RC_LAYER_MASK;
     return layer == TSS2_TPM_RC_LAYER || layer == TSS2_RESMGR_TPM_RC_LAYER;
 }
 
-/* An error that names a handle, parameter or session has its number in the higher bits. */
+/* If an error concerns a handle, a parameter or a session, its number is in the higher bits. */
 static bool is_tpm_rc(TSS2_RC rc, TPM2_RC expected)
 {
     const TPM2_RC code = rc & CODE;
@@ -57,7 +57,7 @@ static void release_tpm(struct tpm2_counter *counter)
     counter->handle = ESYS_TR_NONE;
 }
 
-/* What the code says. A TPM that did not answer is opened anew by the next call. */
+/* Translates the code into a fault. If the TPM did not answer, the next call opens it again. */
 static int refuse_rc(struct tpm2_counter *counter, TSS2_RC rc, const char *what,
                      struct iso_fault *fault)
 {
@@ -77,7 +77,8 @@ static int refuse_rc(struct tpm2_counter *counter, TSS2_RC rc, const char *what,
     return error;
 }
 
-/* The ordinary way without a loader, so that nothing is loaded once the process is confined. */
+/* Opens a device without the loader, so that nothing has to be loaded after the process is
+ * confined. */
 static TSS2_RC open_device(struct tpm2_counter *counter, const char *path)
 {
     size_t size = 0;
@@ -124,7 +125,7 @@ static int open_tpm(struct tpm2_counter *counter, struct iso_fault *fault)
     if (counter->esys) {
         return 0;
     }
-    /* The software stack does not say why. */
+    /* The reason is found here, because the software stack does not report it. */
     if (strncmp(counter->tcti_name, "device:/", 8) == 0 && access(path, R_OK | W_OK)) {
         return iso_fault_set_code(fault, access_fault_code(errno), -EIO, "the TPM at %s: %m",
                                   counter->tcti_name);
@@ -151,7 +152,7 @@ static int counter_absent(const struct tpm2_counter *counter, struct iso_fault *
                               (unsigned)counter->index);
 }
 
-/* Another use of the same index is not touched. */
+/* An index that is used for another purpose is refused and stays as it is. */
 static int check_index(struct tpm2_counter *counter, struct iso_fault *fault)
 {
     const TPMA_NV least = counter_attributes & ~TPMA_NV_NO_DA;
@@ -172,7 +173,7 @@ static int check_index(struct tpm2_counter *counter, struct iso_fault *fault)
                      counter->tcti_name, (unsigned)counter->index, (unsigned)found);
 }
 
-/* The index may have been deleted since it was found: it is looked for each time. */
+/* The index may have been deleted since it was found, so every call looks for it again. */
 static int find_index(struct tpm2_counter *counter, struct iso_fault *fault)
 {
     const int error = open_tpm(counter, fault);

@@ -1,4 +1,4 @@
-/* The program's side of the module `tpm2`. */
+/* The part of the module `tpm2` that is linked into the program. */
 #include "drivers/counter/tpm2_module.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-/* What the module `tpm2` exports. */
+/* The table that the module `tpm2` exports. */
 #include "drivers/counter/tpm2_module.h"
 
 extern const struct iso_tpm2_module iso_module;

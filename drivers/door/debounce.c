@@ -16,7 +16,7 @@ void iso_debounce_edge(struct iso_debounce *debounce, bool level, int64_t t_ns)
     const int64_t since_ns = debounce->raw_since_ns;
     const int64_t at_ns = t_ns > since_ns ? t_ns : since_ns;
     if (level == debounce->raw) {
-        return; /* the one between was lost */
+        return; /* the edge in between was lost */
     }
     iso_debounce_advance(debounce, at_ns);
     debounce->raw = level;

@@ -20,16 +20,16 @@ enum { EDGES_MAX = 64 };
 
 struct gpiod {
     struct iso_clock clock;
-    struct iso_gpio_line *outputs[ISO_DOOR_OUTPUTS]; /* NULL: not wired */
+    struct iso_gpio_line *outputs[ISO_DOOR_OUTPUTS]; /* NULL: the output is not wired */
     struct {
-        struct iso_gpio_line *line; /* NULL: not wired */
+        struct iso_gpio_line *line; /* NULL: the input is not wired */
         struct iso_debounce debounce;
     } inputs[ISO_DOOR_INPUTS];
-    struct iso_gpio_line *wiegand[2];    /* D0, D1; the sender's thread's while there is one */
-    struct iso_wiegand_out *wiegand_out; /* NULL: not wired */
+    struct iso_gpio_line *wiegand[2];    /* D0, D1; only the sender's thread uses them if it runs */
+    struct iso_wiegand_out *wiegand_out; /* NULL: the reader lines are not wired */
     int wiegand_bits;
     int timer_fd; /* readable when a level has lasted long enough */
-    int epoll_fd; /* readable when that or an input is */
+    int epoll_fd; /* readable when the timer or an input is readable */
 };
 
 static int gpiod_check(const struct iso_option *options, size_t n_options, struct iso_fault *fault)
@@ -62,7 +62,7 @@ static void gpiod_close(void *self)
     free(gpiod);
 }
 
-/* Puts the name of the option before a fault. */
+/* Puts the name of the option before the text of a fault. */
 static int blame_option(const char *name, int error, const struct iso_fault *reason,
                         struct iso_fault *fault)
 {
@@ -220,8 +220,9 @@ static int gpiod_send_card(void *self, const struct iso_wiegand_card *card, stru
 
 /* ---- inputs ---- */
 
-/* The edges that wait, then the level itself, in case the kernel had to drop some. A wire that
- * chatters faster than it is read is left after EDGES_MAX: its level is no steadier later. */
+/* Reads the waiting edges and then the level itself, in case the kernel had to drop some edges. If
+ * a wire chatters faster than its edges can be read, reading stops after EDGES_MAX of them, because
+ * the level would not be more stable later. */
 static int follow_input(struct iso_gpio_line *line, struct iso_debounce *debounce, int64_t now_ns)
 {
     struct iso_gpio_edge edge;
@@ -240,8 +241,8 @@ static int follow_input(struct iso_gpio_line *line, struct iso_debounce *debounc
     return error;
 }
 
-/* Makes the descriptor readable when the next level counts; quiet if none is under way. -1 and
- * errno as timerfd_settime. */
+/* Makes the descriptor readable when the next level becomes valid; disarms it if no level is
+ * pending. Returns -1 and sets errno as timerfd_settime does. */
 static int arm_timer(const struct gpiod *gpiod)
 {
     int64_t due_ns = INT64_MAX;
@@ -273,8 +274,8 @@ static int follow_all(struct gpiod *gpiod, struct iso_fault *fault)
     return 0;
 }
 
-/* The relay may be on another chip than the inputs. A chip that is gone must be noticed before the
- * next grant, not during it. */
+/* The relay may be on a different chip from the inputs. If that chip is gone, this must be noticed
+ * before the next grant, not during it. */
 static int look_at_relay(struct gpiod *gpiod, struct iso_fault *fault)
 {
     bool active;

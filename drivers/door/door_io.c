@@ -19,10 +19,10 @@ enum { BACK_ENDS = sizeof back_ends / sizeof back_ends[0] };
 
 struct iso_door_io {
     const struct iso_door_io_ops *ops;
-    void *self; /* also after the device was lost, until it is opened anew; NULL before */
+    void *self; /* kept while the device is lost; NULL before the first opening */
     bool lost;
     struct iso_clock clock;
-    struct iso_option *options; /* copies */
+    struct iso_option *options; /* copies of the caller's options */
     size_t n_options;
 };
 
@@ -219,7 +219,7 @@ static int device_gone(const struct iso_door_io *io, struct iso_fault *fault)
                               io->ops->name);
 }
 
-/* Remembers that the device is gone, and never leaves a failure without a text. */
+/* Notes that the device is gone, and makes sure that a failure has a text. */
 static int settle_failure(struct iso_door_io *io, int error, const struct iso_fault *reason,
                           struct iso_fault *fault)
 {

@@ -22,14 +22,14 @@ enum { INPUTS_BYTES_MAX = 4096 };
 
 struct null {
     struct iso_clock clock;
-    char *inputs_file; /* NULL: inputs are injected */
-    int event_fd;      /* readable after an injection; -1 with a file */
+    char *inputs_file; /* NULL: a test injects the inputs */
+    int event_fd;      /* readable after an injection; -1 if inputs come from a file */
     struct iso_door_outputs outputs;
-    struct iso_door_inputs now, pressed; /* pressed: active at some time since the last look */
+    struct iso_door_inputs now, pressed; /* pressed: has been active since the last look */
     size_t n_cards;
-    struct iso_wiegand_card card; /* the last */
+    struct iso_wiegand_card card; /* the last card sent */
     size_t n_events;
-    struct iso_door_null_event events[ISO_DOOR_NULL_HISTORY]; /* a ring */
+    struct iso_door_null_event events[ISO_DOOR_NULL_HISTORY]; /* a ring buffer */
 };
 
 static void null_close(void *self)
@@ -42,7 +42,8 @@ static void null_close(void *self)
     free(null);
 }
 
-/* Inputs come from the file if one is given, else by injection with its event descriptor. */
+/* Inputs come from the file if one is given. Otherwise they are injected, and the event descriptor
+ * signals an injection. */
 static int connect_inputs(struct null *null, const char *file, struct iso_fault *fault)
 {
     if (*file) {
@@ -114,7 +115,8 @@ static int input_of(const char *name)
     return -1;
 }
 
-/* "NAME = 0" or "NAME = 1", single blanks: NULL, or what is wrong with it. */
+/* Reads "NAME = 0" or "NAME = 1" with single blanks. Returns NULL, or what is wrong with the
+ * line. */
 static const char *parse_line(char *line, struct iso_door_inputs *inputs, unsigned *seen)
 {
     char *word[3];
@@ -175,7 +177,8 @@ static int null_get_inputs(void *self, struct iso_door_inputs *out, struct iso_f
     if (null->inputs_file) {
         return read_inputs(null->inputs_file, out, fault);
     }
-    (void)!read(null->event_fd, &count, sizeof count); /* quiet already: EAGAIN */
+    /* EAGAIN: the descriptor is not readable already. */
+    (void)!read(null->event_fd, &count, sizeof count);
     *out = null->now;
     out->active[ISO_DOOR_EXIT_BUTTON] |= null->pressed.active[ISO_DOOR_EXIT_BUTTON];
     out->active[ISO_DOOR_TAMPER] |= null->pressed.active[ISO_DOOR_TAMPER];

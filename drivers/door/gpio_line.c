@@ -1,4 +1,4 @@
-/* The only file that knows libgpiod, by its API of version 1 (1.6 in Debian 12). */
+/* The only file that uses libgpiod, by its API of version 1 (1.6 in Debian 12). */
 #include "drivers/door/gpio_line.h"
 
 #include <dirent.h>
@@ -13,8 +13,8 @@ static const char consumer[] = "isotherm";
 
 struct iso_gpio_line {
     struct gpiod_chip *chip;
-    struct gpiod_line *line; /* the chip's */
-    int fd;                  /* of an input's edges; -1 for an output */
+    struct gpiod_line *line; /* belongs to the chip */
+    int fd;                  /* signals the edges of an input; -1 for an output */
 };
 
 /* ---- errors ---- */
@@ -32,7 +32,7 @@ static int error_of(int number)
     case ENODEV:
     case ENOENT:
     case ENXIO:
-    case ENOTTY: /* there is a file of this name, and it is no chip */
+    case ENOTTY: /* a file of this name exists, but it is not a GPIO chip */
         return -ENODEV;
     default:
         return -EIO;
@@ -57,7 +57,7 @@ static int fail_line(const struct iso_gpio_spec *spec, enum iso_fault_code code,
                               what);
 }
 
-/* What a call of the system says of the line. */
+/* Reports a system call that failed on the line. */
 static int fail_call(const struct iso_gpio_spec *spec, int error, struct iso_fault *fault)
 {
     return fail_line(spec, iso_gpio_fault_code(error), error, strerror(-error), fault);
@@ -96,8 +96,8 @@ static struct gpiod_line *find_in_chip(struct gpiod_chip *chip, const char *name
     return found;
 }
 
-/* Keeps the chip if it has the line, counts how many lines have the name, and remembers whether a
- * chip could not be looked into. */
+/* Keeps the chip open if it has the line, counts the lines of this name, and notes whether a chip
+ * could not be opened. */
 static void look_into(const char *path, const char *name, struct iso_gpio_line *line, size_t *n,
                       bool *denied)
 {
@@ -120,8 +120,8 @@ static int is_chip(const struct dirent *entry)
     return strncmp(entry->d_name, "gpiochip", 8) == 0;
 }
 
-/* gpiod_line_find() does not do: it stops at the first chip that it may not open, and does not
- * notice a name that two lines have. */
+/* gpiod_line_find() is not used: it stops at the first chip that it may not open, and does not
+ * notice that two lines have the same name. */
 static int find_by_name(const struct iso_gpio_spec *spec, struct iso_gpio_line *line,
                         struct iso_fault *fault)
 {
@@ -233,7 +233,7 @@ void iso_gpio_line_close(struct iso_gpio_line *line)
 {
     if (line) {
         if (line->chip) {
-            gpiod_chip_close(line->chip); /* releases its lines */
+            gpiod_chip_close(line->chip); /* closing the chip releases its lines */
         }
         free(line);
     }
@@ -261,8 +261,8 @@ int iso_gpio_line_fd(const struct iso_gpio_line *line)
     return line->fd;
 }
 
-/* Asks the descriptor before reading: when the chip is gone, gpiod_line_event_wait() says that
- * there is an event, for ever. */
+/* Asks the descriptor before reading: when the chip is gone, gpiod_line_event_wait() reports an
+ * event each time it is called. */
 int iso_gpio_line_next_edge(struct iso_gpio_line *line, struct iso_gpio_edge *out)
 {
     struct pollfd poll_fd = {.fd = line->fd, .events = POLLIN | POLLPRI};

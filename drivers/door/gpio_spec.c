@@ -1,4 +1,4 @@
-/* How a GPIO line is written in the configuration. */
+/* The notation of a GPIO line in the configuration. */
 #include <errno.h>
 #include <string.h>
 
@@ -17,7 +17,7 @@ static int copy_name(const char *name, size_t length, char out[ISO_GPIO_NAME_SIZ
     return 0;
 }
 
-/* CHIP:OFFSET if what stands behind the last colon is a number, else a name. */
+/* Reads CHIP:OFFSET if a number follows the last colon, and otherwise a name. */
 static int parse_line(const char *word, struct iso_gpio_spec *spec)
 {
     const char *colon = strrchr(word, ':');

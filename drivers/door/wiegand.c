@@ -4,7 +4,7 @@
 
 enum { NUMBER_BITS = 16 };
 
-/* Of the facility; 0 if there is no such format. */
+/* The number of bits of the facility; 0 if there is no such format. */
 static int facility_bits(int bits)
 {
     switch (bits) {
@@ -27,7 +27,7 @@ static unsigned is_odd(uint64_t bits)
     return (unsigned)__builtin_parityll(bits);
 }
 
-/* The whole code of facility and number. */
+/* Adds the parity bits to facility and number: the complete code. */
 static uint64_t with_parity(int bits, uint64_t data)
 {
     const int half = (bits - 2) / 2;

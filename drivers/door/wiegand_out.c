@@ -12,12 +12,12 @@
 struct iso_wiegand_out {
     struct iso_wiegand_lines lines;
     pthread_t thread;
-    pthread_mutex_t mutex; /* of what follows */
+    pthread_mutex_t mutex; /* protects all members below */
     pthread_cond_t changed;
     bool busy, end;
     uint64_t code;
     int bits;
-    int error; /* of the last code */
+    int error; /* the error of the last code */
     struct iso_wiegand_report report;
 };
 
@@ -37,7 +37,7 @@ static void sleep_until(int64_t t_ns)
     }
 }
 
-/* A pulse is too short to sleep through: waking up takes as long as it lasts. */
+/* Waits without sleeping: a pulse is so short that waking up would take as long. */
 static void spin_until(int64_t t_ns)
 {
     while (clock_ns() < t_ns) {
@@ -50,7 +50,7 @@ static void widen_range(int64_t *min_ns, int64_t *max_ns, int64_t ns)
     *max_ns = ns > *max_ns ? ns : *max_ns;
 }
 
-/* The length of a pulse is measured from the moment at which the line has its level, so that an
+/* The length of a pulse counts from the moment at which the line has its level, so that an
  * interruption before that cannot shorten the pulse. */
 static int send_pulse(const struct iso_wiegand_lines *lines, int line, int64_t *begin_ns,
                       struct iso_wiegand_report *report)
@@ -74,8 +74,8 @@ static bool has_to_end(struct iso_wiegand_out *out)
     return end;
 }
 
-/* Each pulse is due an interval after the one before it really began, so that none comes too soon
- * after one that was late. */
+/* Each pulse is due one interval after the previous one really began. So no pulse comes too soon
+ * after a late one. */
 static int send_code(struct iso_wiegand_out *out, uint64_t code, int bits,
                      struct iso_wiegand_report *report)
 {
@@ -96,7 +96,8 @@ static int send_code(struct iso_wiegand_out *out, uint64_t code, int bits,
         due_ns = begin_ns + ISO_WIEGAND_INTERVAL_NS;
     }
     report->codes++;
-    sleep_until(due_ns); /* the next code begins no sooner than the next bit might */
+    /* The next code must not begin sooner than a further bit might. */
+    sleep_until(due_ns);
     return 0;
 }
 
@@ -160,7 +161,7 @@ void iso_wiegand_out_free(struct iso_wiegand_out *out)
     }
 }
 
-/* The error of the last code, which is returned once. The mutex is held. */
+/* Returns the error of the last code once. The mutex is held. */
 static int take_error(struct iso_wiegand_out *out)
 {
     const int error = out->error;

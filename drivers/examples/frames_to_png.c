@@ -1,14 +1,15 @@
-/* Takes frames from a sensor and writes them as pictures: near is bright, black was not measured.
+/* Takes frames from a sensor and writes them as pictures. Near points are bright; black pixels were
+ * not measured.
  *
  *     frames_to_png BACK_END COUNT PREFIX [KEY=VALUE...]
  *
- * BACK_END is the name of a sensor back end, and the keys are its options: both as in the section
- * [sensor] of isotherm.conf. The pictures are PREFIX0.png, PREFIX1.png and so on.
+ * BACK_END is the name of a sensor back end, and the keys are its options. Both are the same as in
+ * the section [sensor] of isotherm.conf. The pictures are PREFIX0.png, PREFIX1.png and so on.
  *
  *     frames_to_png replay 3 /tmp/frame path=sim/stored/p01-v1
  *     frames_to_png v4l2 10 /tmp/frame device=/dev/video0
  *
- * The steps are those of every program that uses a sensor: open, start, wait for frames, close. */
+ * Every program that uses a sensor takes these steps: open, start, wait for frames, close. */
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -23,11 +24,11 @@
 
 enum { OPTIONS_MAX = 16 };
 
-/* Depths in this range get a shade of grey. */
+/* Depths in this range are drawn in shades of grey. */
 static const double nearest_mm = 300.0, farthest_mm = 1500.0;
 
-/* The next frame, for which we wait at most five seconds. A back end either waits itself, or says
- * when to ask it again. */
+/* Takes the next frame, and waits for it for at most five seconds. A back end either waits itself,
+ * or says when to ask it again. */
 static int next_frame(struct iso_sensor *sensor, const struct iso_clock *clock,
                       const struct iso_frame **frame, struct iso_fault *fault)
 {
@@ -86,7 +87,7 @@ static int take_frames(struct iso_sensor *sensor, const struct iso_clock *clock,
 {
     int error = iso_sensor_start(sensor, fault);
     for (int i = 0; !error && i < count; i++) {
-        const struct iso_frame *frame = NULL; /* it belongs to the sensor until the next call */
+        const struct iso_frame *frame = NULL; /* belongs to the sensor, valid until the next call */
         char path[PATH_MAX];
         error = next_frame(sensor, clock, &frame, fault);
         if (!error) {
@@ -101,7 +102,7 @@ static int take_frames(struct iso_sensor *sensor, const struct iso_clock *clock,
     return error;
 }
 
-/* Cuts KEY=VALUE into its parts. */
+/* Cuts each KEY=VALUE into its key and its value. */
 static size_t read_options(char **words, struct iso_option options[OPTIONS_MAX])
 {
     size_t n = 0;
@@ -132,7 +133,7 @@ int main(int argc, char **argv)
         error = take_frames(sensor, &times.monotonic, (int)strtol(argv[2], NULL, 10), argv[3],
                             &fault);
     }
-    iso_sensor_close(sensor); /* stops it, too */
+    iso_sensor_close(sensor); /* closing also stops the sensor */
     if (error) {
         fprintf(stderr, "%s: %s\n", argv[0], fault.text);
         return 1;

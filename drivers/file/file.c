@@ -10,7 +10,7 @@
 
 enum { OPEN_FLAGS = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC };
 
-/* ---- what it is ---- */
+/* ---- the type of a file ---- */
 
 static enum iso_fault_code code_of(int error)
 {
@@ -81,8 +81,9 @@ int iso_file_check(const char *path, uint64_t max_bytes, struct iso_fault *fault
 
 /* ---- opening ---- */
 
-/* A file that begins empty is created anew. The existing file of that name may be a hard link to
- * another file, which would be emptied, or belong to a user who could then read the new content. */
+/* A file that is opened to be written from the beginning is created again. The existing file of
+ * that name may be a hard link to another file, which would be emptied, or may belong to a user who
+ * could then read the new content. */
 static bool makes_anew(int flags)
 {
     return (flags & O_CREAT) && (flags & O_TRUNC);
@@ -97,7 +98,8 @@ int iso_file_open(const char *path, int flags, uint64_t max_bytes, int *fd, stru
 {
     struct stat status;
     const uint64_t most = flags & O_TRUNC ? ISO_FILE_ANY_SIZE : max_bytes;
-    if (lstat(path, &status) == 0) { /* else open() says why not, or makes the file */
+    if (lstat(path, &status) == 0) {
+        /* If there is no file, open() makes it or reports why it cannot be opened. */
         int error = check_status(path, &status, most, fault);
         if (!error && makes_anew(flags)) {
             error = take_away(path, fault);
@@ -141,16 +143,16 @@ int iso_file_stream(const char *path, uint64_t max_bytes, FILE **stream, struct 
 
 /* ---- reading ---- */
 
-/* A file of /proc or /sys does not know its size, and another one may grow meanwhile: what the
- * status says is only where to begin. */
+/* A file of /proc or /sys does not report its size, and other files may grow while they are read.
+ * The reported size is therefore only the first capacity. */
 static size_t first_capacity(int fd)
 {
     struct stat status;
     return fstat(fd, &status) || status.st_size < 1 ? 4096 : (size_t)status.st_size + 1;
 }
 
-/* Reads to the end or until `buffer` holds more than max_bytes. *buffer is the caller's to free,
- * also after a failure. */
+/* Reads to the end, or until `buffer` holds more than max_bytes. The caller frees *buffer, also
+ * after a failure. */
 static int read_all(int fd, size_t max_bytes, char **buffer, size_t *size)
 {
     size_t capacity = first_capacity(fd), n = 0;

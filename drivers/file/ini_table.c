@@ -7,13 +7,13 @@
 
 #include "drivers/file/text.h"
 
-/* What is gathered while the lines go by. */
+/* The state while libinih reads the lines. */
 struct reading {
     const struct iso_ini_key *keys;
     size_t n_keys;
     char *out;
     uint64_t seen;
-    struct iso_fault reason; /* of the first line at fault, without the file's name */
+    struct iso_fault reason; /* why the first wrong line is refused, without the file's name */
 };
 
 int iso_ini_parse_int(const char *value, void *field)
@@ -43,7 +43,8 @@ static const struct iso_ini_key *find_key(const struct reading *reading, const c
     return NULL;
 }
 
-/* libinih's handler: 0 makes this the line that ini_parse_string returns, if it is the first. */
+/* libinih's handler. If it returns 0 for the first time, ini_parse_string returns the number of
+ * this line. */
 static int on_key(void *user, const char *section, const char *name, const char *value)
 {
     struct reading *reading = user;

@@ -13,15 +13,16 @@
 
 #include "drivers/file/file.h"
 
-/* One file on its way through libpng. All state lives here and not in locals, because libpng leaves
- * by longjmp: the only locals of a function that calls setjmp are its arguments, never changed. */
+/* One file while libpng works on it. All state is in this struct and not in local variables,
+ * because libpng returns by longjmp: a function that calls setjmp has no local variables but its
+ * arguments, which never change. */
 struct codec {
     png_structp png;
     png_infop info;
     FILE *file;
     struct iso_image image;
-    char message[128]; /* why libpng gave up */
-    int error;         /* errno of the file; 0 if the contents are to blame */
+    char message[128]; /* why libpng stopped */
+    int error;         /* errno of the file; 0 if its contents are wrong */
 };
 
 static const struct format {
@@ -69,7 +70,7 @@ static _Noreturn void on_error(png_structp png, png_const_charp message)
 
 static void on_warning(png_structp png, png_const_charp message)
 {
-    (void)png; /* what concerns the pixels is an error, see forbid_mending */
+    (void)png; /* warnings about pixels are errors already, see forbid_mending */
     (void)message;
 }
 
@@ -95,7 +96,7 @@ static void on_write(png_structp png, png_bytep bytes, size_t size)
 
 static void on_flush(png_structp png)
 {
-    (void)png; /* closing the file flushes it, and looks at the outcome */
+    (void)png; /* closing the file flushes it, and its result is checked */
 }
 
 /* ---- reading ---------------------------------------------------------------- */
@@ -145,7 +146,7 @@ static int read_fault(const struct codec *codec, const char *name, struct iso_fa
     return iso_fault_set(fault, error, "%s: %s", name, codec->message);
 }
 
-/* What the header says the picture is, if that is what is expected. */
+/* Checks that the header describes a picture of the expected kind. */
 static int shape_of(const struct codec *codec, const char *name,
                     const struct iso_png_expectation *expected, struct iso_image *shape,
                     struct iso_fault *fault)
@@ -253,7 +254,7 @@ int iso_png_read_memory(const char *name, const void *bytes, size_t size,
     if (size == 0) {
         return iso_fault_set(fault, -EBADMSG, "%s: truncated", name);
     }
-    /* Opened for reading only: fmemopen does not write into the bytes. */
+    /* The file is opened for reading only, and fmemopen does not write into the bytes. */
     FILE *file = fmemopen((void *)(uintptr_t)bytes, size, "rb");
     if (!file) {
         return iso_fault_set(fault, -errno, "%s: %m", name);
@@ -305,7 +306,7 @@ static int write_file(FILE *file, const struct iso_image *image, int level, cons
     return error;
 }
 
-/* Not a device or a pipe that somebody wrote to. */
+/* Removes only a regular file, not a device or a pipe. */
 static void remove_partial_file(const char *path)
 {
     struct stat status;

@@ -1,22 +1,23 @@
-/* OpenBLAS without threads of its own. Compiled into each program that computes.
+/* Runs OpenBLAS without threads of its own. This file is compiled into each program that computes.
  *
- * OpenBLAS starts a thread for every other processor when it is loaded, before main(). Each of them
+ * When OpenBLAS is loaded, before main(), it starts a thread for every other processor. Each thread
  * takes a stack and 32 MiB. If the address space is limited, a thread that gets no memory asks for
- * it for ever, and the program hangs when it waits for the thread at its exit; if the thread cannot
+ * it for ever, and the program hangs when it waits for the thread at its exit. If the thread cannot
  * be created, the program gets a SIGINT. None of our matrices is large enough to profit from such
  * threads.
  *
  * Only OPENBLAS_NUM_THREADS prevents this, and it must be set before the library is loaded. A
- * program that is started without it therefore executes itself again with it, in DT_PREINIT_ARRAY,
- * which is the only code that runs before the constructors of libraries. The process and everything
- * that it has inherited stay the same. If this is not possible, the program continues as it is. */
+ * program that is started without this variable therefore executes itself again with it. It does so
+ * in DT_PREINIT_ARRAY, the only code that runs before the constructors of libraries. The process
+ * and everything that it has inherited stay the same. If this is not possible, the program
+ * continues without the variable. */
 #include <limits.h>
 #include <stddef.h>
 #include <string.h>
 #include <sys/auxv.h>
 #include <unistd.h>
 
-/* More than any environment has that is not an attack on the program's memory. */
+/* No ordinary environment has so many variables. */
 enum { ENVIRONMENT_MAX = 4096 };
 
 static void start_again_without_threads(int argc, char **argv, char **environment)
@@ -28,7 +29,8 @@ static void start_again_without_threads(int argc, char **argv, char **environmen
     size_t n = 0;
     (void)argc;
     if (getauxval(AT_BASE) == 0) {
-        return; /* called by the loader's own name: /proc/self/exe is the loader */
+        return;
+        /* The loader was called by its own name, so /proc/self/exe is the loader. */
     }
     for (; environment[n]; n++) {
         if (n == ENVIRONMENT_MAX || strncmp(environment[n], name, sizeof name - 1) == 0) {

@@ -5,7 +5,7 @@
 #include <signal.h>
 #include <sys/prctl.h>
 
-/* priority 0: what the caller has */
+/* priority 0: the priority of the caller */
 static int start(pthread_t *thread, void *(*run)(void *context), void *context, int priority)
 {
     const struct sched_param parameters = {.sched_priority = priority};
@@ -23,7 +23,7 @@ static int start(pthread_t *thread, void *(*run)(void *context), void *context, 
     error = pthread_attr_setstacksize(&attributes, ISO_THREAD_STACK_BYTES);
     if (!error) {
         (void)sigfillset(&all);
-        (void)pthread_sigmask(SIG_SETMASK, &all, &before); /* which the thread inherits */
+        (void)pthread_sigmask(SIG_SETMASK, &all, &before); /* the new thread inherits the mask */
         error = pthread_create(thread, &attributes, run, context);
         (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
     }

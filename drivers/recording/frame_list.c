@@ -9,8 +9,8 @@
 
 enum { LIST_BYTES_MAX = 64 << 20, SECONDS_DIGITS_MAX = 10 };
 
-/* Decimal seconds to nanoseconds, exactly: a double would lose digits of times since 1970. Digits
- * beyond the ninth decimal are dropped. */
+/* Converts decimal seconds to nanoseconds exactly. A double would lose digits of times that count
+ * from 1970. Digits after the ninth decimal are dropped. */
 static int parse_seconds(const char *text, int64_t *t_ns)
 {
     const size_t digits = strspn(text, "0123456789");
@@ -36,7 +36,7 @@ static int parse_seconds(const char *text, int64_t *t_ns)
     return 0;
 }
 
-/* A recording names its own files only. */
+/* A recording may name only files of its own directory. */
 static bool is_inside(const char *file)
 {
     if (*file == '/') {
@@ -53,7 +53,7 @@ static bool is_inside(const char *file)
     }
 }
 
-/* Cuts "timestamp file" apart; false if the line is something else. */
+/* Cuts "timestamp file" into its parts. Returns false if the line has another form. */
 static bool parse_line(char *line, struct iso_frame_entry *entry)
 {
     char *blank = line + strcspn(line, " \t");

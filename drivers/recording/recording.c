@@ -17,10 +17,10 @@ struct iso_recording {
     char *directory;
     struct iso_recording_meta meta;
     struct iso_frame_list depth;
-    struct iso_frame_list intensity;               /* n = 0: there is none */
-    enum iso_pixel intensity_pixels;               /* a set: what its files may be */
-    size_t *intensity_of;                          /* [depth.n]: entry of the intensity list */
-    struct iso_image depth_image, intensity_image; /* reused from frame to frame */
+    struct iso_frame_list intensity; /* n = 0: there is no intensity */
+    enum iso_pixel intensity_pixels; /* the set of pixel types that the intensity files may have */
+    size_t *intensity_of; /* [depth.n]: entry of the intensity list for each depth frame */
+    struct iso_image depth_image, intensity_image; /* reused for every frame */
 };
 
 /* ---- opening ---------------------------------------------------------------- */
@@ -47,7 +47,7 @@ static int read_list(const struct iso_recording *recording, const char *file,
     return error ? error : iso__frame_list_read(path, list, fault);
 }
 
-/* For every depth frame the intensity frame of its time. */
+/* Finds the intensity frame of the same time for every depth frame. */
 static int match_intensity(struct iso_recording *recording, struct iso_fault *fault)
 {
     const struct iso_frame_list *depth = &recording->depth, *intensity = &recording->intensity;
@@ -122,7 +122,7 @@ void iso_recording_close(struct iso_recording *recording)
     }
 }
 
-/* ---- what is in it ---------------------------------------------------------- */
+/* ---- contents of the recording --------------------------------------------- */
 
 const char *iso__recording_directory(const struct iso_recording *recording)
 {

@@ -4,7 +4,7 @@
 
 #include "drivers/file/text.h"
 
-/* The distortion, which may be left out where it is 0. */
+/* Prints a coefficient of the distortion. A coefficient that is 0 may be left out. */
 static void print_distortion(FILE *stream, const char *key, double value)
 {
     if (value != 0.0) {

@@ -13,7 +13,7 @@ enum { CSV_BYTES_MAX = 64 << 20, COLUMNS = 5 };
 
 static const char header[] = "frame,name,x_mm,y_mm,z_mm";
 
-/* Fills in a row from a line; NULL, or what is wrong with it. */
+/* Fills in a row from a line. Returns NULL, or what is wrong with the line. */
 static const char *parse_row(char *line, size_t n_frames, struct iso_recording_landmark *row)
 {
     char *field[COLUMNS];
@@ -36,7 +36,8 @@ static const char *parse_row(char *line, size_t n_frames, struct iso_recording_l
     return NULL;
 }
 
-/* Rows of one frame stand together, so a repeated one is found in the run before it. */
+/* The rows of one frame are consecutive, so the search for a repeated row ends where the frame
+ * begins. */
 static bool is_repeated(const struct iso_recording_landmark *rows, size_t n)
 {
     for (size_t i = n; i-- > 0 && rows[i].frame == rows[n].frame;) {

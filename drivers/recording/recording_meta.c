@@ -8,13 +8,13 @@
 #include "drivers/file/ini_table.h"
 #include "drivers/recording/recording.h"
 
-/* What a file says. */
+/* The contents of a file. */
 struct parse {
     struct iso_recording_meta meta;
     int format;
 };
 
-/* Which recordings a key belongs to, and whether it may be left out: its mark. */
+/* The mark of a key: which recordings have it, and whether it may be left out. */
 enum belongs { ALWAYS, PINHOLE, PINHOLE_OPTIONAL, ORTHOGRAPHIC };
 
 static bool sensor_is_sound(const char *sensor)
@@ -82,7 +82,8 @@ static const struct iso_ini_key keys[] = {
 enum { KEYS = sizeof keys / sizeof *keys };
 _Static_assert((int)KEYS <= (int)ISO_INI_KEYS_MAX, "bits of what was seen");
 
-/* Every key that this projection needs is there, and none that it does not know. */
+/* Checks that every key which this projection needs is there, and no key that does not belong to
+ * it. */
 static int check_keys(const char *name, uint64_t seen_keys, const struct parse *parse,
                       struct iso_fault *fault)
 {

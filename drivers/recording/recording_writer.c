@@ -21,8 +21,8 @@ struct sim_recording_writer {
     size_t frames;
     int64_t last_t_ns;
     bool intensity;
-    FILE *depth_list, *intensity_list, *landmarks; /* the last two open when first needed */
-    uint16_t *counts;                              /* one plane */
+    FILE *depth_list, *intensity_list, *landmarks; /* the last two are opened when first needed */
+    uint16_t *counts;                              /* room for one plane */
 };
 
 struct iso_camera sim_recording_camera(const struct iso_frame *frame)
@@ -89,7 +89,7 @@ static int close_text(const struct sim_recording_writer *writer, FILE **stream,
 
 /* ---- creating --------------------------------------------------------------- */
 
-/* Makes the recording's directory, or takes an empty one. */
+/* Makes the recording's directory, or uses an existing one if it is empty. */
 static int claim_directory(const char *directory, struct iso_fault *fault)
 {
     int error = 0, entries = 0;
@@ -106,7 +106,7 @@ static int claim_directory(const char *directory, struct iso_fault *fault)
     while (readdir(listing)) {
         entries++;
     }
-    if (entries > 2) { /* "." and ".." */
+    if (entries > 2) { /* "." and ".." are always there */
         error = iso_fault_set(fault, -EEXIST, "%s: is not empty", directory);
     }
     (void)closedir(listing);
@@ -269,7 +269,8 @@ static int write_intensity(struct sim_recording_writer *writer, const struct iso
     return error ? error : write_plane(writer, "ir", fault);
 }
 
-/* The lists are written last, so that they name no frame that was refused half-way. */
+/* The lists are written last, so that they do not name a frame that was refused after some of its
+ * files had been written. */
 int sim_recording_writer_append(struct sim_recording_writer *writer, const struct iso_frame *frame,
                                 struct iso_fault *fault)
 {
@@ -314,7 +315,8 @@ int sim_recording_writer_landmark(struct sim_recording_writer *writer, const cha
         if (error) {
             return error;
         }
-        (void)fputs("frame,name,x_mm,y_mm,z_mm\n", writer->landmarks); /* ferror below */
+        /* ferror() below detects an error. */
+        (void)fputs("frame,name,x_mm,y_mm,z_mm\n", writer->landmarks);
     }
     const int printed = fprintf(writer->landmarks, "%zu,%s,%.4f,%.4f,%.4f\n", writer->frames - 1,
                                 name, point_mm.x, point_mm.y, point_mm.z);

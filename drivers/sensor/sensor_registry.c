@@ -1,4 +1,4 @@
-/* The table of the back ends, from the list in back_ends.def. */
+/* The table of the back ends, made from the list in back_ends.def. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>

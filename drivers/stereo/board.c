@@ -168,13 +168,13 @@ int iso_board_calibrate(const struct iso_board_views *views, void (*solved)(void
 
 /* ---- one camera ---- */
 
-/* Pictures whose corners lie closer to each other than this share of the width are one view. */
+/* Two pictures whose corners are closer than this share of the width count as one view. */
 static const double same_share = 0.01;
-/* Of the picture, that all boards together have to reach over. */
+/* The share of the picture that all boards together have to cover. */
 static const double cover_share = 0.6;
-/* How far the most different boards have to be turned against each other. */
+/* The least angle between the two boards that differ most. */
 static const double turn_min_deg = 20.0;
-/* Beyond, the corners are not those of such a board, or blurred. */
+/* With a larger error the corners do not belong to such a board, or are blurred. */
 static const double rms_max_px = 1.0;
 
 int iso_board_views_add_single(struct iso_board_views *views, const uint8_t *image)
@@ -205,7 +205,7 @@ static double distance_px(const struct iso_board_views *views, int a, int b)
     return sum / (double)corners_of(views);
 }
 
-/* How many views are unlike all before them. */
+/* Counts the views that differ from all views before them. */
 static int count_different(const struct iso_board_views *views)
 {
     int different = 0;
@@ -219,7 +219,7 @@ static int count_different(const struct iso_board_views *views)
     return different;
 }
 
-/* The share of the picture's width (axis 0) or height (1) over which corners were seen. */
+/* The share of the picture's width (axis 0) or height (axis 1) over which corners were seen. */
 static double cover_picture(const struct iso_board_views *views, int axis)
 {
     const float(*corner)[2] = corners_at(views, 0);
@@ -231,7 +231,7 @@ static double cover_picture(const struct iso_board_views *views, int axis)
     return (double)(high - low) / (axis == 0 ? views->width_px : views->height_px);
 }
 
-/* Before solving: whether there is enough to solve with. */
+/* Checks before the calibration whether there are enough views. */
 static int check_views(const struct iso_board_views *views, struct iso_fault *fault)
 {
     static const char *const sides[2] = {"width", "height"};
@@ -272,7 +272,7 @@ static double largest_turn_deg(double (*normals)[3], int n)
     return acos(fmax(least, -1.0)) * 180.0 / M_PI;
 }
 
-/* After solving: whether it can be believed. */
+/* Checks after the calibration whether the result is credible. */
 static int check_lens(const struct iso_board_lens *lens, double turn_deg, struct iso_fault *fault)
 {
     const char *what = "";

@@ -14,8 +14,8 @@ namespace
 using problem = iso_board_opencv_problem;
 using solution = iso_board_opencv_solution;
 
-/* Looked for in a small, smooth copy: noise would be taken for thousands of squares. Then sharpened
- * in the picture itself. */
+/* Searches a small, smooth copy first, because noise would look like thousands of squares. Then
+ * refines the corners in the original picture. */
 bool find(const cv::Mat &image, const cv::Size &shape, float (*out)[2])
 {
     std::vector<cv::Point2f> corners;
@@ -29,7 +29,7 @@ bool find(const cv::Mat &image, const cv::Size &shape, float (*out)[2])
         return false;
     }
     for (cv::Point2f &corner : corners) {
-        /* Pixel centres are whole numbers in both. */
+        /* In both pictures, pixel centres have whole numbers as coordinates. */
         corner = cv::Point2f((float)((corner.x + 0.5) * factor - 0.5),
                              (float)((corner.y + 0.5) * factor - 0.5));
     }

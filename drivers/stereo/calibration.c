@@ -15,14 +15,15 @@
 
 enum { FILE_MAX_BYTES = 65536 };
 
-/* What a file says. */
+/* The contents of a file. */
 struct parse {
     struct iso_stereo_calibration calibration;
     struct iso_vec3 turn_rad;
     int format;
 };
 
-enum { REQUIRED, OPTIONAL }; /* marks: what was not measured, or is none, may be left out */
+/* Marks of the keys. An optional key is left out if it was not measured or does not apply. */
+enum { REQUIRED, OPTIONAL };
 
 #define IN(field) offsetof(struct parse, field)
 #define CAMERA_KEYS(section, eye)                                                              \
@@ -81,13 +82,13 @@ static bool is_rotation(const struct iso_mat3 *a)
     const struct iso_vec3 x = iso_vec3(a->m[0][0], a->m[0][1], a->m[0][2]);
     const struct iso_vec3 y = iso_vec3(a->m[1][0], a->m[1][1], a->m[1][2]);
     const struct iso_vec3 z = iso_vec3(a->m[2][0], a->m[2][1], a->m[2][2]);
-    return off < 1e-6 && iso_dot(iso_cross(x, y), z) > 0.0; /* false for NaN */
+    return off < 1e-6 && iso_dot(iso_cross(x, y), z) > 0.0; /* also false for NaN */
 }
 
-/* NULL, or what is wrong with where the right camera stands. */
+/* Returns NULL, or what is wrong with the position of the right camera. */
 static const char *find_bad_stand(const struct iso_stereo_calibration *c)
 {
-    static const double sine_max = 0.29552020666133955; /* of 0.3 rad */
+    static const double sine_max = 0.29552020666133955; /* sine of 0.3 rad */
     const double baseline_mm = iso_stereo_baseline_mm(c);
     if (!is_rotation(&c->right_from_left.rotation)) {
         return "the rotation is none";
@@ -95,7 +96,7 @@ static const char *find_bad_stand(const struct iso_stereo_calibration *c)
     if (!(baseline_mm >= 5.0 && baseline_mm <= 1000.0)) {
         return "the baseline must be 5..1000 mm";
     }
-    /* Where the right camera is, in the left one's frame. */
+    /* The position of the right camera in the left camera's frame. */
     struct iso_rigid left_from_right = iso_rigid_inverse(&c->right_from_left);
     const struct iso_vec3 along = iso_unit(left_from_right.translation_mm);
     const struct iso_vec3 axis = iso_mat3_apply(&left_from_right.rotation, iso_vec3(0.0, 0.0, 1.0));
@@ -139,7 +140,7 @@ int iso_stereo_calibration_check(const struct iso_stereo_calibration *calibratio
 
 /* ---- reading ---- */
 
-/* Every key was there, and together they make sense. */
+/* Checks that every key is there, and that the values are consistent. */
 static int check_calibration(const char *name, uint64_t seen, struct parse *parse,
                              struct iso_fault *fault)
 {
@@ -225,7 +226,7 @@ static void print_calibration(FILE *file, const struct iso_stereo_calibration *c
     }
 }
 
-/* A device is left where it is. */
+/* Removes only a regular file, not a device. */
 static void remove_partial_file(const char *path)
 {
     struct stat status;

@@ -10,11 +10,12 @@ static const float same_surface_px = 2.0f;
 struct neighbours {
     int n;
     float value[SIDE * SIDE];
-    float x[SIDE * SIDE], y[SIDE * SIDE]; /* from the middle, half-size pixels */
+    float x[SIDE * SIDE], y[SIDE * SIDE]; /* relative to the middle, in half-size pixels */
 };
 
 struct plane {
-    float at, along_x, along_y; /* in the middle, and per half-size pixel */
+    float at, along_x, along_y;
+    /* alue in the middle, and slopes per half-size pixel */
 };
 
 static void gather(const float *half, int width, int height, int column, int row,
@@ -51,7 +52,8 @@ static float median_of(const struct neighbours *around)
     return sorted[around->n / 2];
 }
 
-/* Least squares on the values near `middle`; a flat plane where they lie on a line. */
+/* Fits a plane by least squares to the values near `middle`. The plane is flat if they lie on a
+ * line. */
 static int fit(const struct neighbours *around, float middle, struct plane *out)
 {
     double n = 0, x = 0, y = 0, d = 0, xx = 0, xy = 0, yy = 0, xd = 0, yd = 0;
@@ -87,7 +89,7 @@ void iso_coarse_spread(const float *half_px, int width_px, int height_px, float 
             if (around.n >= VALUES_MIN) {
                 (void)fit(&around, median_of(&around), &plane);
             }
-            /* The four pixels of the whole image lie a quarter of a half-size pixel off. */
+            /* The four pixels of the whole image are offset by a quarter of a half-size pixel. */
             for (int k = 0; k < 4; k++) {
                 float dx = k % 2 ? 0.25f : -0.25f, dy = k / 2 ? 0.25f : -0.25f;
                 const size_t at = (size_t)(2 * row + k / 2) * (size_t)width_px +

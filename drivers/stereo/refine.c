@@ -6,12 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Disparities that differ by less are of one surface. */
+/* Disparities that differ by less than this belong to one surface. */
 static const float same_surface_px = 1.0f;
 
-enum { FINE = 4 }; /* samples per pixel of the right image's rows, interpolated once */
+enum { FINE = 4 }; /* samples per pixel of a row of the right image; interpolated once */
 
-/* The sums of a window (or of a column of it). */
+/* The sums over a window, or over a column of it. */
 struct sums {
     double n, l, w, g, ll, lw, lg, ww, wg, gg;
 };
@@ -21,9 +21,9 @@ enum { SUMS = sizeof(struct sums) / sizeof(double) };
 struct iso_refine {
     int width, height;
     struct iso_refine_options options;
-    float *fine;           /* [height][FINE * width]: the right image between its columns */
-    float *warped, *slope; /* [height][width]: W and W'; slope is NAN where there is nothing */
-    struct sums *columns;  /* [width]: of the rows that the window covers now */
+    float *fine;           /* [height][FINE * width]: the right image, also between its columns */
+    float *warped, *slope; /* [height][width]: W and W'; slope is NAN where there is no disparity */
+    struct sums *columns;  /* [width]: sums over the rows that the window covers now */
 };
 
 int iso_refine_new(int width_px, int height_px, const struct iso_refine_options *options,
@@ -101,7 +101,7 @@ static void interpolate_rows(struct iso_refine *r, const uint8_t *right)
     }
 }
 
-/* The right image and its derivative as the left camera would see them. */
+/* Warps the right image and its derivative to the view of the left camera. */
 static void warp_right(struct iso_refine *r, const float *disparity_px)
 {
     const float last = (float)(r->width - 1) - 1.0f / FINE;
@@ -117,7 +117,8 @@ static void warp_right(struct iso_refine *r, const float *disparity_px)
             const int at = (int)(x * FINE);
             float rest = x * FINE - (float)at, step = fine[at + 1] - fine[at];
             r->warped[i] = fine[at] + rest * step;
-            /* Over half a pixel to either side: steps of single samples would be noise. */
+            /* The slope is taken over half a pixel to either side, because differences of single
+             * samples would be noise. */
             r->slope[i] = (1.0f - rest) * (fine[at + 2] - fine[at - 2]) +
                           rest * (fine[at + 3] - fine[at - 1]);
         }
@@ -135,7 +136,7 @@ static void add_sums(struct sums *to, double sign, const struct sums *what)
     }
 }
 
-/* Adds (or takes away) a row of pixels to (from) the sums of the columns. */
+/* Adds a row of pixels to the sums of the columns, or subtracts it. */
 static void add_row(struct iso_refine *r, const uint8_t *left, int row, double sign)
 {
     const size_t first = (size_t)row * (size_t)r->width;
@@ -150,8 +151,8 @@ static void add_row(struct iso_refine *r, const uint8_t *left, int row, double s
     }
 }
 
-/* What the regression says: the step, and the correlation of L and W; false if the window is too
- * empty or too even to say anything. */
+/* Solves the regression for the step and the correlation of L and W. Returns false if the window
+ * has too few pixels or too little contrast. */
 static bool solve_window(const struct iso_refine *r, const struct sums *s, double *step_px,
                          double *correlation)
 {
@@ -169,7 +170,7 @@ static bool solve_window(const struct iso_refine *r, const struct sums *s, doubl
     }
     double beta = (lw * gg - lg * wg) / determinant, gamma = (lg * ww - lw * wg) / determinant;
     *correlation = lw / sqrt(ll * ww);
-    /* W is taken at column - disparity: moving the disparity by s adds -s W'. */
+    /* W is sampled at column - disparity, so changing the disparity by s changes W by -s W'. */
     *step_px = beta > 0.1 ? -gamma / beta : INFINITY;
     return true;
 }
@@ -221,8 +222,9 @@ static void step_disparity(struct iso_refine *r, const uint8_t *left, float *dis
 
 /* ---- smoothing -------------------------------------------------------------- */
 
-/* Along one line of n values, `stride` apart: means over the neighbours that are known, believed in
- * and of the same surface. Pixels that have none of their own stay as they are. */
+/* Smooths one line of n values, `stride` apart. Each value becomes the mean, weighted by
+ * confidence, of the known neighbours on the same surface. Pixels without a value stay without
+ * one. */
 static void smooth_line(const float *in, const float *confidence, int n, size_t stride, int radius,
                         float *out)
 {
@@ -244,7 +246,7 @@ static void smooth_line(const float *in, const float *confidence, int n, size_t 
 static void smooth_disparity(struct iso_refine *r, const float *confidence, float *disparity_px)
 {
     const size_t width = (size_t)r->width;
-    float *scratch = r->warped; /* until the next step */
+    float *scratch = r->warped; /* used as scratch until the next step */
     const int radius = r->options.smooth_px / 2;
     for (size_t row = 0; row < (size_t)r->height; row++) {
         smooth_line(disparity_px + row * width, confidence + row * width, r->width, 1, radius,

@@ -8,7 +8,8 @@
 #include "drivers/stereo/refine.h"
 #include "drivers/stereo/stereo_module.h"
 
-/* Between neighbours; 20 mm at 0.6 m with f = 900 px and 60 mm between the cameras. */
+/* The difference of two neighbours that counts as a jump: 20 mm at 0.6 m, with f = 900 px and 60 mm
+ * between the cameras. */
 static const float jump_px = 3.0f;
 
 enum { OUTLINE_PX = 2 };
@@ -19,10 +20,10 @@ struct iso_stereo {
     size_t n_pixels;
     struct iso_stereo_opencv *opencv;
     struct iso_refine *refine;
-    uint8_t *rectified[ISO_EYES]; /* [n_pixels] each */
+    uint8_t *rectified[ISO_EYES]; /* each has n_pixels */
     float *half_px;               /* [n_pixels / 4] */
     float *disparity_px, *confidence;
-    float *claim_px; /* [width]: the largest disparity that claims a column of the right image */
+    float *claim_px; /* [width]: the largest disparity that matches a column of the right image */
 };
 
 struct iso_stereo_options iso_stereo_options_default(void)
@@ -48,7 +49,8 @@ static int allocate_planes(struct iso_stereo *s)
                : -ENOMEM;
 }
 
-/* The planes of the refinement are large enough to hold the maps while OpenCV copies them. */
+/* While OpenCV copies the maps, they are in memory that is as large as the planes of the
+ * refinement. */
 static int make_matcher(struct iso_stereo *s, const struct iso_stereo_calibration *calibration)
 {
     const struct iso_camera *camera = &s->rectification.camera;
@@ -173,14 +175,15 @@ const struct iso_rectification *iso_stereo_rectification(const struct iso_stereo
 
 /* ---- frames ----------------------------------------------------------------- */
 
-/* Whether two neighbouring disparities are there and of different surfaces. */
+/* Whether two neighbouring disparities are known and belong to different surfaces. */
 static bool surfaces_differ(float a, float b)
 {
     return a > 0.0f && b > 0.0f && fabsf(a - b) > jump_px;
 }
 
-/* A column of the right image shows only the nearest surface. Another pixel that is matched to the
- * same column, and is more than a pixel farther, was matched to a surface that hides it. */
+/* A column of the right image shows only the nearest surface. If another pixel that matches the
+ * same column is farther by more than a pixel of disparity, its own surface is hidden there, and
+ * the match is wrong. */
 static void drop_hidden(struct iso_stereo *s, float *disparity_px)
 {
     const int width = s->rectification.camera.width_px;
@@ -200,8 +203,8 @@ static void drop_hidden(struct iso_stereo *s, float *disparity_px)
     }
 }
 
-/* Where an outline runs is known to a pixel or two only: what stands so near to a jump may be given
- * the depth of the other side, and is dropped on both. */
+/* The position of an outline is known only to a pixel or two. Pixels that are so close to a jump
+ * may have the depth of the other side, so they are dropped on both sides. */
 static void drop_outlines(struct iso_stereo *s)
 {
     const struct iso_camera *camera = &s->rectification.camera;

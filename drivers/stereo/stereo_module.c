@@ -1,10 +1,10 @@
-/* The program's side of the module `stereo`. */
+/* The part of the module `stereo` that is linked into the program. */
 #include "drivers/stereo/stereo_module.h"
 
 static struct iso_module_slot slot = {.name = ISO_STEREO_MODULE_NAME,
                                       .size_bytes = sizeof(struct iso_stereo_module)};
 
-/* Only after iso_stereo_module_load. */
+/* May be called only after iso_stereo_module_load. */
 static const struct iso_stereo_module *module(void)
 {
     return (const struct iso_stereo_module *)slot.table;

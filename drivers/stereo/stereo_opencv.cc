@@ -10,17 +10,17 @@ using iso::wrap;
 
 struct iso_stereo_opencv {
     cv::Size size;
-    int border;        /* columns added at the left, at half size */
-    cv::Mat map[2][2]; /* as cv::convertMaps makes them */
+    int border;        /* columns added at the left, in half-size pixels */
+    cv::Mat map[2][2]; /* in the form that cv::convertMaps makes */
     cv::Mat half[2], padded[2];
-    cv::Mat disparity; /* 16 counts a pixel, of the padded image */
+    cv::Mat disparity; /* of the padded image, in 1/16 pixel */
     cv::Ptr<cv::StereoSGBM> matcher;
 };
 
 namespace
 {
 
-const int block = 5; /* width of the matched windows, at half size */
+const int block = 5; /* width of the matched windows, in half-size pixels */
 
 int multiple_of_16(int n)
 {
@@ -38,7 +38,7 @@ void set_up(iso_stereo_opencv &s, const iso_stereo_opencv_options &o)
     }
     int from = o.disparity_min_px / 2;
     int count = multiple_of_16((o.disparity_max_px + 1) / 2 - from + 1);
-    /* OpenCV leaves out the columns whose whole range does not lie in the right image. */
+    /* OpenCV leaves out the columns whose range is not completely in the right image. */
     s.border = from + count;
     s.matcher = cv::StereoSGBM::create(from, count, block, 8 * block * block, 32 * block * block,
                                        /*disp12MaxDiff*/ 1, /*preFilterCap*/ 31,
@@ -99,7 +99,8 @@ int iso_stereo_opencv_match(struct iso_stereo_opencv *stereo, const uint8_t *lef
         halve(s, 1, right);
         s.matcher->compute(s.padded[0], s.padded[1], s.disparity);
         cv::Mat out = wrap(s.size / 2, CV_32FC1, disparity_px);
-        /* 16 counts a pixel of half size are 8 a pixel of the whole; "none" is below the range. */
+        /* 16 counts per half-size pixel are 8 per pixel of the whole image. The value for "none" is
+         * below the range. */
         s.disparity.colRange(s.border, s.disparity.cols).convertTo(out, CV_32FC1, 1.0 / 8.0);
         float least = 2.0f * (float)s.matcher->getMinDisparity();
         cv::threshold(out, out, (double)least - 0.01, 0.0, cv::THRESH_TOZERO);

@@ -1,4 +1,4 @@
-/* What the module `stereo` exports. */
+/* The table that the module `stereo` exports. */
 #include "drivers/stereo/stereo_module.h"
 
 extern const struct iso_stereo_module iso_module;

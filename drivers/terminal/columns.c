@@ -5,8 +5,8 @@
 #include <string.h>
 #include <wchar.h>
 
-/* The next character: its bytes (at least one) and its columns; not known for what may not be
- * printed. */
+/* The next character: its bytes (at least one) and its columns. `known` is false for a character
+ * that may not be printed. */
 struct letter {
     size_t bytes;
     int columns;
@@ -27,8 +27,8 @@ static struct letter next_letter(const char *text, mbstate_t *state)
                        : (struct letter){.bytes = length, .columns = columns, .known = true};
 }
 
-/* Reads the text in a locale of UTF-8, which glibc always has, and leaves that of the thread as it
- * was. Prints it if `out` is not NULL. */
+/* Reads the text in a UTF-8 locale, which glibc always has, and then restores the locale of the
+ * thread. Prints the text if `out` is not NULL. */
 static size_t walk(const char *text, FILE *out)
 {
     const locale_t utf8 = newlocale(LC_CTYPE_MASK, "C.UTF-8", (locale_t)0);

@@ -13,7 +13,7 @@ int iso_output_end(const char *program)
         return 0;
     }
     const int error = flushed != 0 && errno ? errno : EIO;
-    /* Of a print before, only that it failed is known. */
+    /* If an earlier print failed, its errno is no longer known. */
     fprintf(stderr, "%s: standard output: %s\n", program,
             flushed != 0 ? strerror(error) : "cannot be written");
     return -error;

@@ -19,14 +19,14 @@ struct iso_progress {
     struct iso_terminal terminal;
     const char *program;
     struct iso_clock clock;
-    pthread_mutex_t lock; /* of all below */
+    pthread_mutex_t lock; /* protects all members below */
     pthread_cond_t change;
     pthread_t thread;
     bool ticking, ending;
     struct iso_progress_view view;
     int64_t started_ns;
-    int64_t line_ns; /* when the next plain line is due, since the start */
-    bool drawn;      /* the line stands on the terminal */
+    int64_t line_ns; /* when the next plain line is due, measured from the start */
+    bool drawn;      /* the terminal shows the line */
 };
 
 static int64_t system_now_ns(void *context)
@@ -67,7 +67,7 @@ static void print_line(struct iso_progress *progress)
     progress->line_ns = progress->view.elapsed_ns + next_line_ns;
 }
 
-/* With the lock held. */
+/* Draws what is due. The lock is held. */
 static void draw_due(struct iso_progress *progress)
 {
     progress->view.elapsed_ns = iso_clock_now_ns(&progress->clock) - progress->started_ns;

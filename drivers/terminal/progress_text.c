@@ -9,7 +9,7 @@ enum { BAR_MIN = 4, BAR_MAX = 30, RIGHT_SIZE = 64 };
 
 static const int64_t second_ns = 1000000000;
 
-/* The remaining time at the present speed; -1 while it is unknown. */
+/* The remaining time at the present speed, in seconds; -1 if it is unknown. */
 static int64_t seconds_left(const struct iso_progress_view *view)
 {
     if (view->done == 0 || view->done > view->total || view->elapsed_ns < second_ns) {
@@ -19,7 +19,7 @@ static int64_t seconds_left(const struct iso_progress_view *view)
     return (int64_t)(rate * (double)(view->total - view->done) / (double)second_ns + 0.5);
 }
 
-/* ", 1 min 20 s left", or "" */
+/* Writes a text such as ", 1 min 20 s left", or "". */
 static void left_text(const struct iso_progress_view *view, char *text, size_t size)
 {
     char duration[ISO_DURATION_SIZE];
@@ -37,7 +37,7 @@ static double share_done(const struct iso_progress_view *view)
     return view->done >= view->total ? 1.0 : (double)view->done / (double)view->total;
 }
 
-/* What stands right of the bar. */
+/* The text to the right of the bar. */
 static void right_text(const struct iso_progress_view *view, char text[RIGHT_SIZE])
 {
     char left[ISO_DURATION_SIZE + 16];
@@ -50,7 +50,8 @@ static void right_text(const struct iso_progress_view *view, char text[RIGHT_SIZ
     }
 }
 
-/* Filled as far as it is done; of an unknown total, a block that moves every second. */
+/* Fills the bar up to the share that is done. If the total is unknown, a block moves along the bar
+ * every second. */
 static void fill_bar(const struct iso_progress_view *view, unsigned length, char *bar)
 {
     const unsigned filled = (unsigned)(share_done(view) * length);

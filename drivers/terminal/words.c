@@ -40,8 +40,8 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* How many letters have to be put in, left out, changed or swapped with their neighbour (the
- * restricted distance of Damerau 1964 by the recurrence of Wagner and Fischer 1974). */
+/* The number of letters that have to be inserted, deleted, changed or swapped with a neighbour (the
+ * restricted distance of Damerau 1964, by the recurrence of Wagner and Fischer 1974). */
 static size_t distance(const char *a, size_t n, const char *b, size_t m)
 {
     size_t rows[WORD_MAX + 1][WORD_MAX + 1];

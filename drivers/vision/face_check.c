@@ -9,17 +9,17 @@
 #include "drivers/vision/face_chip.h"
 #include "drivers/vision/face_detector.h"
 
-enum { CASCADE_BYTES_MAX = 1 << 25 }; /* OpenCV's largest has 1 MiB */
+enum { CASCADE_BYTES_MAX = 1 << 25 }; /* OpenCV's largest cascade has 1 MiB */
 
-/* Faces are 155 to 195 mm wide to the cascade. */
+/* The cascade finds faces as squares 155 to 195 mm wide. */
 static const double side_min_mm = 120.0, side_max_mm = 220.0;
-/* The middle of its square lies so far above the mean of the twelve landmarks. */
+/* The middle of the cascade's square is this far above the mean of the twelve landmarks. */
 static const double above_mm = 9.0;
-/* How far off it may be: 10.3 mm is the most that was measured on faces that are where they should
- * be. */
+/* The largest accepted offset. 10.3 mm is the largest that was measured on correctly fitted
+ * faces. */
 static const double offset_max_mm = 18.0;
 
-/* Beyond, half of the picture is a guess. */
+/* If the head is turned further, half of the picture is a guess. */
 static const double turned_cosine = 0.77; /* 40 degrees */
 static const double measured_min = 0.6;
 static const double level_min = 0.012; /* 3 of 255 */
@@ -98,7 +98,7 @@ static enum iso_face_seen judge_picture(const struct iso_face_chip *chip)
     return chip->grain > grain_max ? ISO_FACE_GRAINY : ISO_FACE_NOT_CHECKED;
 }
 
-/* Where in the face frame the middle of the cascade's square should be. */
+/* The expected middle of the cascade's square, in the face frame. */
 static struct iso_vec3 expected_place(const struct iso_rigid *camera_from_face,
                                       const struct iso_vec3 landmark_mm[ISO_LANDMARKS])
 {

@@ -9,18 +9,18 @@ enum {
     SIDE = ISO_FACE_CHIP_SIDE,
     CELLS = ISO_FACE_CHIP_CELLS,
     MIDDLE = ISO_FACE_CHIP_MIDDLE,
-    FILL_STEPS = 10, /* holes and the far side are continued so many cells */
+    FILL_STEPS = 10, /* how many cells far the surface is continued into holes and the far side */
     WINDOW_MAX = 8,
 };
 
 static const double pitch_mm = ISO_FACE_CHIP_PITCH_MM;
 static const double cell_mm = ISO_FACE_CHIP_PITCH_MM * ISO_FACE_CHIP_CELL;
 
-/* What can belong to the surface of the face: this far behind and before the nose tip, and all of a
- * cell within a layer of this depth. */
+/* The range of the surface of the face behind and before the nose tip. The points of a cell that
+ * are averaged lie within a layer of this depth. */
 static const double behind_mm = 140.0, before_mm = 60.0, layer_mm = 15.0;
 
-/* Grey of the face's middle, so that twice as bright a spot still has a value of its own. */
+/* The grey level of the face's middle. A spot that is twice as bright does not saturate. */
 static const double middle_grey = 110.0;
 static const double saturated_level = 0.98, measured_min = 0.25;
 
@@ -33,7 +33,7 @@ struct iso_vec3 iso_face_chip_place(double column_px, double row_px)
 
 /* ---- the surface ---- */
 
-/* Takes a measured point in: of several layers in a cell the foremost counts. */
+/* Adds a measured point. If a cell has several layers, the foremost one counts. */
 static void add_point(struct iso_face_chip *chip, struct iso_vec3 p)
 {
     const double column = floor(p.x / cell_mm + 0.5 * CELLS);
@@ -54,7 +54,7 @@ static void add_point(struct iso_face_chip *chip, struct iso_vec3 p)
 }
 
 struct window {
-    int left, top, right, bottom; /* the last two are outside */
+    int left, top, right, bottom; /* right and bottom are outside the window */
 };
 
 static int clamp_value(double value, int last)
@@ -65,7 +65,7 @@ static int clamp_value(double value, int last)
     return value > last ? last : (int)value;
 }
 
-/* The part of the frame that a ball about the nose can cover. */
+/* The part of the frame that a ball around the nose can cover. */
 static struct window window_about(const struct iso_frame *frame, struct iso_vec3 nose_mm)
 {
     const double radius_mm = 0.75 * SIDE * pitch_mm;
@@ -101,8 +101,8 @@ static void gather_surface(struct iso_face_chip *chip, const struct iso_frame *f
     }
 }
 
-/* The mean of a cell's neighbours that were filled before step `before`, weighed 2 : 1 for edges
- * and corners. Returns the sum of the weights; 0: there is none. */
+/* The mean of a cell's neighbours that were filled before step `before`, with weight 2 for edges
+ * and 1 for corners. Returns the sum of the weights; 0 means that there is no such neighbour. */
 static int mean_of_neighbours(const struct iso_face_chip *chip, const uint8_t *step, int column,
                               int row, int before, double *mean)
 {
@@ -124,8 +124,8 @@ static int mean_of_neighbours(const struct iso_face_chip *chip, const uint8_t *s
     return weight;
 }
 
-/* Continues the surface into holes, ring by ring: a cell filled in step k rests on those of the
- * steps before. */
+/* Continues the surface into holes, ring by ring: the value of a cell filled in step k comes from
+ * cells of earlier steps. */
 static void fill_surface(struct iso_face_chip *chip, uint8_t step[CELLS * CELLS])
 {
     for (int i = 0; i < CELLS * CELLS; i++) {
@@ -142,7 +142,8 @@ static void fill_surface(struct iso_face_chip *chip, uint8_t step[CELLS * CELLS]
     }
 }
 
-/* Half of every cell is its neighbours' mean: single outliers would tear the picture. */
+/* Replaces half of every cell's value by the mean of its neighbours, because single outliers would
+ * tear the picture. */
 static void smooth_surface(struct iso_face_chip *chip, const uint8_t step[CELLS * CELLS])
 {
     for (int i = 0; i < CELLS * CELLS; i++) {
@@ -154,8 +155,8 @@ static void smooth_surface(struct iso_face_chip *chip, const uint8_t step[CELLS 
     }
 }
 
-/* The surface at a pixel of the picture, between the four cells about it. False where one of them
- * is empty. */
+/* The surface at a pixel of the picture, interpolated between the four cells around it. Returns
+ * false if one of them is empty. */
 static bool surface_at(const struct iso_face_chip *chip, const uint8_t step[CELLS * CELLS],
                        int column, int row, double *z_mm)
 {
@@ -176,7 +177,7 @@ static bool surface_at(const struct iso_face_chip *chip, const uint8_t step[CELL
     return true;
 }
 
-/* ---- the intensity on it ---- */
+/* ---- the intensity on the surface ---- */
 
 static int clamp_index(int i, int last)
 {
@@ -193,8 +194,8 @@ static double sample_intensity(const struct iso_frame *frame, int column, int ro
     return (double)frame->intensity[(size_t)r * (size_t)frame->width_px + (size_t)c];
 }
 
-/* The mean over the frame's pixels that a pixel of the picture covers, or between four of them if
- * they are larger. */
+/* The mean over the pixels of the frame that a pixel of the picture covers. If the pixels of the
+ * frame are larger, it is interpolated between four of them. */
 static double intensity_at(const struct iso_frame *frame, double u, double v, int window)
 {
     if (window == 1) {
@@ -221,7 +222,7 @@ static bool in_middle(int column, int row)
     return column >= from && column < from + MIDDLE && row >= from && row < from + MIDDLE;
 }
 
-/* What the middle of the face is like, gathered while the picture is drawn. */
+/* Levels in the middle of the face, collected while the picture is drawn. */
 struct middle {
     int n, saturated;
     float level[MIDDLE * MIDDLE], light[MIDDLE * MIDDLE];

@@ -1,4 +1,4 @@
-/* The detector, on OpenCV. Nothing is thrown out of here. */
+/* The detector, made with OpenCV. No exception leaves this file. */
 extern "C" {
 #include "drivers/vision/face_detector.h"
 }
@@ -12,7 +12,8 @@ extern "C" {
 #include <opencv2/core.hpp>
 #include <opencv2/objdetect.hpp>
 
-/* Steps between the sizes that are tried, and windows that must agree. */
+/* The ratio of the sizes that are tried one after the other, and the number of windows that must
+ * agree. */
 static const double scale_step = 1.1;
 static const int votes_min = 2;
 
@@ -43,7 +44,7 @@ int iso_face_detector_new(const char *cascade_path, struct iso_face_detector **o
     }
     bool loaded = false;
     try {
-        cv::setNumThreads(1); /* the search runs in the caller's thread */
+        cv::setNumThreads(1); /* the search runs in the thread of the caller */
         loaded = detector->cascade.load(cascade_path);
     } catch (const std::exception &) {
         loaded = false;
@@ -77,7 +78,7 @@ int iso_face_detector_find(struct iso_face_detector *detector, const uint8_t *pi
         return -EINVAL;
     }
     try {
-        /* OpenCV has no matrix of constant samples; it only reads these. */
+        /* OpenCV has no matrix with constant samples, but it only reads these. */
         const cv::Mat grey(height_px, width_px, CV_8UC1, const_cast<uint8_t *>(picture));
         std::vector<cv::Rect> squares;
         std::vector<int> votes;

@@ -1,10 +1,10 @@
-/* The program's side of the module `vision`. */
+/* The part of the module `vision` that is linked into the program. */
 #include "drivers/vision/vision_module.h"
 
 static struct iso_module_slot slot = {.name = ISO_VISION_MODULE_NAME,
                                       .size_bytes = sizeof(struct iso_vision_module)};
 
-/* Only after iso_face_detector_load. */
+/* May be called only after iso_face_detector_load. */
 static const struct iso_vision_module *module(void)
 {
     return (const struct iso_vision_module *)slot.table;

@@ -1,4 +1,4 @@
-/* What the module `vision` exports. */
+/* The table that the module `vision` exports. */
 #include "drivers/vision/vision_module.h"
 
 extern const struct iso_vision_module iso_module;

@@ -26,8 +26,8 @@ static int64_t now_ns(void)
     return now.tv_sec * ISO_NS_PER_S + now.tv_nsec;
 }
 
-/* The message that is due now; NULL: none. Each message covers two intervals, so that one may be
- * missed. */
+/* The message that is due now; NULL: none. Each message is valid for so long that the next one may
+ * be missed. */
 static const char *words(const struct iso_life_sign *sign)
 {
     const bool speaks = iso_disk_wait_lasts() &&

@@ -125,8 +125,8 @@ static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item 
                      bool replace, const struct iso_work_listener *listener, size_t *added,
                      struct iso_fault *fault)
 {
-    const size_t most = n + gallery->memory.n_people +
-                        n; /* the number of steps if none of them is in the gallery yet */
+    /* The number of steps if nobody of the import is in the gallery yet. */
+    const size_t most = n + gallery->memory.n_people + n;
     int error = 0;
     for (size_t i = 0; !error && i < n; i++) {
         const struct iso_person *known = iso_gallery_find(gallery, items[i].person.name);

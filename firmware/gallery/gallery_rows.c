@@ -348,9 +348,8 @@ int iso_gallery_db_rotate(struct iso_gallery_db *db, const struct iso_work_liste
         iso_gallery_seal_wipe(&db->seal);
         db->seal = old;
     } else if (iso__gallery_execute(db, "VACUUM", NULL)) {
-        /* VACUUM was to remove the free pages, too. Their contents are overwritten, but a failure
-         * may leave pages without records of the new key. The connection cannot be trusted any
-         * more. */
+        /* VACUUM should have removed the free pages, too. They stay in the file, overwritten, but
+         * not with records of the new key. After the error the connection cannot be trusted. */
         error = iso__gallery_settle(db, 0, fault);
     }
     if (!error) {

@@ -10,7 +10,7 @@ struct iso_sensor {
     void *self;
     struct iso_clock clock;
     struct iso_sensor_health health;
-    bool has_frame; /* since start: the two that follow are of the last one handed up */
+    bool has_frame; /* a frame came since the start; the next two members describe the last one */
     uint64_t sequence;
     int64_t t_ns;
 };
@@ -40,7 +40,7 @@ static int fail_call(struct iso_sensor *sensor, int error, const struct iso_faul
     return iso_fault_set_code(fault, text.code, error, "%s", text.text);
 }
 
-/* Whether a call that wants `state` is legal now: 0, or -ENODEV, -EBADFD. */
+/* Whether the sensor is in `state`, which the call needs: returns 0, -ENODEV or -EBADFD. */
 static int require_state(const struct iso_sensor *sensor, enum iso_sensor_state state,
                          struct iso_fault *fault)
 {
@@ -55,7 +55,7 @@ static int require_state(const struct iso_sensor *sensor, enum iso_sensor_state 
                          iso_sensor_state_name(sensor->health.state), iso_sensor_state_name(state));
 }
 
-/* What a back end has said that gave its fault no code. */
+/* The code for a fault of opening to which the back end gave no code. */
 static enum iso_fault_code code_of_opening(int error)
 {
     switch (error) {
@@ -157,7 +157,7 @@ int iso_sensor_stop(struct iso_sensor *sensor, struct iso_fault *fault)
     return error ? fail_call(sensor, error, &reason, fault) : 0;
 }
 
-/* The fault of a frame from the back end, or NULL. */
+/* Returns what is wrong with a frame from the back end, or NULL. */
 static const char *find_flaw(const struct iso_sensor *sensor, const struct iso_frame *frame)
 {
     const char *flaw = NULL;

@@ -12,7 +12,7 @@ namespace iso
 
 using namespace libcamera;
 
-/* The grey formats, the best first. */
+/* The grey formats in the order of preference. */
 static const PixelFormat wanted[] = {formats::R8, formats::R12, formats::R10, formats::YUYV};
 
 Eye::Eye() : fd_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC | EFD_SEMAPHORE))
@@ -69,7 +69,7 @@ int Eye::configure(const iso_libcamera_options &options)
     return -EINVAL;
 }
 
-/* Maps a buffer and makes a request of it. */
+/* Maps a buffer and makes a request for it. */
 int Eye::add_buffer(Stream *stream, FrameBuffer *buffer)
 {
     const FrameBuffer::Plane &plane = buffer->planes()[0];
@@ -124,7 +124,7 @@ int Eye::start()
     return 0;
 }
 
-/* A camera that was just pulled out does not start, and libcamera hears of it a little later. */
+/* A camera that was just pulled out does not start, but libcamera learns of it a little later. */
 int Eye::explain()
 {
     struct pollfd told = {fd_, POLLIN, 0};
@@ -189,7 +189,7 @@ int Eye::give_back()
     return 0;
 }
 
-/* Hands a request to libcamera; either thread. */
+/* Hands a request to libcamera. Both threads may call this. */
 int Eye::queue(slot &each)
 {
     {
@@ -200,8 +200,7 @@ int Eye::queue(slot &each)
     return camera_->queueRequest(each.request.get());
 }
 
-/* Notes that one side is through with a request: whether both are now, which one of them only is
- * told. */
+/* Notes that one side has finished with a request. Returns true to the side that finishes last. */
 bool Eye::let_go(slot &each, bool slot::*side)
 {
     std::lock_guard<std::mutex> lock(mutex_);
@@ -218,15 +217,16 @@ void Eye::filled(Request *request, FrameBuffer *buffer)
 {
     const uint64_t one = 1;
     if (buffer->metadata().status == FrameMetadata::FrameCancelled) {
-        return; /* it is being stopped */
+        return;
+        /* The camera is being stopped. */
     }
     std::lock_guard<std::mutex> lock(mutex_);
     filled_.push_back(&slot_of(request));
     (void)!write(fd_, &one, sizeof one);
 }
 
-/* One that cannot be queued again is noticed by the next take, unless it is that the camera is
- * being stopped. */
+/* If a request cannot be queued again, the next take reports it, except when the camera is being
+ * stopped. */
 void Eye::completed(Request *request)
 {
     const uint64_t one = 1;

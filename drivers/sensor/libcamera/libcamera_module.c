@@ -1,4 +1,4 @@
-/* The program's side of the module `libcamera`. */
+/* The part of the module `libcamera` that is linked into the program. */
 #include "drivers/sensor/libcamera/libcamera_module.h"
 
 #include <stdio.h>
@@ -6,7 +6,7 @@
 static struct iso_module_slot slot = {.name = ISO_LIBCAMERA_MODULE_NAME,
                                       .size_bytes = sizeof(struct iso_libcamera_module)};
 
-/* Only after iso_libcamera_module_load. */
+/* May be called only after iso_libcamera_module_load. */
 static const struct iso_libcamera_module *module(void)
 {
     return (const struct iso_libcamera_module *)slot.table;

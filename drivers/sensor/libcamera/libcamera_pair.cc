@@ -16,8 +16,8 @@ namespace
 
 using namespace libcamera;
 
-std::atomic_flag in_use = ATOMIC_FLAG_INIT;     /* there is a manager */
-std::atomic<const CameraManager *> of_the_pair; /* that of the open pair */
+std::atomic_flag in_use = ATOMIC_FLAG_INIT;     /* a manager exists */
+std::atomic<const CameraManager *> of_the_pair; /* the manager of the open pair */
 
 void tell_all(const CameraManager &manager, void (*tell)(const char *, const char *, void *),
               void *context)
@@ -41,7 +41,7 @@ std::string list(const CameraManager &manager)
 
 struct iso_libcamera_pair {
     CameraManager manager;
-    iso::Eye eyes[2]; /* go before the manager */
+    iso::Eye eyes[2]; /* destroyed before the manager */
 };
 
 namespace

@@ -1,4 +1,4 @@
-/* What the module `libcamera` exports. */
+/* The table that the module `libcamera` exports. */
 #include "drivers/sensor/libcamera/libcamera_module.h"
 
 extern const struct iso_libcamera_module iso_module;

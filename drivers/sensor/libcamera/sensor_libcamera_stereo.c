@@ -27,7 +27,7 @@ struct pair {
 
 /* ---- a camera as a source --------------------------------------------------- */
 
-/* 0 and -EAGAIN are no faults. */
+/* Reports an error of a camera. 0 and -EAGAIN are not faults. */
 static int complain_of_eye(const struct eye *eye, int error, struct iso_fault *fault)
 {
     enum iso_fault_code code = ISO_FAULT_SENSOR_FAILED;
@@ -56,7 +56,7 @@ static int eye_stop(void *self)
     return iso_libcamera_stop(eye->cameras, eye->index);
 }
 
-/* What V4L2 calls a pixel format of DRM's, and its bytes a pixel; 0 for others. */
+/* The V4L2 code of a DRM pixel format, and its bytes per pixel; 0 for other formats. */
 static uint32_t format_of(uint32_t fourcc, size_t *bytes)
 {
     static const struct {
@@ -133,7 +133,7 @@ static int pair_load(struct iso_fault *fault)
     return error ? error : load_libcamera(fault);
 }
 
-/* libcamera stamps pictures by this clock. */
+/* libcamera stamps pictures with this clock. */
 static int64_t monotonic_ns(void *context)
 {
     struct timespec now;
@@ -225,7 +225,7 @@ static int pair_open(const struct iso_option *options, size_t n_options,
     return 0;
 }
 
-/* ---- what there is ---------------------------------------------------------- */
+/* ---- available cameras ------------------------------------------------------ */
 
 struct visit {
     iso_sensor_visitor *visit;

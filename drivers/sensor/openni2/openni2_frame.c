@@ -31,7 +31,7 @@ struct iso_camera iso__openni2_camera(int width_px, int height_px, double view_x
     };
 }
 
-/* Where a frame's pixels are, checked against what it says of itself. */
+/* Finds a frame's pixels and checks them against the description in the frame. */
 struct window {
     const uint8_t *bytes;
     size_t stride;
@@ -118,7 +118,7 @@ static size_t grey_bytes(OniPixelFormat format)
     }
 }
 
-/* Counts of a pixel of so many bytes. */
+/* The grey level of a pixel of so many bytes. */
 static double grey_of(const uint8_t *pixel, size_t bytes)
 {
     switch (bytes) {

@@ -32,7 +32,7 @@ static int read_intrinsics(const char *text, struct iso_camera *camera)
     return n == 4 && end >= 0 && !text[end] ? 0 : -EINVAL;
 }
 
-/* As far as that can be told before the size of the pictures is known. */
+/* Checks what can be checked before the size of the pictures is known. */
 static int check_intrinsics(const char *value, struct iso_fault *fault)
 {
     struct iso_camera largest = {.projection = ISO_PINHOLE, .width_px = 8192, .height_px = 8192};
@@ -138,7 +138,7 @@ static int copy_text(const struct iso_option_set *set, const char *name, char **
     return *out ? 0 : iso_fault_set(fault, -ENOMEM, "%s: out of memory", owner);
 }
 
-/* Options that do not go together. */
+/* Checks that the options may be combined. */
 static int check_together(const struct iso__openni2_settings *settings, struct iso_fault *fault)
 {
     if (settings->path && settings->device) {

@@ -54,7 +54,7 @@ void iso__openni2_leave(void)
     }
 }
 
-/* ---- finding it ------------------------------------------------------------- */
+/* ---- finding the runtime ---------------------------------------------------- */
 
 void iso__openni2_read_serial(OniDeviceHandle device, char serial[64])
 {
@@ -146,7 +146,7 @@ int iso__openni2_find_file(const char *path, OniDeviceInfo *out, struct iso_faul
     return 0;
 }
 
-/* ---- what there is ---------------------------------------------------------- */
+/* ---- available devices ------------------------------------------------------ */
 
 int iso__openni2_probe(iso_sensor_visitor *visit, void *context, struct iso_fault *fault)
 {

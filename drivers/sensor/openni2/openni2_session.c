@@ -11,14 +11,14 @@
 static const char owner[] = "sensor openni2";
 
 enum {
-    PLAYER_MS = 2000, /* a file without a frame for this time is stuck */
+    PLAYER_MS = 2000, /* a file that gives no frame for this time is stuck */
     PLAYER_NAP_MS = 3,
     RECORDER_LOOK_MS = 20,
-    RECORDER_STILL = 3,  /* looks without a change that mean that it waits for frames */
-    RECORDER_LOOKS = 50, /* at most */
+    RECORDER_STILL = 3,  /* after so many looks without a change it waits for frames */
+    RECORDER_LOOKS = 50, /* the largest number of looks */
 };
 
-/* ---- what happens to the device --------------------------------------------- */
+/* ---- events of the device --------------------------------------------------- */
 
 static bool is_ours(const struct iso__openni2_session *session, const OniDeviceInfo *info)
 {
@@ -53,7 +53,7 @@ static int watch_device(struct iso__openni2_session *session, struct iso_fault *
 
 /* ---- opening and closing ---------------------------------------------------- */
 
-/* Of a file: frames one by one as they are asked for. */
+/* Sets the playback of a file so that it gives each frame only when it is asked for. */
 static int set_playback(const struct iso__openni2_session *session, struct iso_fault *fault)
 {
     const float on_demand = -1.0F;
@@ -119,7 +119,7 @@ int iso__openni2_session_open(struct iso__openni2_session *session,
     return error;
 }
 
-/* The player's thread goes through the list of its streams without a lock: again and again at the
+/* The thread of the player goes through the list of its streams without a lock: all the time at the
  * end of a file, and every 10 ms while they are stopped. Destroying the streams at that moment
  * crashes. Shortly after the stop the thread sleeps. */
 static void let_player_sleep(void)
@@ -157,9 +157,8 @@ void iso__openni2_session_close(struct iso__openni2_session *session)
 
 /* ---- streaming -------------------------------------------------------------- */
 
-/* The recorder starts in a thread of its own, and drops frames that come before that without an
- * error. It writes the streams' properties first: when its file has stopped growing, it has
- * started. */
+/* The recorder starts in a thread of its own, and silently drops frames that arrive before that. It
+ * writes the streams' properties first. When its file has stopped growing, it has started. */
 static void wait_for_recorder(const char *record)
 {
     const struct timespec look = {0, RECORDER_LOOK_MS * 1000000};
@@ -173,8 +172,8 @@ static void wait_for_recorder(const char *record)
     }
 }
 
-/* Called when the streams run: a recorder counts the time of each stream from its own first frame,
- * so the first frames of depth and intensity must be of the same exposure. */
+/* Called when the streams run. A recorder counts the time of each stream from that stream's first
+ * frame, so the first frames of depth and intensity must be of the same exposure. */
 static int start_recorder(struct iso__openni2_session *session, const char *record,
                           struct iso_fault *fault)
 {
@@ -209,7 +208,8 @@ int iso__openni2_session_start(struct iso__openni2_session *session, const char 
     if (!error && record) {
         error = start_recorder(session, record, fault);
     }
-    if (atomic_load(&session->gone)) { /* the runtime starts what is not there without a word */
+    if (atomic_load(&session->gone)) {
+        /* The runtime reports no error if it starts a device that is gone. */
         error = iso_fault_set_code(fault, ISO_FAULT_SENSOR_GONE, -ENODEV,
                                    "%s: %s: the device is gone", owner, session->info.uri);
     }
@@ -245,9 +245,9 @@ bool iso__openni2_session_ended(const struct iso__openni2_session *session)
            (!session->grey.handle || session->grey.taken >= session->grey.n_frames);
 }
 
-/* Each time the runtime looks for a frame, the player reads one, and a frame that is not fetched is
- * overwritten by the next: the runtime must look once. A frame that came while nobody waited has
- * left the thread's event set, and the runtime would look twice. Waiting for no stream clears the
+/* The runtime must look for a frame only once: each time it looks, the player reads a frame, and a
+ * frame that is not fetched is overwritten by the next. A frame that came while nobody waited has
+ * left the thread's event set, so the runtime would look twice. Waiting for no stream clears the
  * event. */
 static void forget_old_news(void)
 {
@@ -288,7 +288,7 @@ int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_
     }
     streams[which]->taken++;
     if (iso__openni2_session_ended(session)) {
-        stop_streams(session); /* or else the player turns round and round at the end */
+        stop_streams(session); /* otherwise the player loops without a pause at the end */
     }
     return 0;
 }

@@ -13,7 +13,8 @@ static int get_property(OniStreamHandle stream, int property, void *value, int s
     return oniStreamGetProperty(stream, property, value, &size) == ONI_STATUS_OK ? 0 : -EIO;
 }
 
-/* Turns mirroring off. A file cannot be set: it only says whether its frames are mirrored. */
+/* Turns mirroring off. This cannot be set for a file, which only reports whether its frames are
+ * mirrored. */
 static void unmirror_stream(const struct iso__openni2_session *session,
                             struct iso__openni2_stream *stream)
 {
@@ -27,8 +28,8 @@ static void unmirror_stream(const struct iso__openni2_session *session,
                        mirroring;
 }
 
-/* The number of frames of a stream of a file, by which its end is known. The runtime reports the
- * end, too, but later and from another thread. */
+/* Reads the number of frames of a stream of a file, which tells where the file ends. The runtime
+ * reports the end, too, but later and from another thread. */
 static int count_frames(const struct iso__openni2_session *session,
                         struct iso__openni2_stream *stream, struct iso_fault *fault)
 {
@@ -46,7 +47,7 @@ static bool modes_equal(const OniVideoMode *a, const OniVideoMode *b)
            a->resolutionY == b->resolutionY && a->fps == b->fps;
 }
 
-/* How well a mode fits: the more the better, 0 not at all. `now` is the mode that is set. */
+/* Ranks a mode: a larger number fits better, and 0 does not fit. `now` is the mode that is set. */
 typedef int mode_rank(const OniVideoMode *mode, const OniVideoMode *now, const void *context);
 
 /* Sets the mode that fits best. */
@@ -84,7 +85,8 @@ static int choose_mode(const struct iso__openni2_session *session, const char *n
     return 0;
 }
 
-/* Claims a stream of the device, whole image and unmirrored, in the mode that fits best. */
+/* Claims a stream of the device in the mode that fits best, with the whole image and not
+ * mirrored. */
 static int claim_stream(struct iso__openni2_session *session, OniSensorType type, mode_rank *rank,
                         const void *context, struct iso__openni2_stream *stream,
                         struct iso_fault *fault)
@@ -108,7 +110,8 @@ static int claim_stream(struct iso__openni2_session *session, OniSensorType type
     return session->file ? count_frames(session, stream, fault) : 0;
 }
 
-/* A mode of the wanted size and rate, or of those that it has now; the finer unit first. */
+/* Ranks modes of the wanted size and rate, or of the present ones if none are wanted. The mode with
+ * the finer unit is better. */
 static int rank_depth(const OniVideoMode *mode, const OniVideoMode *now, const void *context)
 {
     const struct iso__openni2_wish *wish = context;
@@ -124,7 +127,7 @@ static int rank_depth(const OniVideoMode *mode, const OniVideoMode *now, const v
     return unit_mm < 1.0 ? 2 : 1;
 }
 
-/* A mode of the size of the depths; as many bits and frames as there are. */
+/* Ranks modes of the size of the depth mode. More bits and a higher rate are better. */
 static int rank_grey(const OniVideoMode *mode, const OniVideoMode *now, const void *context)
 {
     const OniVideoMode *depth = context;
@@ -145,7 +148,7 @@ static int rank_grey(const OniVideoMode *mode, const OniVideoMode *now, const vo
     }
 }
 
-/* Has the device move the depths to where the colour camera sees them. */
+/* Tells the device to align the depths with the view of the colour camera. */
 static int register_to_color(const struct iso__openni2_session *session, struct iso_fault *fault)
 {
     const OniImageRegistrationMode mode = ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR;
@@ -160,11 +163,12 @@ static int register_to_color(const struct iso__openni2_session *session, struct 
         return iso_fault_set(fault, -EINVAL, "%s: %s: cannot register depths to colours", owner,
                              session->info.uri);
     }
-    (void)oniDeviceEnableDepthColorSync(session->device); /* without it they are paired by time */
+    /* Without this, frames are paired by their times. */
+    (void)oniDeviceEnableDepthColorSync(session->device);
     return 0;
 }
 
-/* The count that stands for full intensity. */
+/* The count that means full intensity. */
 static double grey_full_scale(const struct iso__openni2_stream *stream)
 {
     int top = 0;

@@ -15,10 +15,10 @@
 static const char owner[] = "sensor openni2";
 
 enum {
-    SLICE_MS = 20,     /* longest sleep between two looks at whether the device is there */
-    AFTER_END_MS = 50, /* when to look at a file again that has ended */
+    SLICE_MS = 20,     /* longest sleep between two checks whether the device is there */
+    AFTER_END_MS = 50, /* delay before a file that has ended is checked again */
     NS_PER_MS = 1000000,
-    LOOP_GAP_NS = 33333333, /* from the last frame of a file to its first */
+    LOOP_GAP_NS = 33333333, /* time between the last frame of a file and its first one */
 };
 
 struct openni2 {
@@ -26,10 +26,10 @@ struct openni2 {
     struct iso__openni2_settings settings;
     struct iso__openni2_session session;
     struct iso_frame *frame;
-    struct iso__openni2_pairing fetched; /* and not yet handed up */
-    bool played;                         /* the file is not at its beginning */
+    struct iso__openni2_pairing fetched; /* fetched, but not yet handed to the caller */
+    bool played;                         /* the file is no longer at its beginning */
 
-    struct iso_timeline timeline;        /* of a device */
+    struct iso_timeline timeline;        /* only for a device */
     int64_t origin_ns, file_ns, last_ns; /* of a file: clock time of its time 0, its last time */
 };
 
@@ -108,8 +108,8 @@ static int openni2_open(const struct iso_option *options, size_t n_options,
     return 0;
 }
 
-/* A start would continue a file where it was stopped; the file is opened again to play it from its
- * beginning. */
+/* Starting again would continue a file where it was stopped. The file is therefore opened again, to
+ * play it from its beginning. */
 static int rewind_file(struct openni2 *sensor, struct iso_fault *fault)
 {
     if (!sensor->session.file || !sensor->played) {
@@ -159,9 +159,9 @@ static int take_one(struct openni2 *sensor, int timeout_ms, struct iso_fault *fa
     return error;
 }
 
-/* With a device: fetches until a frame is complete or the deadline has passed. The remaining time
- * is also counted down by the time of the waits, so that a clock that does not advance cannot block
- * the caller. */
+/* For a device: fetches until a frame is complete or the deadline has passed. The remaining time is
+ * also reduced by the duration of the waits, so that a clock that does not advance cannot block the
+ * caller. */
 static int fetch_live(struct openni2 *sensor, int64_t deadline_ns, struct iso_fault *fault)
 {
     const int64_t left_ns = deadline_ns - iso_clock_now_ns(&sensor->clock);
@@ -187,7 +187,7 @@ static int fetch_live(struct openni2 *sensor, int64_t deadline_ns, struct iso_fa
     return 0;
 }
 
-/* With a file: fetches the next frame, which takes as long as reading it. */
+/* For a file: fetches the next frame, which takes only the time to read it. */
 static int fetch_file(struct openni2 *sensor, struct iso_fault *fault)
 {
     int error = 0;
@@ -199,14 +199,16 @@ static int fetch_file(struct openni2 *sensor, struct iso_fault *fault)
 
 /* ---- handing up ------------------------------------------------------------- */
 
-/* When the fetched frame of a file is due. */
+/* The time at which the fetched frame of a file is due. */
 static int64_t file_due_ns(struct openni2 *sensor)
 {
     const int64_t t_ns = iso__openni2_frame_ns(sensor->fetched.depth),
                   now_ns = iso_clock_now_ns(&sensor->clock);
-    if (sensor->file_ns == INT64_MIN) { /* the first one */
+    if (sensor->file_ns == INT64_MIN) {
+        /* This is the first frame. */
         sensor->origin_ns = now_ns - t_ns;
-    } else if (t_ns <= sensor->file_ns) { /* it began again */
+    } else if (t_ns <= sensor->file_ns) {
+        /* The file has begun again. */
         sensor->origin_ns += sensor->file_ns - t_ns + LOOP_GAP_NS;
     }
     sensor->file_ns = t_ns;
@@ -275,7 +277,7 @@ static int openni2_wait(void *self, int64_t deadline_ns, const struct iso_frame 
     return error ? error : hand_up(sensor, frame, fault);
 }
 
-/* Only with a file: the wait for a device blocks. */
+/* Only a file can tell its next time. The wait for a device blocks. */
 static int openni2_next_due_ns(void *self, int64_t *out)
 {
     struct openni2 *sensor = self;
@@ -294,7 +296,7 @@ static int openni2_next_due_ns(void *self, int64_t *out)
 
 /* ---- description and health ---------------------------------------------------- */
 
-/* A device's name as a recording can hold it. */
+/* Makes a name for the device that a recording accepts. */
 static void name_model(const char *name, char *model, size_t size)
 {
     static const char allowed[] =
@@ -337,7 +339,7 @@ static int openni2_describe(void *self, struct iso_sensor_description *out)
 static void openni2_health(void *self, struct iso_sensor_device_health *out)
 {
     static const char *const words[] = {"", "error", "not ready",
-                                        "" /* a file's end is no fault */};
+                                        "" /* the end of a file is not a fault */};
     const int n_words = (int)(sizeof words / sizeof *words);
     struct openni2 *sensor = self;
     const int state = atomic_load(&sensor->session.state);

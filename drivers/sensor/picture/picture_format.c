@@ -6,10 +6,10 @@ const uint32_t iso_picture_grey_formats[7] = {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_Y1
                                               V4L2_PIX_FMT_Y12,  V4L2_PIX_FMT_Y10,
                                               V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY};
 
-/* How a format keeps a pixel's grey level. */
+/* How a format stores the grey level of a pixel. */
 struct layout {
-    size_t step, first; /* bytes from pixel to pixel, and to the level of the first */
-    int bits;           /* over 8: in two bytes, the lower one first */
+    size_t step, first; /* bytes from pixel to pixel, and to the grey level of the first pixel */
+    int bits;           /* more than 8: stored in two bytes, the lower one first */
 };
 
 static struct layout layout_of(uint32_t format)

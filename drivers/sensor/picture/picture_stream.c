@@ -11,15 +11,15 @@
 
 #include "drivers/sensor/picture/picture_pair.h"
 
-/* Pictures of one camera that wait for their partners, oldest first. */
+/* Pictures of one camera that wait for their partners, the oldest first. */
 enum { WAITING_MAX = 3 };
 
 struct camera {
     struct iso_picture_source source;
     size_t n_waiting;
     struct iso_picture waiting[WAITING_MAX];
-    uint8_t *copies[WAITING_MAX + 1]; /* of the waiting ones; the last is the one handed out */
-    bool has_newest;                  /* since start: the number of the picture that came last */
+    uint8_t *copies[WAITING_MAX + 1]; /* of the waiting pictures; the caller has the last one */
+    bool has_newest;                  /* since the start: `newest` is the last picture's number */
     uint32_t newest;
 };
 
@@ -31,17 +31,17 @@ struct iso_picture_stream {
     struct camera cameras[ISO_PICTURE_CAMERAS_MAX];
     int n_cameras, epoll_fd;
     int64_t tolerance_ns;
-    uint64_t last_sequence; /* of the stream; the device's number of that picture, in 32 bits */
+    uint64_t last_sequence; /* sequence of the stream; the device's 32-bit number of that picture */
     uint32_t last_number;
     bool started[ISO_PICTURE_CAMERAS_MAX];
-    bool has_number, has_last; /* since start; since ever */
+    bool has_number, has_last; /* since the start; since the opening */
     int64_t last_ns;
     uint64_t dropped;
 };
 
 /* ---- opening and closing ---------------------------------------------------- */
 
-/* No format that is wanted takes more than two bytes a pixel. */
+/* None of the supported formats takes more than two bytes a pixel. */
 static int add_camera(struct iso_picture_stream *s,
                       const struct iso_picture_stream_options *options, int index,
                       struct iso_fault *fault)
@@ -105,7 +105,7 @@ void iso_picture_stream_close(struct iso_picture_stream *stream)
     free(stream);
 }
 
-/* A camera is polled only while it streams: to look at a video node before that would start the
+/* A camera is polled only while it streams. Polling a video node before that would start the
  * kernel's emulation of read(), and keep the node busy. */
 static int start_camera(struct iso_picture_stream *s, int index, struct iso_fault *fault)
 {
@@ -165,7 +165,7 @@ static void drop_oldest(struct camera *camera)
     camera->copies[WAITING_MAX - 1] = copy;
 }
 
-/* Copied without padding, so that the kernel has its buffer back at once. */
+/* The picture is copied without padding, so that the kernel gets its buffer back at once. */
 static void copy_picture(struct camera *camera, struct iso_picture *picture)
 {
     uint8_t *copy = camera->copies[camera->n_waiting];
@@ -177,8 +177,8 @@ static void copy_picture(struct camera *camera, struct iso_picture *picture)
     picture->bytes = copy;
 }
 
-/* Whether a picture comes after one that was taken later; there is already a gap in its place. The
- * numbers of devices have 32 bits and start again after that. */
+/* Whether a picture arrives after one that was taken later. Its sequence number has already been
+ * counted as a gap. The numbers of devices have 32 bits and then start again. */
 static bool is_late(struct camera *camera, const struct iso_picture *picture)
 {
     if (camera->has_newest && (int32_t)(picture->sequence - camera->newest) <= 0) {
@@ -201,7 +201,7 @@ static int refuse_late(struct iso_picture_stream *s, const struct camera *camera
                                       (unsigned long)camera->newest);
 }
 
-/* Takes what the kernel has of a camera's pictures. */
+/* Takes the pictures of a camera that the kernel has ready. */
 static int fetch_pictures(struct iso_picture_stream *s, struct camera *camera,
                           struct iso_fault *fault)
 {
@@ -223,7 +223,7 @@ static int fetch_pictures(struct iso_picture_stream *s, struct camera *camera,
         camera->waiting[camera->n_waiting++] = picture;
         error = camera->source.give_back(camera->source.self, fault);
         if (s->n_cameras == 1) {
-            break; /* the rest may wait in the kernel */
+            break; /* more pictures may wait in the kernel */
         }
     }
     return error == -EAGAIN ? 0 : error;
@@ -244,7 +244,8 @@ static enum iso_pair_verdict judge_pair(const struct iso_picture_stream *s)
                           s->tolerance_ns);
 }
 
-/* Moves the oldest pictures out of the queues, where the next fetch would overwrite them. */
+/* Moves the oldest pictures out of the queues, because the next fetch would overwrite them
+ * there. */
 static void hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
 {
     for (int i = 0; i < s->n_cameras; i++) {
@@ -260,7 +261,7 @@ static void hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
     const int64_t t_ns = iso_clock_now_ns(&s->clock) - (age_ns > 0 ? age_ns : 0);
     out->t_ns = t_ns > s->last_ns ? t_ns : s->last_ns + 1;
     s->last_ns = out->t_ns;
-    /* The first picture since the start follows on, whatever its number. */
+    /* The first picture since the start continues the sequence, whatever number it has. */
     out->sequence = s->has_last ? s->last_sequence + 1 : 0;
     if (s->has_number) {
         out->sequence = s->last_sequence + (uint32_t)(first->sequence - s->last_number);
@@ -270,7 +271,7 @@ static void hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
     s->has_number = s->has_last = true;
 }
 
-/* A set from what has come; -EAGAIN if it takes more. */
+/* Assembles a set from the waiting pictures. Returns -EAGAIN if more pictures are needed. */
 static int assemble_set(struct iso_picture_stream *s, struct iso_picture_set *out,
                         struct iso_fault *fault)
 {

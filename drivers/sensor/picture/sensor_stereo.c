@@ -44,7 +44,8 @@ static void read_cameras(const struct iso_option_set *set, struct iso_sensor_ste
     iso_picture_sensor_options(set, &out->fps, &out->tolerance_ns);
 }
 
-/* Pictures that are worse than half a pixel off their model are matched wrongly. */
+/* If the pictures differ from their model by more than half a pixel, matching gives wrong
+ * depths. */
 static enum iso_fault_code judge_calibration(const struct iso_stereo_calibration *calibration)
 {
     static const double rms_max_px = 0.5;
@@ -54,7 +55,7 @@ static enum iso_fault_code judge_calibration(const struct iso_stereo_calibration
     return calibration->rms_px > rms_max_px ? ISO_FAULT_CALIBRATION_POOR : ISO_FAULT_NONE;
 }
 
-/* "60.0 mm apart, 0.21 px rms of 24 pairs". */
+/* Writes a text such as "60.0 mm apart, 0.21 px rms of 24 pairs". */
 static void describe_calibration(const struct iso_stereo_calibration *calibration, char *text,
                                  size_t size)
 {
@@ -166,7 +167,7 @@ int iso_sensor_stereo_wait(void *self, int64_t deadline_ns, const struct iso_fra
     error = iso_stereo_compute(stereo->stereo, stereo->pictures[ISO_EYE_LEFT],
                                stereo->pictures[ISO_EYE_RIGHT], NULL, stereo->frame);
     if (error) {
-        /* This pair is lost; the next may be good. */
+        /* This pair is lost, but the next one may be good. */
         return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, -EBADMSG,
                                   "%s: the pictures cannot be matched: %s", stereo->owner,
                                   strerror(-error));

@@ -33,16 +33,16 @@ static const struct iso_option_spec option_specs[] = {
     {.name = NULL},
 };
 
-enum { LONE_FRAME_INTERVAL_NS = 33333333 }; /* of a loop over one frame: 30 a second */
+enum { LONE_FRAME_INTERVAL_NS = 33333333 }; /* for a loop over one frame: 30 frames a second */
 
-/* What lay at the path when it was looked at; equal slots hold the same visitor. A link that was
- * replaced is a new inode, or at least changed at another time. */
+/* What was found at the path. Equal slots hold the same visitor. A link that was replaced has
+ * another inode, or at least another time of change. */
 struct slot {
     bool there;
     dev_t device;
     ino_t inode;
-    struct timespec changed; /* of a link only: a directory changes while it is filled */
-    char target[PATH_MAX];   /* of a link only */
+    struct timespec changed; /* only of a link: a directory changes while it is filled */
+    char target[PATH_MAX];   /* only of a link */
 };
 
 struct replay {
@@ -51,12 +51,12 @@ struct replay {
     bool realtime, loop, repeats;
 
     struct slot slot;
-    struct iso_recording *recording; /* NULL: nothing to play */
-    struct iso_frame *frame;         /* of the recording's shape */
-    size_t next;                     /* frame to play */
+    struct iso_recording *recording; /* NULL: there is nothing to play */
+    struct iso_frame *frame;         /* has the recording's size */
+    size_t next;                     /* index of the frame to play next */
     int64_t origin_ns;               /* clock time of the recording's time stamp 0 */
 
-    uint64_t sequence; /* of the next frame */
+    uint64_t sequence; /* sequence of the next frame */
     int64_t last_ns;   /* t_ns of the last frame */
 };
 
@@ -130,7 +130,7 @@ static int look_at_slot(const char *path, struct slot *slot, struct iso_fault *f
     if (S_ISLNK(status.st_mode)) {
         const ssize_t length = readlink(path, slot->target, sizeof slot->target - 1);
         if (length < 0) {
-            return 0; /* taken away since: it is not there */
+            return 0; /* the link was removed in the meantime */
         }
         slot->changed = status.st_ctim;
     }
@@ -147,7 +147,7 @@ static bool slots_equal(const struct slot *a, const struct slot *b)
            strcmp(a->target, b->target) == 0;
 }
 
-/* Opens the recording by its resolved name, so that frames never come from two recordings when the
+/* Opens the recording by its resolved name, so that all frames come from one recording even if the
  * link is replaced meanwhile. */
 static int load_recording(struct replay *replay, struct iso_fault *fault)
 {
@@ -171,7 +171,7 @@ static int load_recording(struct replay *replay, struct iso_fault *fault)
     return 0;
 }
 
-/* Looks at the slot, and changes over if it has changed. */
+/* Checks the slot, and opens the new recording if it has changed. */
 static int follow_slot(struct replay *replay, struct iso_fault *fault)
 {
     struct slot before, after;
@@ -186,19 +186,19 @@ static int follow_slot(struct replay *replay, struct iso_fault *fault)
     }
     error = load_recording(replay, fault);
     if (look_at_slot(replay->path, &after, NULL) || !slots_equal(&before, &after)) {
-        /* Replaced while it was being opened: what was opened may be either. */
+        /* The link was replaced during the opening, so either recording may have been opened. */
         close_recording(replay);
         error = -EAGAIN;
     }
     if (error == -EAGAIN || error == -ENOMEM) {
-        replay->slot = (struct slot){.there = false}; /* so that it is looked at again */
+        replay->slot = (struct slot){.there = false}; /* the next call checks the slot again */
     }
     return error == -EAGAIN ? 0 : error;
 }
 
 /* ---- frames ----------------------------------------------------------------- */
 
-/* From the last frame back to the first, in time with the recording. */
+/* Goes from the last frame back to the first, and keeps the time of the recording. */
 static void rewind_loop(struct replay *replay)
 {
     const size_t n = iso_recording_frames(replay->recording);
@@ -243,7 +243,7 @@ static int replay_wait(void *self, int64_t deadline_ns, const struct iso_frame *
                        struct iso_fault *fault)
 {
     struct replay *replay = self;
-    (void)deadline_ns; /* it never blocks */
+    (void)deadline_ns; /* this back end never blocks */
     int error = follow_slot(replay, fault);
     if (error) {
         return error;
@@ -291,7 +291,8 @@ static int replay_describe(void *self, struct iso_sensor_description *out)
     return 0;
 }
 
-/* An empty slot is no fault of a replay, whose visitors come and go; but it may be a wrong path. */
+/* An empty slot is not a fault of a replay, because visitors come and go. But the path may also be
+ * wrong. */
 static void replay_health(void *self, struct iso_sensor_device_health *out)
 {
     const struct replay *replay = self;

@@ -16,7 +16,7 @@ static const char owner[] = "sensor v4l2";
 struct v4l2 {
     struct iso_picture_sensor base;
     struct iso_camera_file camera;
-    struct iso_v4l2_node *nodes[2]; /* depth, and infrared or NULL */
+    struct iso_v4l2_node *nodes[2]; /* depth, and infrared (or NULL) */
     struct iso_frame *frame;
     bool has_ir;
 };
@@ -38,7 +38,7 @@ static const struct iso_option_spec option_specs[] = {
     {.name = NULL},
 };
 
-/* The two wishes, and how near their pictures must be. */
+/* Reads the options of both nodes, and how close in time their pictures must be. */
 static int read_options(const struct iso_option *options, size_t n_options, struct v4l2 *v4l2,
                         struct iso_v4l2_wish wishes[2], struct iso_picture_stream_options *out,
                         struct iso_fault *fault)

@@ -42,7 +42,7 @@ enum iso_fault_code iso_v4l2_fault_code(int error)
         return ISO_FAULT_SENSOR_DENIED;
     case -EBUSY:
         return ISO_FAULT_SENSOR_BUSY;
-    case -ENOSPC: /* of a USB bus: bandwidth */
+    case -ENOSPC: /* a USB bus lacks bandwidth */
         return ISO_FAULT_USB_FULL;
     case -ENOMEM:
         return ISO_FAULT_OUT_OF_MEMORY;
@@ -51,7 +51,7 @@ enum iso_fault_code iso_v4l2_fault_code(int error)
     }
 }
 
-/* An errno of the sensor class: what a device may not answer becomes -EIO. */
+/* Converts an errno to one that the sensor class allows. Others become -EIO. */
 static int class_error(int error)
 {
     switch (error) {
@@ -117,7 +117,7 @@ static bool offers_format(const struct iso_v4l2_node *node, uint32_t format)
     return false;
 }
 
-/* Bytes of a row of pixels; 0: not one of the formats that are known here. */
+/* The bytes of a row of pixels; 0 for a format that is not supported. */
 static size_t row_bytes(uint32_t format, int width_px)
 {
     switch (format) {
@@ -171,7 +171,7 @@ static int choose_format(struct iso_v4l2_node *node, const struct iso_v4l2_wish 
     return 0;
 }
 
-/* A camera that cannot be told its rate keeps its own. */
+/* A camera whose rate cannot be set keeps its own rate. */
 static void choose_rate(struct iso_v4l2_node *node, int fps)
 {
     struct v4l2_streamparm parameters = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
@@ -254,7 +254,7 @@ static int add_buffer(struct iso_v4l2_node *node, unsigned index)
     return call_node(node, VIDIOC_QBUF, &buffer);
 }
 
-/* A device that was pulled out may say so only when it is asked. */
+/* A device that was pulled out may report this only when it is asked. */
 static bool is_gone(const struct iso_v4l2_node *node)
 {
     struct v4l2_capability capability;
@@ -303,7 +303,7 @@ static int node_stop(void *self)
         node->system->unmap(node->system->context, buffer->at, buffer->length);
     }
     if (had) {
-        (void)request_buffers(node, 0, &none); /* so that another process may have the camera */
+        (void)request_buffers(node, 0, &none); /* another process may use the camera then */
     }
     return error && error != -ENODEV ? -EIO : error;
 }
@@ -317,7 +317,8 @@ static int explain_stream(struct iso_v4l2_node *node, int error, struct iso_faul
                               error == -ENODEV ? "the device is gone" : "the stream broke");
 }
 
-/* When the picture was taken; when it arrived, if the driver keeps another clock. */
+/* The time at which the picture was taken, or at which it arrived if the driver uses another
+ * clock. */
 static int64_t stamp_of(const struct iso_v4l2_node *node, const struct v4l2_buffer *buffer)
 {
     if ((buffer->flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC) {

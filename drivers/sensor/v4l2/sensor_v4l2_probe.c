@@ -1,4 +1,4 @@
-/* Which video nodes there are, what their pictures are like, and whether they may be opened. */
+/* Finds the video nodes, the formats of their pictures, and whether they may be opened. */
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <stdio.h>
@@ -13,7 +13,7 @@ static int call(const struct iso_v4l2_system *system, int fd, unsigned long requ
     return system->ioctl(system->context, fd, request, argument);
 }
 
-/* " Z16 GREY ...", each format once. Returns whether depth is among them. */
+/* Writes the formats as " Z16 GREY ...". Returns whether depth is among them. */
 static bool list_formats(const struct iso_v4l2_system *system, int fd, char *text, size_t size)
 {
     bool depth = false;
@@ -33,7 +33,8 @@ static bool list_formats(const struct iso_v4l2_system *system, int fd, char *tex
     return depth;
 }
 
-/* Whether it is a camera, and how it is labelled: "CARD at BUS: FORMATS", or why it is closed. */
+/* Returns whether the node is a camera. Its label is "CARD at BUS: FORMATS", or says why it cannot
+ * be opened. */
 static bool look_at(const struct iso_v4l2_system *system, struct iso_sensor_device *device)
 {
     struct v4l2_capability capability = {0};
