@@ -14,8 +14,7 @@ struct neighbours {
 };
 
 struct plane {
-    float at, along_x, along_y;
-    /* alue in the middle, and slopes per half-size pixel */
+    float at, along_x, along_y; /* value in the middle, and slopes per half-size pixel */
 };
 
 static void gather(const float *half, int width, int height, int column, int row,

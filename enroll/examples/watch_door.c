@@ -1,11 +1,11 @@
-/* Watches a door over the bus: prints the state of the appliance, who is enrolled, and then one
+/* Watches a door over the bus. Prints the state of the appliance, the enrolled people, and then one
  * line for each visit.
  *
  *     watch_door [ADDRESS [COUNT]]
  *
- * ADDRESS is that of a message bus, "" or none: the system bus. After COUNT visits the program
- * ends. Who may call the daemon is decided by the policy of the bus: on an appliance root and the
- * members of the group isotherm.
+ * ADDRESS is the address of a message bus; without it, or with "", the system bus is used. The
+ * program ends after COUNT visits. The policy of the bus decides who may call the daemon: on an
+ * appliance these are root and the members of the group isotherm.
  *
  *     cc -O2 watch_door.c $(pkg-config --cflags --libs libsystemd) -o watch_door
  */
@@ -21,7 +21,7 @@ static const char service[] = "org.isotherm.Isotherm";
 static const char object[] = "/org/isotherm/Door0";
 static const char interface[] = "org.isotherm.Door";
 
-/* A client of the system bus, or of the one at an address. */
+/* Connects to the system bus, or to the bus at an address. */
 static int connect_to(const char *address, sd_bus **out)
 {
     if (!address || !*address) {
@@ -33,7 +33,7 @@ static int connect_to(const char *address, sd_bus **out)
     return error < 0 ? error : sd_bus_start(*out);
 }
 
-/* Calls a method without arguments. The caller unrefs the reply. */
+/* Calls a method without arguments. The caller releases the reply. */
 static int call(sd_bus *bus, const char *method, sd_bus_message **reply)
 {
     sd_bus_error why = SD_BUS_ERROR_NULL;
@@ -45,7 +45,7 @@ static int call(sd_bus *bus, const char *method, sd_bus_message **reply)
     return error;
 }
 
-/* Prints one value of the state if it is a text or a number that somebody may want to see. */
+/* Prints one value of the state if it is one of the wanted texts and numbers. */
 static int print_value(sd_bus_message *reply, const char *key)
 {
     static const char *const wanted[] = {"version", "sensor-state", "door-state", "people"};
@@ -72,7 +72,7 @@ static int print_value(sd_bus_message *reply, const char *key)
     return error;
 }
 
-/* GetStatus() -> a{sv}: a dictionary of values of different types. */
+/* GetStatus() -> a{sv}: a dictionary with values of different types. */
 static int print_state(sd_bus *bus)
 {
     sd_bus_message *reply = NULL;
@@ -107,8 +107,7 @@ static int print_people(sd_bus *bus)
 }
 
 /* Visit(s verdict, s person, d score, d threshold, u frames, x latency_us, s reason, s door,
- * s door_fault): a decision of the door. The number of visits that are still waited for is counted
- * down. */
+ * s door_fault): a decision of the door. Counts down the visits that are still expected. */
 static int on_visit(sd_bus_message *signal, void *context, sd_bus_error *why)
 {
     (void)why;
@@ -139,7 +138,7 @@ static int watch(sd_bus *bus, long count)
         (void)fflush(stdout);
     }
     while (error >= 0 && left != 0) {
-        error = sd_bus_process(bus, NULL); /* calls on_visit */
+        error = sd_bus_process(bus, NULL); /* this calls on_visit */
         error = error == 0 ? sd_bus_wait(bus, UINT64_MAX) : error;
     }
     return error;
@@ -147,7 +146,7 @@ static int watch(sd_bus *bus, long count)
 
 int main(int argc, char **argv)
 {
-    const long count = argc > 2 ? strtol(argv[2], NULL, 10) : -1; /* -1: for ever */
+    const long count = argc > 2 ? strtol(argv[2], NULL, 10) : -1; /* -1: without an end */
     sd_bus *bus = NULL;
     int error = connect_to(argc > 1 ? argv[1] : NULL, &bus);
     error = error < 0 ? error : print_state(bus);

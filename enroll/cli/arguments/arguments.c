@@ -9,12 +9,13 @@
 #include "enroll/cli/arguments/option_table.h"
 #include "enroll/cli/arguments/option_value.h"
 
-/* What getopt returns for option 0: above every character, which it returns, too. */
+/* What getopt returns for option 0. It is above every character, because getopt returns characters,
+ * too. */
 enum { FIRST_OPTION = 256 };
 
 _Static_assert(CLI_OPTIONS <= 64, "the options given are the bits of a uint64_t");
 
-/* Every "--json", even one behind a fault that ends the parsing. */
+/* Finds "--json" anywhere, even after a fault that ends the parsing. */
 static bool wants_json(int argc, char **argv)
 {
     for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
@@ -40,7 +41,7 @@ static enum cli_exit usage_fault(struct cli_fault *fault, const char *text, cons
                          word);
 }
 
-/* The option that getopt_long found, by its long name or by a single letter. */
+/* Converts the result of getopt_long, for a long name or a single letter, to the option. */
 static enum cli_option_id option_found(int found)
 {
     switch (found) {
@@ -88,8 +89,8 @@ static enum cli_exit unknown_command(struct cli_fault *fault, const char *word)
                  : usage_fault(fault, "unknown command", word);
 }
 
-/* What a good value looks like, behind the complaint about a bad one, by the name of the argument.
- */
+/* An example of a good value, by the name of the argument. It follows the complaint about a bad
+ * value. */
 static const char *example_of(const char *argument)
 {
     if (strcmp(argument, "T") == 0) {
@@ -98,7 +99,8 @@ static const char *example_of(const char *argument)
     return strcmp(argument, "D") == 0 ? "; a day looks like 2026-12-31, today or yesterday" : "";
 }
 
-/* Reads the options, notes in *given which were there (a bit for each of the table). */
+/* Reads the options, and notes in *given which were there (one bit for each option of the
+ * table). */
 static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *out,
                                    uint64_t *given, struct cli_fault *fault)
 {
@@ -107,7 +109,7 @@ static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *
 
     make_getopt_table(table);
     opterr = 0;
-    optind = 0; /* GNU: begin anew, also after an earlier call */
+    optind = 0; /* GNU: starts again, also after an earlier call */
     while ((found = getopt_long(argc, argv, ":hn:", table, NULL)) != -1) {
         if (found == '?') {
             return unknown_option(fault, argv[optind - 1]);
@@ -126,7 +128,7 @@ static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *
     return CLI_EXIT_OK;
 }
 
-/* A command's fixed words, "on|off", as they are read out: "on or off". */
+/* Writes a command's fixed words, "on|off", as text: "on or off". */
 static enum cli_exit missing_word(const struct cli_command *command, const char *after,
                                   struct cli_fault *fault)
 {
@@ -181,7 +183,7 @@ static enum cli_exit read_from(struct cli_arguments *out, struct cli_fault *faul
                          example_of(out->verb == CLI_LOG ? "N" : "T"));
 }
 
-/* Which limits there are, and that they go together. */
+/* Notes which limits were given, and checks that they go together. */
 static enum cli_exit check_limits(struct cli_arguments *arguments, struct cli_fault *fault)
 {
     const bool enrols = arguments->verb == CLI_ENROLL;
@@ -235,7 +237,7 @@ enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *o
     exit = parse_options(argc, argv, out, &given, fault);
     int n_words = argc - optind;
     char **words = argv + optind;
-    if (!exit && n_words > 0 && strcmp(words[0], "help") == 0) { /* as the option */
+    if (!exit && n_words > 0 && strcmp(words[0], "help") == 0) { /* help, as the option */
         out->help = true;
         n_words--;
         words++;

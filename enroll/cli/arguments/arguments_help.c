@@ -5,7 +5,7 @@
 #include "enroll/cli/arguments/option_table.h"
 #include "enroll/cli/arguments/wrap.h"
 
-/* What an option does for this command. */
+/* The help of an option for this command. */
 static const char *help_text(const struct cli_option *option, enum cli_verb verb)
 {
     for (const struct cli_option_help *part = option->parts; part && part->text; part++) {
@@ -35,7 +35,8 @@ static void print_commands(FILE *out)
     }
 }
 
-/* The options of one command and those of all; for CLI_VERBS only the latter. */
+/* Prints the options of one command and the common options. For CLI_VERBS it prints only the common
+ * ones. */
 static void print_options(enum cli_verb verb, FILE *out)
 {
     for (size_t i = 0; i < CLI_OPTIONS; i++) {

@@ -41,7 +41,8 @@ static bool *flag_member(struct cli_arguments *out, enum cli_option_id id)
     }
 }
 
-/* The member that an option with any text but an empty one sets; NULL for all other options. */
+/* The member that an option with a text sets; the text must not be empty. NULL for all other
+ * options. */
 static const char **text_member(struct cli_arguments *out, enum cli_option_id id)
 {
     switch (id) {
@@ -66,7 +67,7 @@ static const char **text_member(struct cli_arguments *out, enum cli_option_id id
     }
 }
 
-/* A limit: a point in time, or the word for none. */
+/* Reads a limit: a point in time, or the word "none". */
 static bool read_limit(const char *text, bool end_of_day, bool *named, int64_t *unix_s)
 {
     *named = true;

@@ -22,8 +22,8 @@ static bool parse_seconds(const char *text, int64_t *unix_s)
     return true;
 }
 
-/* mktime() and timegm() turn 30 February into 2 March; a date that came back changed was not one.
- */
+/* mktime() and timegm() change 30 February to 2 March. If they return a different date, the given
+ * date does not exist. */
 static bool to_unix(const struct tm *fields, bool utc, int64_t *unix_s)
 {
     struct tm made = *fields;
@@ -63,7 +63,7 @@ bool cli_when_parse(const char *text, bool end_of_day, int64_t *unix_s)
     return false;
 }
 
-/* The first second of a day; days beyond the end of a month are those of the next one. */
+/* The first second of a day. A day after the end of a month is a day of the next month. */
 static bool first_second(int year, int month, int day, int64_t *unix_s)
 {
     struct tm fields = {.tm_year = year, .tm_mon = month, .tm_mday = day, .tm_isdst = -1};
@@ -87,7 +87,7 @@ bool cli_when_parse_day(const char *text, int64_t now_s, int64_t *begins_s, int6
         day.tm_mday -= today ? 0 : 1;
     } else {
         const char *rest = strptime(text, "%Y-%m-%d", &day);
-        int64_t sound; /* 30 February is none */
+        int64_t sound; /* 30 February does not exist */
         if (!rest || *rest || !cli_when_parse(text, false, &sound)) {
             return false;
         }

@@ -27,7 +27,7 @@ static enum cli_exit start(struct cli_daemon *daemon, const struct cli_action *a
     return exit;
 }
 
-/* What ended the action counts; a fault on the way out would only hide it. */
+/* The result of the action matters; a fault of releasing the camera would only hide it. */
 static void finish(struct cli_daemon *daemon, const char *method)
 {
     struct cli_fault ignored;
@@ -35,8 +35,7 @@ static void finish(struct cli_daemon *daemon, const char *method)
     (void)!cli_daemon_call(daemon, method, NULL, &ignored);
 }
 
-/* Listening begins after the claim: what the bus passed on before that belongs to another client.
- */
+/* Listening begins after the claim, because earlier signals belong to another client. */
 static enum cli_exit run_claimed(struct cli_daemon *daemon, const struct cli_action *action,
                                  struct cli_fault *fault)
 {

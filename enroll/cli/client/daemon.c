@@ -16,7 +16,7 @@
 
 enum {
     CALL_TIMEOUT_US = 10 * 1000 * 1000,
-    SILENCE_US = 10 * 60 * 1000 * 1000, /* of a long call, until a signal or the answer */
+    SILENCE_US = 10 * 60 * 1000 * 1000, /* how long a call may give no signal and no answer */
 };
 
 struct cli_daemon {
@@ -25,7 +25,7 @@ struct cli_daemon {
     cli_daemon_signal_fn handler;
     void *context;
     bool done, interrupted, gone; /* why a wait ended */
-    uint64_t heard;               /* how many signals the handler was called for */
+    uint64_t heard;               /* how often the handler was called for a signal */
 };
 
 static enum cli_exit no_bus(int error, const struct cli_bus *bus, struct cli_fault *fault)
@@ -58,7 +58,8 @@ static int on_owner_changed(sd_bus_message *signal, void *context, sd_bus_error 
     return 0;
 }
 
-/* Both are installed without waiting for the bus, which has them before any later call of ours. */
+/* Both matches are installed without waiting. The bus has them before any later call of this
+ * client. */
 static int watch_daemon(struct cli_daemon *daemon)
 {
     const int r = sd_bus_add_match_async(
@@ -86,7 +87,8 @@ enum cli_exit cli_daemon_open(const struct cli_bus *bus, struct cli_daemon **out
     }
     r = cli_bus_connect(bus, &daemon->bus);
     if (r >= 0) {
-        r = sd_bus_get_unique_name(daemon->bus, &unique); /* waits for the handshake */
+        r = sd_bus_get_unique_name(daemon->bus, &unique);
+        /* This call waits for the handshake. */
     }
     if (r >= 0) {
         r = sd_bus_set_method_call_timeout(daemon->bus, CALL_TIMEOUT_US);
@@ -165,7 +167,7 @@ enum cli_exit cli_daemon_bad_reply(int error, const char *method, struct cli_fau
                          method, strerror(-error));
 }
 
-/* The connection that has the daemon's name now; the caller frees *owner. */
+/* Finds the connection that owns the daemon's name now. The caller frees *owner. */
 static int find_owner(struct cli_daemon *daemon, sd_bus_error *error, char **owner)
 {
     sd_bus_message *reply = NULL;
@@ -214,8 +216,8 @@ static int on_signal(sd_bus_message *signal, void *context, sd_bus_error *error)
     return 0;
 }
 
-/* The match names the connection, not the service: anybody may send a signal straight to us, past
- * the bus's own matching, and only a connection's name is compared on our side. */
+/* The match names the connection and not the service. Any client may send a signal directly to this
+ * one, past the matching of the bus, and sd-bus itself compares only the name of a connection. */
 enum cli_exit cli_daemon_subscribe(struct cli_daemon *daemon, const char *member,
                                    cli_daemon_signal_fn handler, void *context,
                                    struct cli_fault *fault)
@@ -239,8 +241,8 @@ enum cli_exit cli_daemon_subscribe(struct cli_daemon *daemon, const char *member
     return exit;
 }
 
-/* A handler and an event descriptor, not a blocked signal and a signalfd: a library's threads
- * (those of a BLAS, say) do not block the signal, and would have it end the program. */
+/* This is a handler with an event descriptor, and not a blocked signal with a signalfd. The threads
+ * of a library, such as a BLAS, do not block the signal, so it would end the program. */
 static int interrupt_fd = -1;
 
 static void handle_interrupt(int number)
@@ -299,8 +301,8 @@ static int on_reply(sd_bus_message *reply, void *context, sd_bus_error *error)
     return 0;
 }
 
-/* Dispatches what comes until the reply is there, or nothing has come for SILENCE_US. The bus
- * itself answers in place of a daemon that has gone. */
+/* Dispatches messages until the reply has come, or nothing has come for SILENCE_US. If the daemon
+ * has gone, the bus itself replies. */
 static int await_reply(struct cli_daemon *daemon, sd_bus_message **reply)
 {
     uint64_t heard = daemon->heard, deadline_us = now_us() + SILENCE_US;

@@ -3,7 +3,7 @@
 #include "drivers/terminal/progress.h"
 #include "firmware/contract/contract.h"
 
-/* A signal that cannot be read is no fault of the call. */
+/* A signal that cannot be read does not make the call fail. */
 static bool on_progress(sd_bus_message *signal, void *context)
 {
     uint64_t done, total;

@@ -5,7 +5,7 @@
 
 #include "firmware/contract/contract.h"
 
-/* The value of a variant as JSON; a type that no status has is -EBADMSG. */
+/* Converts the value of a variant to JSON. A type that no status has gives -EBADMSG. */
 static int read_value(sd_bus_message *reply, char type, json_t **out)
 {
     union {

@@ -1,5 +1,5 @@
-/* aim: what the sensor sees, for its installation: numbers until it is interrupted, or one picture.
- */
+/* aim: shows what the sensor sees, for its installation. It prints numbers until it is interrupted,
+ * or saves one picture. */
 #include "enroll/cli/commands/commands.h"
 
 #include <math.h>
@@ -14,15 +14,16 @@
 #include "enroll/cli/text/report.h"
 #include "firmware/contract/contract.h"
 
-/* The daemon shows some ten frames a second: a camera that is silent for so long has a fault. */
+/* The daemon sends some ten views a second, so a camera that is silent for this time has a
+ * fault. */
 static const double silence_s = 2;
 
 struct aim {
     bool json;
-    bool rewrite;     /* on a terminal two lines are enough */
+    bool rewrite;     /* the output is a terminal, which shows only two lines */
     char hint[32];    /* the word whose hint was printed last */
-    uint64_t n_views; /* that have come */
-    int error;        /* of a signal that could not be read, or of the output */
+    uint64_t n_views; /* number of views that have come */
+    int error;        /* a signal could not be read, or the output could not be written */
 };
 
 /* At most 79 columns, so that no terminal breaks a line. */
@@ -40,7 +41,7 @@ static const struct column {
     {"speed-mm-s", 6, 0, false},   {"speed-deg-s", 6, 0, false},
 };
 
-/* A number in a column; "-" for one that is not known, ">" for one that does not fit. */
+/* Prints a number in a column: "-" for an unknown number, ">" for one that does not fit. */
 static void print_number(double value, const struct column *column)
 {
     char text[32];
@@ -59,8 +60,8 @@ static void print_numbers(const json_t *view, const char *word)
     }
 }
 
-/* On a terminal the hint stands below the numbers, and both lines are written over. In a file it
- * is a line of its own where it changes. */
+/* On a terminal the hint is below the numbers, and both lines are overwritten. In a file the hint
+ * is a line of its own, which is written when the hint changes. */
 static void print_view(const json_t *view, struct aim *aim)
 {
     const char *word = cli_state_text(view, "capture");
@@ -103,13 +104,13 @@ static bool on_view(sd_bus_message *signal, void *context)
 static void say_silence(const struct aim *aim)
 {
     if (aim->rewrite && aim->n_views > 0) {
-        fputs("\n\n", stdout); /* below both lines */
+        fputs("\n\n", stdout); /* go below both lines */
         fflush(stdout);
     }
     fputs("No frames arrive from the camera; isotherm doctor may say why.\n", stderr);
 }
 
-/* Waits as cli_daemon_wait() does, and says once if nothing comes for a while. */
+/* Waits as cli_daemon_wait() does, and prints a message once if nothing comes for a while. */
 static enum cli_exit wait_for_views(struct cli_daemon *daemon, double timeout_s,
                                     const struct aim *aim, struct cli_fault *fault)
 {
@@ -131,7 +132,7 @@ static enum cli_exit wait_for_views(struct cli_daemon *daemon, double timeout_s,
     return CLI_EXIT_TIMED_OUT;
 }
 
-/* To be interrupted is how it is meant to end. */
+/* Shows views until it is interrupted, which is its normal end. */
 static enum cli_exit watch_views(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                  struct aim *aim, struct cli_fault *fault)
 {
@@ -146,7 +147,7 @@ static enum cli_exit watch_views(struct cli_daemon *daemon, const struct cli_arg
     }
     exit = wait_for_views(daemon, arguments->timeout_s, aim, fault);
     if (aim->rewrite) {
-        fputs("\n\n", stdout); /* below both lines */
+        fputs("\n\n", stdout); /* go below both lines */
     }
     (void)!cli_daemon_call(daemon, ISO_CONTRACT_AIM_STOP, NULL, &ignored);
     if (aim->error) {

@@ -1,4 +1,4 @@
-/* validity and rename: changes of an enrolled person. */
+/* validity and rename: change the data of an enrolled person. */
 #include "enroll/cli/commands/commands.h"
 
 #include <inttypes.h>

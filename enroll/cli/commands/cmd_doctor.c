@@ -6,7 +6,7 @@ enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault
 {
     struct cli_diagnosis diagnosis = {0};
 
-    (void)fault; /* what goes wrong here is what was asked for */
+    (void)fault; /* every fault is part of the result */
     cli_doctor_examine(&arguments->bus, &diagnosis);
     const enum cli_exit exit = cli_diagnosis_exit(&diagnosis);
     if (!arguments->json) {

@@ -1,5 +1,4 @@
-/* door test: the relay clicks once, so that the installer hears and sees that it is wired.
- */
+/* door test: the relay clicks once, so that the installer can hear and see that it is wired. */
 #include "enroll/cli/commands/commands.h"
 
 #include <string.h>
@@ -8,8 +7,8 @@
 #include "enroll/cli/text/report.h"
 #include "firmware/contract/contract.h"
 
-/* Asks at the terminal. CLI_EXIT_NO if the answer is not yes; CLI_EXIT_USAGE nobody can be asked.
- */
+/* Asks for confirmation at the terminal. Returns CLI_EXIT_NO if the answer is not yes, and
+ * CLI_EXIT_USAGE if there is no terminal. */
 static enum cli_exit confirm(struct cli_fault *fault)
 {
     char answer[16] = "";

@@ -17,15 +17,15 @@ enum { DEFAULT_TIMEOUT_S = 60, RESULT_SIZE = 64, WHAT_SIZE = 300 };
 
 struct enrolment {
     const struct cli_arguments *arguments;
-    struct cli_hints hints;   /* to stdout, or beside a JSON document to stderr */
-    char result[RESULT_SIZE]; /* the last word of the daemon that was not a hint */
+    struct cli_hints hints;   /* to stdout, or to stderr if stdout has a JSON document */
+    char result[RESULT_SIZE]; /* the last word from the daemon that was not a hint */
     unsigned stage, stages;
     double quality;
-    struct cli_known known;              /* who has the name already */
-    char refused[256];                   /* what the disk refused; "" if it did not */
-    char duplicate[CLI_KNOWN_NAME_SIZE]; /* under which name the face is known; "" if it is not */
-    struct iso_progress *progress;       /* on stderr, stage by stage */
-    char what[WHAT_SIZE];                /* of the progress */
+    struct cli_known known;              /* the enrolled person who has the name already */
+    char refused[256];                   /* the error of the disk; "" if there was none */
+    char duplicate[CLI_KNOWN_NAME_SIZE]; /* name under which the face is known; "": unknown */
+    struct iso_progress *progress;       /* on stderr, for each stage */
+    char what[WHAT_SIZE];                /* text of the progress */
 };
 
 static int append_options(sd_bus_message *call, const struct cli_arguments *arguments)
@@ -56,7 +56,7 @@ static void on_answered(sd_bus_message *reply, void *context)
     cli_known_read(reply, &enrolment->known);
 }
 
-/* As the name is spelt in the gallery, if it is there. */
+/* The name as it is spelt in the gallery if the person is there already. */
 static const char *name_of(const struct enrolment *enrolment)
 {
     return enrolment->known.person[0] ? enrolment->known.person : enrolment->arguments->person;
@@ -73,7 +73,7 @@ static void on_started(void *context)
     enrolment->progress = iso_progress_start(stderr, "isotherm", enrolment->what, 0, NULL);
 }
 
-/* The last argument is younger than the others: a daemon of before does not send it. */
+/* Reads the last argument. It was added later than the others; an older daemon does not send it. */
 static void read_detail(sd_bus_message *signal, const char *result, struct enrolment *enrolment)
 {
     const char *detail;
@@ -88,7 +88,7 @@ static void read_detail(sd_bus_message *signal, const char *result, struct enrol
     }
 }
 
-/* Takes a status and prints what it means; the progress line is removed meanwhile. */
+/* Handles a status and prints its meaning. The progress line is removed meanwhile. */
 static bool take_status(sd_bus_message *signal, struct enrolment *enrolment)
 {
     const char *result, *word;
@@ -97,7 +97,7 @@ static bool take_status(sd_bus_message *signal, struct enrolment *enrolment)
     int done;
 
     if (sd_bus_message_read(signal, "sbuud", &result, &done, &stage, &stages, &quality) < 0) {
-        return true; /* the result stays empty: "not understood" */
+        return true; /* an empty result means "not understood" */
     }
     read_detail(signal, result, enrolment);
     enrolment->stage = stage;
@@ -137,7 +137,7 @@ static bool on_status(sd_bus_message *signal, void *context)
 static const struct outcome {
     const char *result;
     enum cli_exit exit;
-    const char *text; /* after the person's name */
+    const char *text; /* follows the person's name */
 } outcomes[] = {
     {"enroll-" ISO_CONTRACT_RESULT_COMPLETED, CLI_EXIT_OK, "is enrolled"},
     {"enroll-" ISO_CONTRACT_RESULT_DUPLICATE, CLI_EXIT_NO,

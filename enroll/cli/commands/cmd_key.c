@@ -1,4 +1,4 @@
-/* key: the keys of the appliance. */
+/* key: changes the keys of the appliance. */
 #include <string.h>
 
 #include "enroll/cli/client/long_call.h"
@@ -6,7 +6,7 @@
 #include "enroll/cli/text/report.h"
 #include "firmware/contract/contract.h"
 
-/* The one text of a reply; it is valid until the reply is released. */
+/* Returns the only text of a reply. It is valid until the reply is released. */
 static enum cli_exit read_text(sd_bus_message *reply, const char *method, const char **text,
                                struct cli_fault *fault)
 {

@@ -1,4 +1,4 @@
-/* lockdown and lockout: whether anybody is let in at all. */
+/* lockdown and lockout: decide whether anybody is let in at all. */
 #include "enroll/cli/commands/commands.h"
 
 #include <string.h>

@@ -7,10 +7,10 @@
 #include "enroll/cli/text/log_record.h"
 #include "enroll/cli/text/report.h"
 
-/* With a day, everything of the day is wanted, up to what one command may ask for. */
+/* With a day, all records of the day are wanted, up to the limit of one command. */
 enum { DEFAULT_COUNT = 20, DAY_COUNT = 100000 };
 
-/* How often --follow looks for records that no signal announces. */
+/* The interval at which --follow looks for records that no signal announces. */
 static const double follow_period_s = 1.0;
 
 static void print_records(const json_t *records, const struct cli_arguments *arguments)
@@ -34,10 +34,11 @@ static void print_records(const json_t *records, const struct cli_arguments *arg
 static bool on_any_signal(sd_bus_message *signal, void *context)
 {
     (void)signal, (void)context;
-    return true; /* something happened: look at the log */
+    return true; /* a signal came, so the log may have a new record */
 }
 
-/* Prints what there is and then what comes, until interrupted; that is how it is meant to end. */
+/* Prints the existing records and then the new ones, until it is interrupted. That is its normal
+ * end. */
 static enum cli_exit follow(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                             uint64_t from, json_t *records, struct cli_fault *fault)
 {
@@ -49,7 +50,7 @@ static enum cli_exit follow(struct cli_daemon *daemon, const struct cli_argument
     while (!exit) {
         print_records(records, arguments);
         if (fflush(stdout) == EOF) {
-            return CLI_EXIT_FAULT; /* main() says why */
+            return CLI_EXIT_FAULT; /* main() prints the reason */
         }
         exit = cli_daemon_wait(daemon, follow_period_s, fault);
         if (exit == CLI_EXIT_OK || exit == CLI_EXIT_TIMED_OUT) {

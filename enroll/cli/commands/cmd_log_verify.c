@@ -1,4 +1,4 @@
-/* log verify: whether every record is there and as it was written. */
+/* log verify: checks whether every record is there and unchanged. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -13,10 +13,10 @@
 struct report {
     int sound;
     uint64_t first, last, flaw_at;
-    const char *head, *flaw; /* in the reply */
+    const char *head, *flaw; /* both point into the reply */
 };
 
-/* "17:9f3a...": the sequence and the head that an earlier report gave. */
+/* Reads "17:9f3a...": the sequence and the head from an earlier report. */
 static enum cli_exit parse_known(const char *text, uint64_t *sequence, const char **head,
                                  struct cli_fault *fault)
 {

@@ -1,4 +1,4 @@
-/* list and remove: the gallery's people. */
+/* list and remove: for the people of the gallery. */
 #include "enroll/cli/commands/commands.h"
 
 #include <errno.h>
@@ -16,7 +16,7 @@ struct person {
     uint32_t templates;
 };
 
-/* 1: *person is filled in, 0: there are no more, or a negative errno. */
+/* Returns 1 and fills in *person, 0 if there are no more people, or a negative errno. */
 static int next_person(sd_bus_message *reply, struct person *person)
 {
     return sd_bus_message_read(reply, "(sxxxu)", &person->name, &person->enrolled_s,
@@ -50,7 +50,7 @@ static enum cli_exit list_json(sd_bus_message *reply, struct cli_fault *fault)
     return cli_report_json(json_pack("{s:o}", "people", people));
 }
 
-/* How many columns the names take: those of the longest, and 24 at least. */
+/* The width of the column of names: the longest name, but at least 24. */
 static int measure_names(sd_bus_message *reply, size_t *columns)
 {
     struct person person;

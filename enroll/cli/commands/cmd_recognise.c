@@ -1,4 +1,4 @@
-/* identify and verify: two questions, one conversation. */
+/* identify and verify: two questions with the same course. */
 #include "enroll/cli/commands/commands.h"
 
 #include <math.h>
@@ -15,11 +15,11 @@ enum { DEFAULT_TIMEOUT_S = 30, WORD_SIZE = 64, NAME_SIZE = 256 };
 
 struct recognition {
     const struct cli_arguments *arguments;
-    const char *prefix;            /* of the result words: "identify" or "verify" */
-    struct cli_hints hints;        /* to stdout, or beside a JSON document to stderr */
-    struct iso_progress *progress; /* on stderr: for how long the camera has been looking */
+    const char *prefix;            /* the beginning of the result words: "identify" or "verify" */
+    struct cli_hints hints;        /* to stdout, or to stderr if stdout has a JSON document */
+    struct iso_progress *progress; /* on stderr: how long the camera has been looking */
     char result[WORD_SIZE];
-    char person[NAME_SIZE]; /* as the daemon says */
+    char person[NAME_SIZE]; /* the name from the daemon */
     double score, threshold;
 };
 
@@ -38,7 +38,7 @@ static void on_started(void *context)
     recognition->progress = iso_progress_start(stderr, "isotherm", "looking for a face", 0, NULL);
 }
 
-/* Takes a status and prints what it means; the progress line is removed meanwhile. */
+/* Handles a status and prints its meaning. The progress line is removed meanwhile. */
 static bool take_status(sd_bus_message *signal, struct recognition *recognition)
 {
     const char *result, *person, *word;
@@ -46,7 +46,7 @@ static bool take_status(sd_bus_message *signal, struct recognition *recognition)
     int done;
 
     if (sd_bus_message_read(signal, "sbsdd", &result, &done, &person, &score, &threshold) < 0) {
-        return true; /* the result stays empty: "not understood" */
+        return true; /* an empty result means "not understood" */
     }
     if (cli_hint_is_retry(result, recognition->prefix, &word)) {
         cli_hints_say(&recognition->hints, word);
@@ -86,7 +86,7 @@ static enum cli_exit report_json(struct recognition *recognition, bool scored)
                   cli_hints_take(&recognition->hints)));
 }
 
-/* A verdict in its colour, the rest of the line without. */
+/* Prints a verdict in its colour, and the rest of the line without colour. */
 static void print_verdict(bool good, const char *verdict, const char *name)
 {
     const struct iso_terminal terminal = iso_terminal_of(stdout);

@@ -6,7 +6,7 @@
 
 enum cli_exit cli_setup(const struct cli_arguments *arguments, struct cli_fault *fault)
 {
-    /* With --json standard output is for the document, and the command asks no questions. */
+    /* With --json standard output carries the document, so the command asks no questions. */
     const struct cli_dialogue dialogue = {
         .in = STDIN_FILENO,
         .out = arguments->json ? stderr : stdout,

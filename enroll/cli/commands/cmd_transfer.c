@@ -1,4 +1,4 @@
-/* export and import: people as one sealed, signed file. */
+/* export and import: copy people as one sealed, signed file. */
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -139,7 +139,7 @@ enum cli_exit cli_export(struct cli_daemon *daemon, const struct cli_arguments *
 
 /* ---- import ---- */
 
-/* The key, if the file is one that a passphrase opens. */
+/* Derives the key if a passphrase opens the file. */
 static enum cli_exit find_key(int fd, const struct cli_arguments *arguments,
                               uint8_t key[CLI_KEY_BYTES], bool *has_key, struct cli_fault *fault)
 {
@@ -223,7 +223,8 @@ enum cli_exit cli_import(struct cli_daemon *daemon, const struct cli_arguments *
         return cli_report_json(
             json_pack("{s:I, s:I}", "added", (json_int_t)count[0], "known", (json_int_t)count[1]));
     }
-    if (arguments->replace) { /* the daemon counts both as one */
+    if (arguments->replace) {
+        /* The daemon counts new and replaced people together. */
         printf("%" PRIu32 " %s added or replaced.\n", count[0],
                iso_plural(count[0], "person", "people"));
         return CLI_EXIT_OK;

@@ -33,7 +33,7 @@ static void add_good(struct cli_diagnosis *diagnosis, const char *subject, const
     cli_diagnosis_add(diagnosis, subject, CLI_CHECK_GOOD, ISO_FAULT_NONE, found);
 }
 
-/* The code that the daemon gives. An unknown code of a newer daemon counts as none: its sentence is
+/* Reads the code from the daemon. An unknown code of a newer daemon counts as none, and its text is
  * shown without a remedy. */
 static enum iso_fault_code code_of(const json_t *state, const char *key)
 {
@@ -58,8 +58,8 @@ static void judge_version(struct cli_diagnosis *diagnosis, const json_t *state)
     cli_diagnosis_add(diagnosis, "version", CLI_CHECK_ODD, ISO_FAULT_VERSION_DIFFERS, found);
 }
 
-/* It runs; its driver may know why it gives nothing all the same. A daemon that does not know of
- * that tells nothing. */
+/* The sensor runs, but its driver may know why it gives no frames. An older daemon does not report
+ * this. */
 static void judge_running_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *health = cli_state_text(state, "sensor-health");
@@ -92,10 +92,9 @@ static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
                       word ? code_of(state, "sensor-fault-code") : ISO_FAULT_NO_STATUS, found);
 }
 
-/* A text of the daemon with its code. An empty text and no code say that all is well, which is no
- * finding. */
+/* A text from the daemon with its code. If both are empty, all is well and there is no finding. */
 struct told {
-    const char *subject, *text, *code; /* the keys of the status */
+    const char *subject, *text, *code; /* the keys in the status */
     enum cli_check with_code, without_code;
 };
 
@@ -112,7 +111,7 @@ static void judge_told(struct cli_diagnosis *diagnosis, const json_t *state,
     }
 }
 
-/* A door that denies everybody is not in service. */
+/* A door that refuses everybody is out of service. */
 static void judge_service(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const json_int_t left_ms = cli_state_number(state, "lockout-ms", 0);
@@ -177,7 +176,7 @@ static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
-/* An older daemon does not have this key. There is no finding if the priority is right. */
+/* Reports nothing if the priority is right, or if an older daemon does not have this key. */
 static void judge_priority(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     if (json_is_false(json_object_get(state, "door-realtime"))) {
@@ -226,7 +225,7 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
-/* An older daemon does not have this key. */
+/* Reports nothing if an older daemon does not have this key. */
 static void judge_image_check(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *word = cli_state_text(state, "image-check");
@@ -238,7 +237,7 @@ static void judge_image_check(struct cli_diagnosis *diagnosis, const json_t *sta
     }
 }
 
-/* In the order in which they are shown; each row is a function or a text of the daemon. */
+/* The judgements in the order of the output. Each row is a function, or a text from the daemon. */
 static const struct judgement {
     void (*judge)(struct cli_diagnosis *diagnosis, const json_t *state);
     struct told told;

@@ -4,8 +4,8 @@
 #include "enroll/cli/doctor/configured.h"
 #include "firmware/contract/contract.h"
 
-/* Whether the bus lets this user command the daemon. Release() without a claim changes nothing: the
- * daemon refuses it, and that it was asked at all is the answer. */
+/* Finds out whether the bus lets this user command the daemon. Release() without a claim changes
+ * nothing, and the daemon refuses it. If the call reaches the daemon, the user may. */
 static void check_permission(struct cli_daemon *daemon, struct cli_diagnosis *diagnosis)
 {
     struct cli_fault fault = {0};
@@ -19,7 +19,7 @@ static void check_permission(struct cli_daemon *daemon, struct cli_diagnosis *di
     }
 }
 
-/* False if it makes no sense to go on: there is nobody to ask. */
+/* Returns false if further checks make no sense, because there is no daemon to ask. */
 static bool check_daemon(const struct cli_bus *bus, struct cli_daemon *daemon,
                          struct cli_diagnosis *diagnosis, json_t **state)
 {

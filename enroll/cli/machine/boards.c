@@ -20,7 +20,7 @@ static bool begins_with_one_of(const char *text, const json_t *beginnings)
     return false;
 }
 
-/* Whether the first line of one of these files of /sys begins with one of the texts. */
+/* Whether the first line of one of these files in /sys begins with one of the texts. */
 static bool is_in_file(const struct cli_setup_places *places, const char *const *files, size_t n,
                        const json_t *beginnings)
 {

@@ -51,7 +51,7 @@ static bool names_id(const char *path, const char *usb_id)
     return found;
 }
 
-/* Whether the file is called NAME.ini, in capitals or not. */
+/* Whether the name of the file is NAME.ini, in upper or lower case. */
 static bool is_called(const char *path, const char *name)
 {
     const char *base = strrchr(path, '/') + 1;

@@ -18,7 +18,7 @@
 enum { KEPT_BYTES = 256 * 1024, PATIENCE_S = 30, SLICE_MS = 200 };
 
 struct stream {
-    int fd; /* -1 at its end */
+    int fd; /* -1 after the end of the stream */
     char *text;
     size_t size;
 };
@@ -45,9 +45,8 @@ static int spawn(const char *const argv[], int out_fd, int err_fd, pid_t *pid)
     return error;
 }
 
-/* Reads the output that is there; output beyond the bound is dropped, so that the program
- * continues.
- */
+/* Reads the available output. Output beyond the limit is dropped, so that the program can
+ * continue. */
 static void take(struct stream *stream)
 {
     char piece[4096];
@@ -68,7 +67,7 @@ static void take(struct stream *stream)
     stream->text[stream->size] = '\0';
 }
 
-/* Reads both streams to their ends; false if that took too long or somebody interrupted. */
+/* Reads both streams to their ends. Returns false if that took too long or was interrupted. */
 static bool drain(struct stream streams[2])
 {
     struct timespec start, now;

@@ -63,7 +63,8 @@ enum cli_exit cli_devices_find(const struct cli_setup_places *places, struct cli
     return exit;
 }
 
-/* The files idVendor and idProduct belong to the USB device, the node to one of its interfaces. */
+/* The files idVendor and idProduct belong to the USB device, but the node belongs to one of its
+ * interfaces. */
 void cli_device_usb_id(const struct cli_setup_places *places, const char *node, char out[16])
 {
     char resolved[PATH_MAX], path[PATH_MAX + 64], vendor[8] = "", product[8] = "";
@@ -83,7 +84,7 @@ void cli_device_usb_id(const struct cli_setup_places *places, const char *node, 
     }
 }
 
-/* The first link of this folder among the devices, by name, that leads to `resolved`. */
+/* Finds the first link in this folder, by name, that leads to `resolved`. */
 static bool find_link(const struct cli_setup_places *places, const char *folder,
                       const char *resolved, char out[CLI_DEVICE_PATH_SIZE])
 {

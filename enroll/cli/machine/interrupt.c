@@ -13,7 +13,7 @@ static void note(int number)
 
 void cli_interrupt_catch(void)
 {
-    const struct sigaction action = {.sa_handler = note}; /* no SA_RESTART: waits shall end */
+    const struct sigaction action = {.sa_handler = note}; /* no SA_RESTART, so that waits end */
 
     interrupted = 0;
     (void)sigaction(SIGINT, &action, NULL);

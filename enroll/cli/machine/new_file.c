@@ -18,7 +18,7 @@ static enum cli_exit refuse(struct cli_fault *fault, const char *path, const cha
                          strerror(error));
 }
 
-/* So that a rename is on the disk. */
+/* Synchronises the folder, so that a rename is on the disk. */
 static int sync_folder_of(const char *path)
 {
     char copy[PATH_MAX];
@@ -86,7 +86,7 @@ enum cli_exit cli_new_file_write(const char *path, const char *text, struct cli_
     return CLI_EXIT_OK;
 }
 
-/* Gives the old file its second name. 0 also if there is no old file. */
+/* Gives the old file its second name. Returns 0 also if there is no old file. */
 static int keep_old(struct cli_new_file *file)
 {
     const time_t now = time(NULL);

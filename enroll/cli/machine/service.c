@@ -13,15 +13,15 @@
 #define MANAGER_INTERFACE "org.freedesktop.systemd1.Manager"
 #define UNIT_INTERFACE    "org.freedesktop.systemd1.Unit"
 
-/* The unit itself may take 60 seconds to start and as long to stop. */
+/* The unit itself may need 60 seconds to start, and as many to stop. */
 enum { PATIENCE_S = 130, SLICE_US = 200 * 1000 };
 
 struct cli_service {
     sd_bus *bus;
     const char *unit;
     bool was_active, was_enabled;
-    char job[128];   /* that is waited for */
-    char result[32]; /* how it ended; "" it has not */
+    char job[128];   /* the job that the client waits for */
+    char result[32]; /* how the job ended; "" if it has not */
 };
 
 static enum cli_exit refuse_service(struct cli_fault *fault, const struct cli_service *service,
@@ -159,7 +159,7 @@ static int64_t now_s(void)
     return now.tv_sec;
 }
 
-/* Waits until the job is removed. 0, -ETIMEDOUT, -EINTR, or the fault of the bus. */
+/* Waits until the job is removed. Returns 0, -ETIMEDOUT, -EINTR, or the error of the bus. */
 static int wait_for_job(struct cli_service *service, bool may_interrupt)
 {
     const int64_t deadline_s = now_s() + PATIENCE_S;
@@ -180,7 +180,7 @@ static int wait_for_job(struct cli_service *service, bool may_interrupt)
     return 0;
 }
 
-/* RestartUnit or StopUnit, to its end. */
+/* Calls RestartUnit or StopUnit, and waits for the end of the job. */
 static int run_job(struct cli_service *service, const char *method, bool may_interrupt,
                    sd_bus_error *error)
 {
@@ -200,7 +200,7 @@ static int run_job(struct cli_service *service, const char *method, bool may_int
     return r < 0 ? r : wait_for_job(service, may_interrupt);
 }
 
-/* EnableUnitFiles or DisableUnitFiles, and what `systemctl` does after it. */
+/* Calls EnableUnitFiles or DisableUnitFiles, and does what `systemctl` does after it. */
 static int set_enabled(struct cli_service *service, bool enabled, sd_bus_error *error)
 {
     const int r = enabled ? sd_bus_call_method(service->bus, MANAGER, MANAGER_PATH,
@@ -212,7 +212,8 @@ static int set_enabled(struct cli_service *service, bool enabled, sd_bus_error *
     return r < 0 ? r : call_manager(service, "Reload", error, NULL, NULL);
 }
 
-/* A unit that has failed too often would not be started again; one that has not is no error. */
+/* A unit that has failed too often would not be started again. Resetting a unit that has not failed
+ * is not an error. */
 static void forget_failures(struct cli_service *service)
 {
     sd_bus_error ignored = SD_BUS_ERROR_NULL;

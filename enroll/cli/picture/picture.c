@@ -12,9 +12,9 @@
 /* The daemon's pictures have at most 320x240 grey pixels. */
 enum { PICTURE_BYTES_MAX = 1 << 20 };
 
-/* ---- taking ---- */
+/* ---- receiving ---- */
 
-/* The file may have been read by the daemon: its offset says nothing. */
+/* The daemon may have moved the offset of the file, so reading begins at the start. */
 static int read_whole(int fd, uint8_t **png, size_t *size)
 {
     struct stat status;
@@ -48,7 +48,8 @@ static enum cli_exit ask(struct cli_daemon *daemon, uint8_t **png, size_t *size,
     if (exit) {
         return exit;
     }
-    int r = sd_bus_message_read(reply, "h", &fd); /* it is closed with the reply */
+    int r = sd_bus_message_read(reply, "h", &fd);
+    /* The descriptor is closed with the reply. */
     if (r >= 0) {
         r = read_whole(fd, png, size);
     }
@@ -81,7 +82,8 @@ static enum cli_exit file_fault(struct cli_fault *fault, const char *path, int e
                          "%s: %s", path, strerror(error));
 }
 
-/* 0, or the errno of what failed. A write that falls short is a full disk. */
+/* Returns 0, or the errno of the call that failed. An incomplete write means that the disk is
+ * full. */
 static int write_whole(int fd, const uint8_t *png, size_t size)
 {
     const ssize_t written = write(fd, png, size);
@@ -91,7 +93,7 @@ static int write_whole(int fd, const uint8_t *png, size_t size)
     return (size_t)written < size ? ENOSPC : 0;
 }
 
-/* A file that was there before may be readable for others. */
+/* A file that existed before may be readable for others. */
 enum cli_exit cli_picture_save(const char *path, const uint8_t *png, size_t size,
                                struct cli_fault *fault)
 {

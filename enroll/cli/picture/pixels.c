@@ -52,7 +52,7 @@ void cli_pixels_done(struct cli_pixels *picture)
     *picture = (struct cli_pixels){0};
 }
 
-/* The mean of a channel over the pixels from (left, top) to before (right, bottom). */
+/* The mean of a channel over the pixels from (left, top) up to, but without, (right, bottom). */
 static uint8_t mean(const struct cli_pixels *picture, int left, int top, int right, int bottom,
                     int channel)
 {

@@ -22,7 +22,8 @@ static const uint8_t *pixel_of(const struct cli_pixels *picture, int x, int y)
     return picture->rgb + ((size_t)y * (size_t)picture->width_px + (size_t)x) * 3;
 }
 
-/* The upper half block takes the foreground, what is below it the background. */
+/* In an upper half block, the upper pixel has the foreground colour and the lower one the
+ * background colour. */
 static void print_cell(const uint8_t *upper, const uint8_t *lower, FILE *out)
 {
     fprintf(out, "\033[38;2;%d;%d;%dm", upper[0], upper[1], upper[2]);
@@ -60,13 +61,13 @@ int cli_half_blocks_print(const struct cli_pixels *picture, int columns, int row
 
 /* ---- sixels ---- */
 
-/* Luma by Rec. 709, in shades. */
+/* Luma by Rec. 709, as a number of a shade. */
 static int shade_of(const uint8_t *rgb)
 {
     return (2126 * rgb[0] + 7152 * rgb[1] + 722 * rgb[2]) / 10000 * SHADES / 256;
 }
 
-/* Which of six pixels, the uppermost in the lowest bit, have this shade. */
+/* Returns which of six pixels have this shade; the lowest bit is the uppermost pixel. */
 static int bits_of(const struct cli_pixels *picture, int x, int top, int shade)
 {
     int bits = 0;
@@ -88,7 +89,7 @@ static void print_run(int character, int length, FILE *out)
     }
 }
 
-/* A band six pixels high in one shade, by runs of the same character. */
+/* Writes a band six pixels high in one shade, as runs of the same character. */
 static void print_shade(const struct cli_pixels *picture, int top, int shade, FILE *out)
 {
     int character = 0, length = 0;
@@ -104,7 +105,7 @@ static void print_shade(const struct cli_pixels *picture, int top, int shade, FI
         length++;
     }
     print_run(character, length, out);
-    fputc('$', out); /* back to the left border */
+    fputc('$', out); /* go back to the left border */
 }
 
 static void find_shades(const struct cli_pixels *picture, int top, bool there[SHADES])
@@ -122,7 +123,8 @@ void cli_sixel_print(const struct cli_pixels *picture, FILE *out)
     bool there[SHADES];
 
     fprintf(out, "\033Pq\"1;1;%d;%d", picture->width_px, picture->height_px);
-    for (int i = 0; i < SHADES; i++) { /* red, green and blue in percent */
+    for (int i = 0; i < SHADES; i++) {
+        /* The red, green and blue of a shade are in percent. */
         const int percent = i * 100 / (SHADES - 1);
         fprintf(out, "#%d;2;%d;%d;%d", i, percent, percent, percent);
     }
@@ -133,14 +135,15 @@ void cli_sixel_print(const struct cli_pixels *picture, FILE *out)
                 print_shade(picture, top, shade, out);
             }
         }
-        fputc('-', out); /* the next band */
+        fputc('-', out); /* go to the next band */
     }
     fputs("\033\\\n", out);
 }
 
 /* ---- the terminal ---- */
 
-/* The answer is "ESC [ ? 6 4 ; 1 ; 4 ; ... c"; 4 among the numbers behind the first is sixels. */
+/* The terminal answers "ESC [ ? 6 4 ; 1 ; 4 ; ... c". A 4 after the first number means that it
+ * shows sixels. */
 static bool names_sixels(const char *answer)
 {
     const char *at = strstr(answer, "\033[?");

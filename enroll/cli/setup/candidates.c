@@ -28,7 +28,7 @@ static struct cli_candidate *add(struct cli_candidates *out, const char *backend
     return candidate;
 }
 
-/* False if the value, which comes from the system, cannot be written into a file. */
+/* Returns false if the value, which comes from the system, cannot be written into a file. */
 static bool set(struct cli_candidate *candidate, const char *key, const char *value)
 {
     struct cli_fault fault = {0};
@@ -36,7 +36,7 @@ static bool set(struct cli_candidate *candidate, const char *key, const char *va
     return cli_sensor_word_set(&candidate->sensor, key, value, &fault) == CLI_EXIT_OK;
 }
 
-/* The board's udev rules may have given the camera's nodes names of their own. */
+/* Whether the board's udev rules have given the nodes of the camera special names. */
 static bool has_own_names(const struct cli_setup_places *places, const char *node,
                           char depth[CLI_DEVICE_PATH_SIZE], char infrared[CLI_DEVICE_PATH_SIZE])
 {
@@ -73,7 +73,7 @@ static void add_video_node(const struct cli_setup_places *places, const struct c
     (void)snprintf(candidate->text, sizeof candidate->text, "%s (%s)", device->label, device->id);
 }
 
-/* One is taken as the first that there is: its URI changes with the port. */
+/* A single camera is configured as the first one found, because its URI changes with the port. */
 static void add_openni2(const struct cli_device *device, bool only, struct cli_candidates *out)
 {
     struct cli_candidate *candidate = add(out, device->sensor);

@@ -28,8 +28,8 @@ static void list_boards(const struct cli_boards *boards, char *out, size_t size)
     }
 }
 
-/* The board that was recognised, with *n how many were; without one the board `generic`, which has
- * no lines, or the first. */
+/* Returns the recognised board, with the number of recognised boards in *n. If none was recognised,
+ * returns the board `generic`, which has no lines, or the first board. */
 static size_t best_board(const struct cli_boards *boards, size_t *n)
 {
     size_t best = 0;
@@ -111,7 +111,7 @@ static enum cli_exit read_board(const struct cli_setup_places *places,
 
 /* ---- the sensor ---- */
 
-/* What stands in the list behind the cameras. */
+/* Asks for an entry of the list that follows the cameras. */
 static enum cli_exit ask_other(const struct cli_dialogue *dialogue, bool stored,
                                struct cli_sensor_word *out, struct cli_fault *fault)
 {

@@ -5,11 +5,11 @@
 
 static const char first_line[] = "# Written by isotherm setup for the board ";
 
-/* A line of the text, without its newline. */
+/* One line of the text, without its newline. */
 struct line {
     const char *text;
     size_t length;
-    const char *next; /* NULL: it is the last one */
+    const char *next; /* NULL: this is the last line */
 };
 
 static struct line line_at(const char *at)
@@ -19,7 +19,7 @@ static struct line line_at(const char *at)
     return (struct line){at, length, at[length] && at[length + 1] ? at + length + 1 : NULL};
 }
 
-/* Whether the line begins a section; its name is copied then. */
+/* Whether the line begins a section. If so, its name is copied. */
 static bool is_header(struct line line, char name[32])
 {
     const size_t blanks = strspn(line.text, " \t");
@@ -33,7 +33,7 @@ static bool is_header(struct line line, char name[32])
     return true;
 }
 
-/* Whether the line sets a key (it is no comment); its name is copied then. */
+/* Whether the line sets a key and is not a comment. If so, the key's name is copied. */
 static bool is_setting(struct line line, char name[32])
 {
     const size_t blanks = strspn(line.text, " \t");
@@ -94,7 +94,8 @@ static bool has_section(const char *text, const char *section)
 
 /* ---- the sensor ---- */
 
-/* The options of the word that the board's file does not set; `board_text` NULL: all. */
+/* Writes the options of the word that the board's file does not set, or all if `board_text` is
+ * NULL. */
 static void write_missing_options(const struct cli_sensor_word *sensor, const char *board_text,
                                   FILE *out)
 {
@@ -109,7 +110,7 @@ static void write_missing_options(const struct cli_sensor_word *sensor, const ch
     }
 }
 
-/* A line of the board's sensor, or the option that stands in its place. */
+/* Writes a line of the board's sensor, or the option that replaces it. */
 static void write_sensor_line(const struct cli_sensor_word *sensor, struct line line, FILE *out)
 {
     char name[32] = "";
@@ -128,9 +129,9 @@ static void write_new_sensor(const struct cli_sensor_word *sensor, FILE *out)
     write_missing_options(sensor, NULL, out);
 }
 
-/* ---- the whole ---- */
+/* ---- the complete file ---- */
 
-/* The lines of the board's file, with `section` the one that they are in. */
+/* Writes a line of the board's file, which belongs to `section`. */
 static void write_board_line(const struct cli_composition *composition, bool keep_sensor,
                              const char *section, struct line line, FILE *out)
 {
@@ -166,7 +167,7 @@ static void write_board(const struct cli_composition *composition, bool keep_sen
     }
 }
 
-/* The sections of the old file that stay. */
+/* Writes the sections of the old file that are kept. */
 static void write_old(const char *text, FILE *out)
 {
     char name[32];
@@ -204,7 +205,7 @@ static void write_all(const struct cli_composition *composition, FILE *out)
     write_old(composition->old_text, out);
 }
 
-/* One empty line at most between two others, none at the end. */
+/* Leaves at most one empty line between two others, and none at the end. */
 static void squeeze_empty_lines(char *text)
 {
     char *to = text;

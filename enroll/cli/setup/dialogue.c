@@ -10,8 +10,8 @@
 
 enum { SLICE_MS = 200 };
 
-/* Reads a byte at a time, so that text that is typed ahead remains for the next question. Returns
- * 1, or 0 at the end of the input or after an interrupt. */
+/* Reads one byte at a time, so that text that was typed ahead remains for the next question.
+ * Returns 1, or 0 at the end of the input or after an interrupt. */
 static int read_byte(int fd, char *out)
 {
     for (;;) {
@@ -29,7 +29,7 @@ static int read_byte(int fd, char *out)
     }
 }
 
-/* Without blanks at both ends. A line that is too long is cut. */
+/* Reads a line and removes blanks at both ends. A line that is too long is cut. */
 static enum cli_exit read_answer(const struct cli_dialogue *dialogue, char out[CLI_ANSWER_SIZE])
 {
     char line[CLI_ANSWER_SIZE];

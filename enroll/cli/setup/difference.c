@@ -49,8 +49,8 @@ static bool same(const char *a, const char *b)
     return length == strcspn(b, "\n") && memcmp(a, b, length) == 0;
 }
 
-/* common[i * (b->n + 1) + j]: the length of the longest common subsequence of the lines from i of a
- * and from j of b on. */
+/* common[i * (b->n + 1) + j] is the length of the longest common subsequence of the lines of a from
+ * i on and the lines of b from j on. */
 static uint16_t *measure(const struct lines *a, const struct lines *b)
 {
     const size_t width = b->n + 1;
@@ -70,7 +70,8 @@ static uint16_t *measure(const struct lines *a, const struct lines *b)
     return common;
 }
 
-/* The way through that table; `common` NULL: all of a goes, all of b comes. */
+/* Finds the steps from a to b in that table. If `common` is NULL, all lines of a are removed and
+ * all lines of b are added. */
 static size_t walk(const struct lines *a, const struct lines *b, const uint16_t *common,
                    struct step *steps)
 {

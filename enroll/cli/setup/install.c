@@ -11,8 +11,8 @@
 
 /* ---- the check ---- */
 
-/* What isothermd said last, without its own name and with the file's name instead of the draft's.
- */
+/* Copies the last message of isothermd, without the name of the program, and with the name of the
+ * file instead of the name of the draft. */
 static void translate(const char *said, const char *draft, const char *config, char *out,
                       size_t size)
 {
@@ -24,7 +24,8 @@ static void translate(const char *said, const char *draft, const char *config, c
     end = line + strcspn(line, "\n");
     if (strncmp(line, "isothermd: ", 11) == 0) {
         line += 11;
-    } else if (*line == '<') { /* as the journal wants it */
+    } else if (*line == '<') {
+        /* The message has a priority for the journal. */
         line += strcspn(line, ">\n") + (strchr(line, '>') != NULL);
     }
     const char *name = strstr(line, draft);
@@ -78,7 +79,8 @@ static double now_s(void)
     return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
 }
 
-/* The unit is active when the daemon says so, which it may do before it has its name. */
+/* Waits for the daemon's name on the bus. The unit becomes active when the daemon says so, which
+ * may be before it has its name. */
 static enum cli_exit wait_for_daemon(const struct cli_setup_places *places,
                                      const struct cli_bus *bus, struct cli_fault *fault)
 {
@@ -103,9 +105,10 @@ static enum cli_exit wait_for_daemon(const struct cli_setup_places *places,
     return exit;
 }
 
-/* ---- and back ---- */
+/* ---- undoing ---- */
 
-/* Appends to what went wrong that all is as before, or what could not be undone. */
+/* Undoes the change. Appends to the text of the fault that everything is as before, or what could
+ * not be undone. */
 static void undo(struct cli_service *service, struct cli_new_file *file, struct cli_fault *fault)
 {
     struct cli_fault of_file = {0}, of_service = {0};
@@ -141,7 +144,7 @@ static enum cli_exit start(const struct cli_setup_places *places, const struct c
     return exit;
 }
 
-/* The new file beside the old one, checked by the daemon's program. */
+/* Writes the new file next to the old one, and lets the daemon's program check it. */
 static enum cli_exit write_draft(const struct cli_setup_places *places, const char *text,
                                  struct cli_new_file *file, struct cli_fault *fault)
 {
@@ -167,7 +170,8 @@ enum cli_exit cli_setup_install(const struct cli_setup_places *places,
     if (!exit && text) {
         exit = cli_new_file_place(&file, fault);
     }
-    if (exit && file.placed) { /* but not on the disk for certain */
+    if (exit && file.placed) {
+        /* The file may not be on the disk yet. */
         exit = cli_new_file_undo(&file, fault) ? CLI_EXIT_FAULT : exit;
     } else if (!exit) {
         exit = start(places, daemon_bus, service, &file, fault);

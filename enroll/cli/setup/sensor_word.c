@@ -20,7 +20,7 @@ static bool can_be_written(const char *value)
     return !strstr(value, " ;") && *value != ' ' && value[strlen(value) - 1] != ' ';
 }
 
-/* The daemon runs in another folder, so that a file needs its full name. */
+/* The daemon runs in another folder, so it needs the full path of a file. */
 static bool is_relative(const char *key, const char *value)
 {
     static const char *const files[] = {"path", "camera", "calibration", "ir_device"};
@@ -73,7 +73,7 @@ const char *cli_sensor_word_get(const struct cli_sensor_word *word, const char *
     return NULL;
 }
 
-/* Which key the place of a back end is. */
+/* Returns the key that takes the place of a back end. */
 static const char *key_of_place(const char *backend, const char *place)
 {
     const size_t length = strlen(place);
@@ -82,7 +82,7 @@ static const char *key_of_place(const char *backend, const char *place)
     return strcmp(backend, "replay") == 0 || recording ? "path" : "device";
 }
 
-/* Whether "KEY=" stands here. */
+/* Whether "KEY=" begins here. */
 static bool begins_option(const char *text)
 {
     const size_t length = strspn(text, key_letters);
@@ -90,7 +90,8 @@ static bool begins_option(const char *text)
     return length > 0 && text[length] == '=';
 }
 
-/* The end of the part that begins here: a comma with an option behind it, or the end. */
+/* The end of the part that begins here: a comma that is followed by an option, or the end of the
+ * text. */
 static const char *end_of_part(const char *part)
 {
     while (*part && !(*part == ',' && begins_option(part + 1))) {

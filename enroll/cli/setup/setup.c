@@ -14,14 +14,14 @@
 #include "enroll/cli/setup/show.h"
 #include "enroll/cli/text/report.h"
 
-/* Where a dry run lets isothermd see the file. */
+/* The place where isothermd finds the file of a dry run. */
 static const char dry_place[] = "/tmp/isotherm.conf";
 
 struct plan {
     struct cli_setup_choice choice;
     char *old_text; /* NULL: there is no file */
     char *text;
-    bool same; /* there is nothing to write */
+    bool same; /* true: nothing has to be written */
 };
 
 /* ---- the plan ---- */

@@ -16,9 +16,9 @@ struct png {
     size_t size;
 };
 
-/* Whether it may be another in a moment: another program has the camera, or the daemon is not on
- * the bus yet. What the daemon says of the camera is not: it has waited for a frame itself, and
- * writes a record each time. */
+/* Whether a later attempt may succeed: another program has the camera, or the daemon is not on the
+ * bus yet. A fault of the camera is final, because the daemon itself has waited for a frame, and
+ * writes a record for each attempt. */
 static bool may_pass(const struct cli_fault *fault)
 {
     return strcmp(fault->code, "already-in-use") == 0 || strcmp(fault->code, "no-daemon") == 0;
@@ -41,7 +41,7 @@ static enum cli_exit fetch(const struct cli_bus *bus, struct png *out, struct cl
     return exit;
 }
 
-/* What the daemon says without the words that the line begins with anyway. */
+/* The text from the daemon, without the words with which the line begins anyway. */
 static const char *reason_of(const struct cli_fault *fault)
 {
     static const char prefix[] = "no picture: ";

@@ -9,16 +9,16 @@
 #include "enroll/cli/text/log_record.h"
 #include "firmware/contract/contract.h"
 
-/* A client may call 20 times a second, which a long log at a busy door takes more of: what is
- * refused is asked for again, for a while. */
+/* A client may make 20 calls a second. A long log of a busy door needs more, so calls that are
+ * refused are repeated for a while. */
 enum { TRIES = 60 };
 static const double refused_wait_s = 0.25;
 
-/* A clock may be set back: records that are older than the day by no more than this are no reason
- * to stop looking. */
+/* A clock may be set back. The search therefore continues with records that are older than the day
+ * by at most this time. */
 static const int64_t clock_set_back_s = 7 * 86400;
 
-/* Asks once. */
+/* Makes a single call. */
 static enum cli_exit ask_for_records(struct cli_daemon *daemon, uint64_t from, unsigned max,
                                      sd_bus_message **reply, struct cli_fault *fault)
 {
@@ -36,7 +36,7 @@ static enum cli_exit ask_for_records(struct cli_daemon *daemon, uint64_t from, u
     return cli_daemon_send(daemon, call, reply, fault);
 }
 
-/* Asks until the daemon answers, or the person interrupts. */
+/* Repeats the call until the daemon answers or the user interrupts. */
 static enum cli_exit ask_patiently(struct cli_daemon *daemon, uint64_t from, unsigned max,
                                    sd_bus_message **reply, struct cli_fault *fault)
 {
@@ -73,9 +73,9 @@ static enum cli_exit read_batch(struct cli_daemon *daemon, uint64_t from, unsign
     return r < 0 ? cli_daemon_bad_reply(r, ISO_CONTRACT_READ_LOG, fault) : CLI_EXIT_OK;
 }
 
-/* Reads at most `max` records from number *from on, keeps those that match; *from is then the
- * number that comes next. *n_read is how many came, those that the log has dropped are passed over.
- */
+/* Reads at most `max` records from number *from on, and keeps the matching ones. Then *from is the
+ * next number, and *n_read is the number of records read. Records that the log has dropped are
+ * skipped. */
 static enum cli_exit read_matching(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                    uint64_t *from, unsigned max, json_t *records, size_t *n_read,
                                    struct cli_fault *fault)
@@ -98,7 +98,7 @@ static enum cli_exit read_matching(struct cli_daemon *daemon, const struct cli_a
     return exit;
 }
 
-/* Those from *from to `until`, at most `count`. */
+/* Reads matching records from *from to `until`, at most `count`. */
 static enum cli_exit read_forwards(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                    size_t count, uint64_t *from, uint64_t until, json_t *records,
                                    struct iso_progress *progress, struct cli_fault *fault)
@@ -126,14 +126,14 @@ static enum cli_exit read_forwards(struct cli_daemon *daemon, const struct cli_a
     return CLI_EXIT_OK;
 }
 
-/* Whether the record is too old for the day that was asked for, and so are all before it. */
+/* Whether this record and all before it are too old for the requested day. */
 static bool is_before_the_day(const json_t *record, const struct cli_arguments *arguments)
 {
     return record && arguments->day_ends_s &&
            cli_log_time_s(record) < arguments->day_begins_s - clock_set_back_s;
 }
 
-/* Reads all records from `first` to `last` that there still are. */
+/* Reads all records from `first` to `last` that still exist. */
 static enum cli_exit read_all(struct cli_daemon *daemon, uint64_t first, uint64_t last,
                               json_t *records, struct cli_fault *fault)
 {
@@ -148,7 +148,7 @@ static enum cli_exit read_all(struct cli_daemon *daemon, uint64_t first, uint64_
     return exit;
 }
 
-/* Puts the matching ones of a window, up to number `last`, before the records that there are. */
+/* Inserts the matching records of a window, up to number `last`, before the records read so far. */
 static int prepend_matching(const json_t *window, uint64_t last,
                             const struct cli_arguments *arguments, json_t *records)
 {
@@ -175,8 +175,8 @@ static int prepend_matching(const json_t *window, uint64_t last,
     return r;
 }
 
-/* Puts the matching records from `first` to `last` before those that there are. *more: there are
- * older ones, which may match. */
+/* Inserts the matching records from `first` to `last` before the records read so far. *more is true
+ * if there are older records that may match. */
 static enum cli_exit read_window(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                  uint64_t first, uint64_t last, json_t *records, bool *more,
                                  struct cli_fault *fault)
@@ -195,7 +195,7 @@ static enum cli_exit read_window(struct cli_daemon *daemon, const struct cli_arg
     return exit;
 }
 
-/* The last `count` up to `until`: from the end to the beginning, as the last ones are wanted. */
+/* Reads the last `count` matching records up to `until`, from the end to the beginning. */
 static enum cli_exit read_backwards(struct cli_daemon *daemon,
                                     const struct cli_arguments *arguments, size_t count,
                                     uint64_t until, json_t *records, struct iso_progress *progress,

@@ -12,11 +12,11 @@ enum { VALUE_SIZE = 1024 };
 
 enum form {
     FORM_AS_IT_IS,
-    FORM_SCORE,   /* two digits will do for people */
-    FORM_PROGRAM, /* only in a full record */
+    FORM_SCORE,   /* shown to people with two digits */
+    FORM_PROGRAM, /* shown only in a full record */
 };
 
-/* Every member behind number, time and event, in the order of text and columns. */
+/* The members after number, time and event, in the order of the text and of the columns. */
 static const struct member {
     const char *name;
     enum form form;
@@ -54,7 +54,7 @@ bool cli_log_chooses(const struct cli_arguments *arguments)
     return arguments->n_people > 0 || arguments->events || arguments->day_ends_s;
 }
 
-/* Whether the list, "visit,door", has the word. */
+/* Whether the list, such as "visit,door", contains the word. */
 static bool has_word(const char *list, const char *word)
 {
     const size_t length = strlen(word);
@@ -67,7 +67,7 @@ static bool has_word(const char *list, const char *word)
     return false;
 }
 
-/* Whether the record is about one of the people. A renamed person has two names. */
+/* Whether the record is about one of these people. The record of a renamed person has two names. */
 static bool is_about(const json_t *record, const char *const *people, size_t n)
 {
     const char *event = text_of(record, "event"), *person = text_of(record, "person");
@@ -108,7 +108,7 @@ static void format_value(const json_t *value, enum form form, bool full, char te
 
 /* ---- text ---- */
 
-/* The colour of a verdict; plain for all other members. */
+/* The colour of a verdict. All other members have no colour. */
 static enum iso_paint paint_of(const char *name, const char *value)
 {
     if (strcmp(name, "verdict") != 0) {
@@ -129,7 +129,7 @@ static void print_member(const char *name, const json_t *value, enum form form, 
             quote, text, quote, paint ? iso_terminal_paint(terminal, ISO_PAINT_PLAIN) : "");
 }
 
-/* Whether it stands at the head of the line or in the table. */
+/* Whether the member is at the head of the line or in the table. */
 static bool is_known(const char *name)
 {
     bool known = strcmp(name, "sequence") == 0 || strcmp(name, "time") == 0 ||
@@ -168,7 +168,7 @@ void cli_log_print_text(const json_t *record, bool full, FILE *out)
 
 /* ---- comma-separated values ---- */
 
-/* In quotes if it has a comma, a quote or a line end. */
+/* Prints the value, in quotes if it contains a comma, a quote or a line end. */
 static void print_csv_value(const char *text, FILE *out)
 {
     const bool quote = text[strcspn(text, ",\"\r\n")] != '\0';

@@ -8,7 +8,7 @@
 
 #include "firmware/contract/name_folding.h"
 
-/* NULL if the name is not UTF-8, or for want of memory. */
+/* Returns NULL if the name is not UTF-8, or if there is no memory. */
 static char *fold_name(const char *name)
 {
     char *folded = NULL;
@@ -28,7 +28,7 @@ bool cli_name_is_same(const char *a, const char *b)
     return same;
 }
 
-/* As a shell such as bash reads it. */
+/* Escapes a character as a shell such as bash reads it. */
 static void print_character(FILE *out, ucs4_t c, const uint8_t *bytes, size_t length)
 {
     if (c == '\'' || c == '\\') {

@@ -11,7 +11,7 @@ enum cli_exit cli_report_json(json_t *document)
         fputs("isotherm: out of memory for the result\n", stderr);
         return CLI_EXIT_FAULT;
     }
-    (void)putchar('\n'); /* main() looks whether it was written */
+    (void)putchar('\n'); /* main() checks whether the output was written */
     return CLI_EXIT_OK;
 }
 

@@ -21,7 +21,7 @@ enum unit {
     UNIT_MM_S,
     UNIT_DEGREES_S,
     UNIT_ON_OFF,
-    UNIT_PRIORITY, /* left out if it is as it should be */
+    UNIT_PRIORITY, /* left out if it is right */
 };
 
 static const struct row {
@@ -83,7 +83,7 @@ static const struct {
     [UNIT_MM_S] = {1, 0, " mm/s"},   [UNIT_DEGREES_S] = {1, 0, " deg/s"},
 };
 
-/* False if there is nothing to print. */
+/* Returns false if there is nothing to print. */
 static bool format_value(const json_t *value, enum unit unit, char text[VALUE_SIZE])
 {
     const double number = json_number_value(value);
