@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
  * a sanitizer finds reads beyond it. Free it with free(). */
 uint8_t *fuzz_copy(const uint8_t *data, size_t size);
 
-/* Returns the path of a file with the input, for readers that take a name. The path is the same in
+/* Returns the path of a file with the input, for readers that take a path. The path is the same in
  * every call. */
 const char *fuzz_file(const uint8_t *data, size_t size);
 

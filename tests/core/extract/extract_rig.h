@@ -6,10 +6,10 @@
 
 struct extract_rig {
     struct iso_head_model *model;
-    struct iso_extract_options options; /* at first the defaults */
+    struct iso_extract_options options; /* the defaults at first */
     struct iso_extractor *extractor;
     struct iso_frame *frame;
-    struct iso_extraction out; /* of the last run */
+    struct iso_extraction out; /* the result of the last run */
 };
 
 /* The set-up and the tear-down of a cmocka test whose state is the rig. */
@@ -23,7 +23,7 @@ void extract_rig_renew(struct extract_rig *rig);
 void extract_rig_draw(struct extract_rig *rig, double yaw_deg, double pitch_deg,
                       struct iso_vec3 nose_mm);
 
-/* Runs the extractor on the frame, which must succeed. */
+/* Runs the extractor on the frame. An error fails the test. */
 enum iso_capture extract_rig_run(struct extract_rig *rig);
 
 /* Draws the mean head, then runs the extractor. */

@@ -21,13 +21,13 @@ enum {
     SIZE = AT_MODES + (N_IDENTITY + N_EXPRESSION) * (4 + 6 * N_VERTICES),
 };
 
-/* No two numbers alike, so that nothing can be swapped unnoticed. */
+/* All its numbers differ, so that a test notices two numbers that are swapped. */
 struct iso_head_model *small_head_model(void);
 
-/* Its file of SIZE bytes, to be freed. */
+/* Returns the file of this model, SIZE bytes. Free it with free(). */
 uint8_t *small_head_model_file(void);
 
-/* Makes the checksum right again after a change. */
+/* Writes the checksum of the file again after the file was changed. */
 void small_head_model_seal(uint8_t *file, size_t size);
 
 #endif

@@ -1,4 +1,5 @@
-/* A metric of two landmarks and three nodes, on which numbers can be worked out. */
+/* A metric of two landmarks and three nodes. It is so small that a test can calculate its results
+ * by hand. */
 #ifndef TESTS_CORE_MATCH_SMALL_METRIC_H
 #define TESTS_CORE_MATCH_SMALL_METRIC_H
 
@@ -6,8 +7,8 @@
 
 enum { RADII = 2, POINTS = 5, DIMENSIONS = 3, NODES = 3 };
 
-/* Mean curves of landmarks 1 and 4 that do not lie in a plane; heights at three nodes of the upper
- * face; axes that depend on all of these. */
+/* The mean curves of landmarks 1 and 4 do not lie in a plane. The upper face has heights at three
+ * nodes. The axes depend on all of these values. */
 struct iso_metric *small_metric(void);
 
 #endif

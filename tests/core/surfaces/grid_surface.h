@@ -1,5 +1,5 @@
-/* Surfaces as orthographic depth frames, for tests of what works on grids; each also as the mesh
- * that iso_triangulate makes of it. A failure ends the test. */
+/* Surfaces as orthographic depth frames, for tests of code that works on grids. Each surface also
+ * has the mesh that iso_triangulate makes of the frame. A failure ends the test. */
 #ifndef TESTS_CORE_SURFACES_GRID_SURFACE_H
 #define TESTS_CORE_SURFACES_GRID_SURFACE_H
 
@@ -9,29 +9,31 @@
 struct grid_surface {
     struct iso_frame *frame;
     struct iso_grid *grid;
-    struct iso_triangulator *triangulator; /* has made the mesh last */
+    struct iso_triangulator *triangulator; /* made the mesh last */
     struct iso_mesh *mesh;                 /* in the face frame */
     int32_t (*adjacent)[3];
     int32_t *plane_index; /* [n_vertices] of the grid */
 };
 
-/* Hills and hollows on 75 x 58 pixels, with holes of one pixel and of many, single triangles, and a
- * cliff that is cut; steepness 0: flat and whole. */
+/* Hills and hollows on 75 x 58 pixels. The surface has holes of one pixel and of many pixels,
+ * single triangles, and a cliff at which the mesh is cut. With steepness 0 it is flat and has no
+ * holes. */
 struct grid_surface grid_surface_hills(double pitch_mm, double steepness);
 
-/* The mean face of the shipped model within 100 mm of the nose tip; frame NULL if there is no
- * model. */
+/* The mean face of the shipped model within 100 mm of the nose tip. `frame` is NULL if the model is
+ * missing. */
 struct grid_surface grid_surface_mean_face(double pitch_mm);
 
 void grid_surface_done(struct grid_surface *surface);
 
-/* The same place on grid and mesh, by x and y in the face frame. */
+/* Finds the same place on grid and mesh, given by x and y in the face frame. */
 struct iso_grid_point grid_surface_point(const struct grid_surface *surface, double x_mm,
                                          double y_mm);
 struct iso_surface_point grid_surface_mesh_point(const struct grid_surface *surface, double x_mm,
                                                  double y_mm);
 
-/* A field's values at the mesh's vertices: [n_vertices], to be freed. */
+/* Returns the values of a field at the vertices of the mesh, [n_vertices]. Free them with free().
+ */
 double *grid_surface_on_mesh(const struct grid_surface *surface,
                              const struct iso_grid_field *field);
 

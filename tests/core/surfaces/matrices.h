@@ -1,4 +1,4 @@
-/* Stiffness and mass of a test's mesh. */
+/* The stiffness matrix and the mass matrix of a test's mesh. */
 #ifndef TESTS_CORE_SURFACES_MATRICES_H
 #define TESTS_CORE_SURFACES_MATRICES_H
 
@@ -8,7 +8,7 @@ struct matrices {
     struct iso_symmetric *stiffness, *mass;
 };
 
-/* Room for, and the matrices of, a mesh; a failure ends the test. */
+/* Allocates and computes the matrices of a mesh. A failure ends the test. */
 struct matrices matrices_of(const struct iso_mesh *mesh, enum iso_mass kind);
 void matrices_free(struct matrices *m);
 

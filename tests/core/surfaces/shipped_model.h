@@ -4,7 +4,7 @@
 
 #include "isotherm/head_model.h"
 
-/* Free with iso_head_model_free. Failures fail the running cmocka test. */
+/* Free it with iso_head_model_free. A failure fails the running cmocka test. */
 struct iso_head_model *shipped_head_model(void);
 
 #endif

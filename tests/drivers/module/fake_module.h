@@ -1,4 +1,4 @@
-/* The table of the modules of fake_module.c. */
+/* The table of the modules in fake_module.c. */
 #ifndef TESTS_DRIVERS_MODULE_FAKE_MODULE_H
 #define TESTS_DRIVERS_MODULE_FAKE_MODULE_H
 

@@ -1,5 +1,5 @@
-/* Cameras that are none: a stand-in for the kernel's video nodes (drivers/sensor/
- * sensor_v4l2_system.h), stricter than drivers are. A call out of order fails the test. */
+/* Simulated cameras: a stand-in for the kernel's video nodes (drivers/sensor/sensor_v4l2_system.h).
+ * It is stricter than the kernel's drivers: a call in the wrong order fails the test. */
 #ifndef TESTS_DRIVERS_SENSOR_FAKE_V4L2_H
 #define TESTS_DRIVERS_SENSOR_FAKE_V4L2_H
 
@@ -12,17 +12,17 @@ enum { FAKE_CAMERAS = 2, FAKE_BUFFERS = 8 };
 
 struct fake_camera {
     const char *path;
-    uint32_t format; /* the only one it has */
+    uint32_t format; /* the only format it has */
     uint32_t width_px, height_px, stride_bytes;
     uint32_t capabilities;
     int open_error, start_error; /* -errno, or 0 */
-    bool realtime_stamps;        /* a driver that keeps another clock */
+    bool realtime_stamps;        /* its driver does not stamp with the monotonic clock */
 
-    /* What happens next to a picture: see fake_shoot. */
+    /* The result of the next pictures, see fake_shoot. */
     bool unplugged, broken;
-    uint32_t sequence; /* of the next picture */
+    uint32_t sequence; /* the sequence number of the next picture */
 
-    /* Its own. */
+    /* The state below belongs to the simulation. */
     int fd;
     bool streaming;
     unsigned n_buffers, n_mapped;
@@ -32,7 +32,7 @@ struct fake_camera {
         uint32_t index, sequence, bytes;
         int64_t stamp_ns;
         bool damaged;
-    } done[FAKE_BUFFERS]; /* filled and not yet taken, oldest first */
+    } done[FAKE_BUFFERS]; /* filled buffers that were not taken yet, oldest first */
     unsigned n_done;
     int n_opened;
 };
@@ -45,20 +45,20 @@ struct fake_v4l2 {
 /* A table whose context is `fake`. */
 struct iso_v4l2_system fake_v4l2_system(struct fake_v4l2 *fake);
 
-/* What becomes of a picture on its way. */
+/* The result of a picture. */
 enum fake_fate { FAKE_GOOD, FAKE_DAMAGED, FAKE_SHORT, FAKE_LOST };
 
-/* The camera takes a picture at stamp_ns: rows of its stride, from pixels without padding (two
- * bytes or one each, as the format has). Lost: only the sequence goes on, as it does when no buffer
- * is free. */
+/* The camera takes a picture at stamp_ns. `pixels` has rows without padding (two bytes or one byte
+ * per pixel, by the format); the camera writes rows of its stride. FAKE_LOST only increases the
+ * sequence number, as a real camera does when no buffer is free. */
 void fake_shoot(struct fake_camera *camera, int64_t stamp_ns, const void *pixels,
                 enum fake_fate fate);
 
-/* Pulls the cable, or has the stream break: the camera's descriptor polls readable. */
+/* Unplugs the camera, or breaks the stream: poll reports the camera's descriptor as readable. */
 void fake_unplug(struct fake_camera *camera);
 void fake_break(struct fake_camera *camera);
 
-/* Asserts that nothing is held: descriptors, buffers, maps. */
+/* Asserts that the back end holds no descriptor, buffer or map. */
 void fake_v4l2_assert_released(const struct fake_v4l2 *fake);
 
 #endif

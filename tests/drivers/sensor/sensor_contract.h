@@ -1,6 +1,6 @@
-/* What the contract suite of the sensor class (test_sensor_contract.c) has to know of a back end: a
- * stage, on which its sensor sees the frames of stored_frames_write_plain() one after the other,
- * from the first one at each start.
+/* A stage is a set-up in which the contract suite of the sensor class (test_sensor_contract.c)
+ * tests one back end. On a stage the sensor delivers the frames of stored_frames_write_plain() one
+ * after the other, and begins with the first one at each start.
  *
  * A new back end adds a stage to the table in sensor_stages.c. */
 #ifndef TESTS_DRIVERS_SENSOR_SENSOR_CONTRACT_H
@@ -15,21 +15,21 @@
 
 enum { SENSOR_STAGE_FRAMES = 5, SENSOR_STAGE_OPTIONS = 8 };
 
-/* A stage that is set up. */
+/* A stage in use. */
 struct sensor_scene {
     const char *scratch; /* a directory of its own */
-    int64_t now_ns;      /* what the injected clock shows */
+    int64_t now_ns;      /* the time of the injected clock */
     struct iso_option options[SENSOR_STAGE_OPTIONS];
     size_t n_options;
     double unit_mm;
-    bool intensity; /* the sensor is opened so that frames carry one */
+    bool intensity; /* the sensor is opened so that its frames have an intensity image */
     int shutter_fd; /* of stages with a camera */
-    void *world;    /* the stage's own */
+    void *world;    /* data of the stage */
 };
 
 struct sensor_stage {
-    const char *name;     /* of the stage */
-    const char *back_end; /* that it is for */
+    const char *name;     /* the name of the stage */
+    const char *back_end; /* the back end that it tests */
 
     /* REQUIRED. Prepares the stage and fills in options, unit_mm and intensity. */
     void (*set_up)(struct sensor_scene *scene);
@@ -37,64 +37,65 @@ struct sensor_stage {
     /* OPTIONAL. Undoes what is outside the scratch directory. */
     void (*tear_down)(struct sensor_scene *scene);
 
-    /* OPTIONAL. Has the camera make the next frame; without it they come by the clock. After the
-     * last frame there is it begins again with the first. */
+    /* OPTIONAL. Makes the camera deliver the next frame; without it the frames come by the clock.
+     * The first frame follows the last one. */
     void (*offer)(struct sensor_scene *scene);
 
-    /* OPTIONAL. Has frame number `stored` be lost on its way. Called before the start, and again by
-     * a camera's stage in place of the offer. */
+    /* OPTIONAL. Loses frame number `stored` between the camera and the back end. The suite calls it
+     * before the start, and on a camera's stage again in place of the offer. */
     void (*lose)(struct sensor_scene *scene, int stored);
 
-    /* OPTIONAL. Pulls the cable, or puts it in again. */
+    /* OPTIONAL. Unplugs the camera, or plugs it in again. */
     void (*plug)(struct sensor_scene *scene, bool in);
 
-    /* OPTIONAL, of a stage with frames of its own: asserts that one is number `stored` of them, bit
-     * by bit. */
+    /* OPTIONAL, for a stage with frames of its own: asserts that a frame equals frame number
+     * `stored` bit by bit. */
     void (*expect)(const struct sensor_scene *scene, const struct iso_frame *frame, int stored);
 };
 
-/* What a test runs on. */
+/* A stage and its open sensor, for one test. */
 struct sensor_set {
     const struct sensor_stage *stage;
     struct sensor_scene scene;
     struct iso_sensor *sensor;
 };
 
-/* Runs a test on every stage that `fits` (NULL: on all), and prints how many do not; skips the test
- * if none does. */
+/* Runs a test on every stage for which `fits` returns true (NULL: on all), and prints the number of
+ * the other stages. It skips the test if no stage fits. */
 void on_every_stage(void (*test)(struct sensor_set *set),
                     bool (*fits)(const struct sensor_stage *stage));
 
-/* cmocka tear-down: a test that fails leaves nothing behind. */
+/* cmocka tear-down: removes what a failed test has left. */
 int stage_clear_away(void **state);
 
-/* Opens the sensor of the stage, once more after it was closed. */
+/* Opens the sensor of the stage, also again after the sensor was closed. */
 int stage_open(struct sensor_set *set, struct iso_fault *fault);
 void stage_start(struct sensor_set *set);
 
-/* Opens it as soon as the system has noticed that it is there again. */
+/* Opens the sensor as soon as the system has noticed that the camera is plugged in again. */
 void stage_open_when_there(struct sensor_set *set);
 
-/* The real time, which the injected clock does not show. */
+/* The real time. The injected clock does not show it. */
 int64_t stage_real_ns(void);
 
-/* Has the camera make a frame; nothing where frames come by the clock. */
+/* Makes the camera deliver a frame. It does nothing on a stage whose frames come by the clock. */
 void stage_offer(struct sensor_set *set);
 
-/* Waits for what has been offered, or is due by the clock: 0 or an error other than a time-out. */
+/* Waits for a frame that was offered, or that is due by the clock. Returns 0, or an error other
+ * than a time-out. */
 int stage_fetch(struct sensor_set *set, const struct iso_frame **frame, struct iso_fault *fault);
 
 /* Offers a frame and fetches it. */
 const struct iso_frame *stage_next(struct sensor_set *set);
 
-/* The frame is number `stored` of the recording, bit by bit. */
+/* Asserts that the frame equals frame number `stored` of the recording bit by bit. */
 void stage_expect_frame(const struct sensor_set *set, const struct iso_frame *frame, int stored);
 
 /* The stages of this program, NULL at the end. */
 extern const struct sensor_stage *const sensor_stages[];
 
-/* The back ends whose stages are in another program: those that need a kernel's cameras in that of
- * the virtual machine (tests/vm), NULL at the end. */
+/* The back ends whose stages are in another program, NULL at the end. Back ends that need the
+ * cameras of a kernel have their stages in the program of the virtual machine (tests/vm). */
 extern const char *const sensor_stages_elsewhere[];
 
 extern const struct sensor_stage sensor_stage_replay;

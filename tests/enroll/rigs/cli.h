@@ -9,47 +9,52 @@
 #include "tests/support/programs/private_bus.h"
 #include "tests/support/programs/run.h"
 
-/* A daemon with two people: anna, with two templates and until the end of 2026, and Bo Ek. */
+/* A daemon with two people: anna, who has two templates and is valid until the end of 2026, and Bo
+ * Ek. */
 extern const struct fake_script cli_two_people;
 
-/* Starts the bus that all tests of a program share; false if the program is to be skipped. */
+/* Starts the bus that all tests of a program share. Returns false if the program has to skip its
+ * tests. */
 bool cli_find_bus(void);
 
-/* cmocka tear-down of the group: stops it. */
+/* cmocka tear-down of the group: stops the bus. */
 int cli_teardown(void **state);
 
 struct cli_result {
     int exit;
-    const char *what;              /* the command line */
-    const char *out, *err, *calls; /* what the daemon got; valid until the next run */
+    const char *what; /* the command line */
+    const char *out, *err,
+        *calls; /* calls: the calls to the daemon; all three are valid until the next run */
 };
 
-/* isotherm --bus ADDRESS WORDS, the words being separated by single blanks. `script` NULL: nobody
- * is at the other end. */
+/* Runs `isotherm --bus ADDRESS WORDS`. Single blanks separate the words. If `script` is NULL, no
+ * daemon is on the bus. */
 struct cli_result cli_run(const struct fake_script *script, const char *words);
 
-/* isotherm WORDS with nobody on the bus, which is the system's for this run. */
+/* Runs `isotherm WORDS`. The test's bus is the system bus for this run, and no daemon is on it. */
 struct cli_result cli_run_on_system_bus(const char *words);
 
-/* The same with standard output to a file, such as /dev/full; result.out is "". */
+/* Like cli_run, but standard output is a file, such as /dev/full. result.out is "". */
 struct cli_result cli_run_to(const char *path, const struct fake_script *script, const char *words);
 
-/* The same on a terminal of 80 columns, which gets both outputs (result.out, to be freed by the
- * caller); `environment` is one NAME=VALUE that is added, or NULL. */
+/* Like cli_run, but on a terminal of 80 columns. result.out has both outputs of the program; the
+ * caller frees it. `environment` is one NAME=VALUE that is added to the environment, or NULL. */
 struct cli_result cli_run_on_terminal(const struct fake_script *script, const char *words,
                                       const char *environment);
 
-/* The same; but as soon as `text` stands in stdout, the program gets a SIGINT. */
+/* Like cli_run, but the program gets a SIGINT as soon as its stdout contains `text`. */
 struct cli_result cli_run_interrupt(const struct fake_script *script, const char *words,
                                     const char *text);
 
-/* Parses stdout, which has to be exactly one JSON document; the caller releases it. */
+/* Parses stdout, which has to be exactly one JSON document. The caller releases it. */
 json_t *cli_json(const struct cli_result *result);
 
-/* Fails the test, saying what it was, how it ended and what it said, unless it ended like that. */
+/* Fails the test unless the program ended with this exit code. The message has the command line,
+ * the exit code and the outputs. */
 void cli_expect_exit(const struct cli_result *result, int exit);
 
-/* Fails the test unless stdout is an error document with this code and the exit code of the run. */
+/* Fails the test unless stdout is an error document with this error code and with the exit code of
+ * the run. */
 void cli_expect_error(const struct cli_result *result, int exit, const char *code);
 
 #endif

@@ -1,6 +1,6 @@
-/* A stand-in for the daemon: it has the name, object and interface of firmware/contract/contract.h,
- * keeps to the signatures written there, and does what a script says. It runs in a process of its
- * own. Stricter than the daemon: an action without a claim, a second claim and a stop without a
+/* A stand-in for the daemon. It has the name, object and interface of firmware/contract/contract.h,
+ * keeps to the signatures written there, and follows a script. It runs in a process of its own. It
+ * is stricter than the daemon: an action without a claim, a second claim, and a stop without a
  * start fail. */
 #ifndef TEST_FAKE_DAEMON_H
 #define TEST_FAKE_DAEMON_H
@@ -10,25 +10,26 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-/* One status signal, sent after EnrollStart, VerifyStart or IdentifyStart in the form of that
- * action. */
+/* One status signal. It is sent after EnrollStart, VerifyStart or IdentifyStart, in the form of
+ * that action. */
 struct fake_status {
     const char *result;
     bool done;
-    unsigned stage, stages; /* enrolment */
+    unsigned stage, stages; /* of an enrolment */
     double value;           /* the quality, or the score */
-    const char *person;     /* verify, identify; enroll: a duplicate's; NULL: "" */
+    const char
+        *person; /* the person verified or identified, or the duplicate of an enrolment; NULL: "" */
     double threshold;
 };
 
-/* One View signal, sent to who calls AimStart. */
+/* One View signal, sent to the client that calls AimStart. */
 struct fake_view {
     const char *capture;
-    double distance_mm, yaw_deg; /* NAN: left out */
+    double distance_mm, yaw_deg; /* NAN: the signal leaves it out */
 };
 
-/* One Progress signal, sent to the caller of a long method before its answer, `after_ms` after the
- * call or the signal before it. */
+/* One Progress signal. The caller of a long method gets it before the answer, `after_ms` after the
+ * call or after the previous signal. */
 struct fake_progress {
     uint64_t done, total;
     unsigned after_ms;
@@ -41,22 +42,22 @@ struct fake_person {
 };
 
 struct fake_script {
-    const char *fail_method, *fail_error; /* the method that fails, with which D-Bus error */
+    const char *fail_method, *fail_error; /* the method that fails, and its D-Bus error */
     const struct fake_status *statuses;
     size_t n_statuses;
     const struct fake_view *views;
     size_t n_views;
-    const char *fail_text; /* what the error says; NULL: "the fake says so" */
-    bool vanish;           /* leave the bus after the last status */
-    const char *stranger;  /* another connection sends this result, as done, before the statuses */
+    const char *fail_text; /* text of that error; NULL: "the fake says so" */
+    bool vanish;           /* it leaves the bus after the last status */
+    const char *stranger;  /* another connection sends this result as final, before the statuses */
     const struct fake_progress *progress; /* of ExportPeople, ImportPeople, RotateKeys, VerifyLog */
     size_t n_progress;
-    unsigned answer_ms; /* how long after the last of them these methods answer */
+    unsigned answer_ms; /* these methods answer this long after the last of these signals */
     const struct fake_person *people;
     size_t n_people;
     const char *remark;                                         /* of RenamePerson; NULL: "" */
     const char *sensor_fault, *sensor_calibration, *door_lines; /* NULL: "" */
-    const char *sensor_devices;                                 /* NULL: none are told of */
+    const char *sensor_devices;                                 /* NULL: "" */
     const char *sensor_state, *door_state, *model, *version;    /* NULL: all is well */
     const char *counter_fault;                                  /* NULL: "" */
     const char *storage_fault;                                  /* NULL: "" */
@@ -66,14 +67,14 @@ struct fake_script {
     const char *sensor_fault_code, *sensor_health_code, *sensor_devices_code; /* NULL: "" */
     const char *sensor_calibration_code, *door_fault_code, *storage_fault_code, *clock_fault_code;
     const char *stale_fault_code, *counter_fault_code;
-    const char *door, *door_fault; /* back end and its lines, so too */
-    unsigned n_records;            /* in the log, numbered from 1 */
-    const char *last_record;       /* its members from "event" on; NULL: like the others */
-    /* With every ReadLog so many more come, and so many of the oldest go. */
+    const char *door, *door_fault; /* of the lines; NULL: "gpiod", "" */
+    unsigned n_records;            /* number of records in the log, numbered from 1 */
+    const char *last_record;       /* its members from "event" on; NULL: like the other records */
+    /* Each ReadLog adds so many records and removes so many of the oldest. */
     unsigned records_come, records_go;
-    const char *picture; /* the bytes of the file that Picture gives, up to a NUL; NULL: "PNG" */
-    size_t picture_size; /* how many they are; 0: up to a NUL */
-    unsigned refused;    /* so many of the first calls of ReadLog are too many */
+    const char *picture; /* content of the file that Picture gives; NULL: "PNG" */
+    size_t picture_size; /* its length in bytes; 0: up to the NUL */
+    unsigned refused; /* so many of the first calls of ReadLog fail, because there are too many */
 };
 
 struct fake_daemon {
@@ -85,8 +86,9 @@ struct fake_daemon {
 void fake_daemon_start(struct fake_daemon *daemon, const char *address,
                        const struct fake_script *script);
 
-/* Ends it and returns the calls it got, "Claim;EnrollStart anna;..."; options of an enrolment
- * or of limits are written as name=value after the person. Valid until the next call. */
+/* Ends the service and returns the calls that it received, such as "Claim;EnrollStart anna;...".
+ * The options of an enrolment or of limits are written as name=value after the person. The text is
+ * valid until the next call. */
 const char *fake_daemon_stop(struct fake_daemon *daemon);
 
 #endif

@@ -1,6 +1,6 @@
-/* A stand-in for systemd's manager on a private bus: it has the name, object and interface of
- * org.freedesktop.systemd1 as far as `isotherm setup` asks it, and does what a script says. It runs
- * in a process of its own. */
+/* A stand-in for systemd's manager on a private bus. It has the name, object and interface of
+ * org.freedesktop.systemd1, as far as `isotherm setup` uses them, and follows a script. It runs in
+ * a process of its own. */
 #ifndef TEST_FAKE_MANAGER_H
 #define TEST_FAKE_MANAGER_H
 
@@ -8,10 +8,10 @@
 #include <sys/types.h>
 
 struct fake_manager_script {
-    bool enabled, active;    /* the unit, before */
-    const char *result;      /* how a RestartUnit ends; NULL: "done"; "": never */
-    const char *fail_method; /* this one is refused */
-    const char *started;     /* a file whose text is noted with RestartUnit; NULL: none */
+    bool enabled, active;    /* state of the unit before the first call */
+    const char *result;      /* result of a RestartUnit; NULL: "done"; "": no result */
+    const char *fail_method; /* the method that fails */
+    const char *started;     /* the text of this file is noted with RestartUnit; NULL: no file */
 };
 
 struct fake_manager {
@@ -19,15 +19,15 @@ struct fake_manager {
     int trace_fd;
 };
 
-/* Returns when it is on the bus. */
+/* Returns when the manager is on the bus. */
 void fake_manager_start(struct fake_manager *manager, const char *address,
                         const struct fake_manager_script *script);
 
-/* Waits until the manager is asked to start the unit. */
+/* Waits until a client asks the manager to start the unit. */
 void fake_manager_wait_for_start(struct fake_manager *manager);
 
-/* Ends it and returns the calls it got, "Subscribe;LoadUnit;...;RestartUnit<TEXT OF started>".
- * Valid until the next call. */
+/* Ends the manager and returns the calls that it received, "Subscribe;LoadUnit;...;RestartUnit<TEXT
+ * OF started>". The text is valid until the next call. */
 const char *fake_manager_stop(struct fake_manager *manager);
 
 #endif

@@ -1,5 +1,5 @@
-/* The scripted stand-in for the daemon from within: its state, and a handler for each method. For
- * fake_daemon.c and the files of its methods. */
+/* The inner parts of the scripted stand-in for the daemon: its state, and a handler for each
+ * method. fake_daemon.c and the files of the methods share them. */
 #ifndef TEST_FAKE_SERVICE_H
 #define TEST_FAKE_SERVICE_H
 
@@ -11,32 +11,33 @@ struct fake_service {
     const struct fake_script *script;
     const char *address;
     int trace_fd;
-    char claimed_by[64], action[16]; /* "" for nobody and none */
+    char claimed_by[64], action[16]; /* "": no claim, no action */
     bool leave;
-    unsigned n_log_calls; /* those that were answered */
+    unsigned n_log_calls; /* number of the calls that were answered */
     unsigned n_refused;
 };
 
 /* Adds text to the calls that fake_daemon_stop returns. */
 void fake_trace(const struct fake_service *service, const char *text);
 
-/* Adds the options of a call, a{sv}, as " name=value". A negative errno of the bus. */
+/* Adds the options of a call, a{sv}, as " name=value". Returns 0 or a negative errno of sd-bus. */
 int fake_trace_options(const struct fake_service *service, sd_bus_message *call);
 
-/* Notes the call and answers it with the scripted error, if it is the one to fail. */
+/* Notes the call. If the script lets this method fail, answers it with the scripted error and
+ * returns true. */
 bool fake_fails(const struct fake_service *service, sd_bus_message *call, sd_bus_error *error);
 
-/* Whether the caller has claimed the camera; else *error is set. */
+/* Whether the caller has claimed the camera. If it has not, *error is set. */
 bool fake_is_claimant(const struct fake_service *service, sd_bus_message *call,
                       sd_bus_error *error);
 
-/* A new connection. A negative errno of the bus. */
+/* Opens a new connection. Returns 0 or a negative errno of sd-bus. */
 int fake_open_bus(const char *address, sd_bus **bus);
 
-/* NULL if nobody has this name. */
+/* Returns NULL if no person has this name. */
 const struct fake_person *fake_find_person(const struct fake_service *service, const char *name);
 
-/* The methods of firmware/contract/contract.h. */
+/* The handlers of the methods of firmware/contract/contract.h. */
 int fake_on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *error);
 int fake_on_verify_start(sd_bus_message *call, void *context, sd_bus_error *error);
 int fake_on_identify_start(sd_bus_message *call, void *context, sd_bus_error *error);

@@ -1,4 +1,4 @@
-/* What the scripted stand-in for the daemon answers to GetStatus. */
+/* The answer of the scripted stand-in for the daemon to GetStatus. */
 #ifndef TEST_FAKE_STATUS_H
 #define TEST_FAKE_STATUS_H
 
@@ -6,8 +6,8 @@
 
 #include "tests/enroll/rigs/fake_daemon.h"
 
-/* Appends the dictionary a{sv}: what the script says, and for everything else that all is well. A
- * negative errno of sd_bus_message_append(). */
+/* Appends the dictionary a{sv}. The script sets some of its values; every other value means that
+ * there is no fault. Returns 0 or a negative errno of sd_bus_message_append(). */
 int fake_status_append(sd_bus_message *reply, const struct fake_script *script);
 
 #endif

@@ -1,4 +1,4 @@
-/* What the fake daemon does when it is called for work that takes long: ExportPeople, ImportPeople,
+/* The methods of the stand-in for the daemon that take long: ExportPeople, ImportPeople,
  * RotateKeys, VerifyLog. */
 #ifndef TEST_FAKE_WORK_H
 #define TEST_FAKE_WORK_H
@@ -8,8 +8,8 @@
 #include "tests/enroll/rigs/fake_daemon.h"
 
 /* Sends the Progress signals of the script and answers the call: 2 people are exported, 1 is added
- * and 1 known, the keys are rotated without a remark, records 1 to 100 are sound. A negative errno
- * of the bus. */
+ * and 1 was known, the keys are rotated without a remark, records 1 to 100 are sound. Returns 0 or
+ * a negative errno of sd-bus. */
 int fake_work(sd_bus_message *call, const struct fake_script *script);
 
 #endif

@@ -1,6 +1,6 @@
-/* A machine for tests of `isotherm setup`: its places in a scratch directory, a private bus with a
- * scripted service manager and a scripted daemon, and the real isothermd to check configurations.
- */
+/* A machine for tests of `isotherm setup`: a scratch directory with its files, a private bus with a
+ * scripted service manager and a scripted daemon, and the real isothermd that checks
+ * configurations. */
 #ifndef TEST_SETUP_RIG_H
 #define TEST_SETUP_RIG_H
 
@@ -13,76 +13,78 @@ struct setup_rig {
     struct fake_daemon daemon;
     struct fake_manager manager;
     bool has_daemon, has_manager;
-    struct cli_fault fault;   /* of the last run */
-    char *said;               /* what the last run said */
-    const char *calls;        /* of the service manager */
-    const char *daemon_calls; /* of the daemon */
+    struct cli_fault fault;   /* the fault of the last run */
+    char *said;               /* the output of the last run */
+    const char *calls;        /* the calls to the service manager */
+    const char *daemon_calls; /* the calls to the daemon */
 };
 
-/* Starts the bus that all tests of a program share; false if the program is to be skipped. */
+/* Starts the bus that all tests of a program share. Returns false if the program has to skip its
+ * tests. */
 bool setup_rig_find_bus(void);
 int setup_rig_stop_bus(void **state);
 
-/* cmocka set-up and tear-down: *state becomes a struct setup_rig. There is no configuration yet, no
- * camera, and no board is recognised. */
+/* cmocka set-up and tear-down: *state becomes a struct setup_rig. At first the machine has no
+ * configuration and no camera, and its board is unknown. */
 int setup_rig_setup(void **state);
 int setup_rig_teardown(void **state);
 
-/* A full name in the rig's directory. */
+/* Returns the full path of a name in the rig's directory. */
 const char *setup_rig_path(const char *name);
 
-/* What `isothermd --list-devices` prints from now on. */
+/* Sets what `isothermd --list-devices` prints from now on. */
 void setup_rig_set_devices(const char *lines);
 
-/* Puts both on the bus; NULL: it stays away. */
+/* Puts the service manager and the daemon on the bus. If one of them is NULL, it stays away. */
 void setup_rig_begin(struct setup_rig *rig, const struct fake_manager_script *manager,
                      const struct fake_script *daemon);
 
-/* Takes both from the bus again; rig->calls are the manager's, rig->daemon_calls the
- * daemon's. */
+/* Takes both from the bus again. rig->calls has the calls to the manager, rig->daemon_calls those
+ * to the daemon. */
 void setup_rig_end(struct setup_rig *rig);
 
-/* Does what the program does between these two, without a terminal. */
+/* Runs the set-up as the program does, without a terminal. Call it between setup_rig_begin and
+ * setup_rig_end. */
 enum cli_exit setup_rig_run(struct setup_rig *rig, const struct cli_setup_wish *wish,
                             const struct fake_manager_script *manager,
                             const struct fake_script *daemon);
 
-/* A terminal at which the program runs in a process of its own. */
+/* A terminal. The program runs on it in a process of its own. */
 struct setup_terminal {
     pid_t pid;
     int fd;
-    char text[64 * 1024]; /* what has come so far */
-    size_t length, asked; /* asked: up to where questions have been answered */
+    char text[64 * 1024]; /* the output so far */
+    size_t length, asked; /* asked: length of the output whose questions were answered */
 };
 
 void setup_rig_open(struct setup_rig *rig, const struct cli_setup_wish *wish,
                     struct setup_terminal *terminal);
 
-/* Waits for a question, in what has come since the last answer, and answers it. */
+/* Waits for a question in the output since the last answer, and answers it. */
 void setup_rig_answer(struct setup_terminal *terminal, const char *question, const char *answer);
 
-/* Waits for the end; returns the exit code. */
+/* Waits for the end of the program. Returns its exit code. */
 int setup_rig_close(struct setup_terminal *terminal);
 
-/* A configuration of before, with comments; and that it is there. */
+/* An earlier configuration with comments. The function writes it. */
 extern const char setup_rig_old_text[];
 void setup_rig_write_old(void);
 
-/* What `isothermd --list-devices` prints of one camera. */
+/* What `isothermd --list-devices` prints for one camera. */
 extern const char setup_rig_one_camera[];
 
-/* Fails unless the part is in the text. */
+/* Fails unless `text` contains the part. */
 void setup_rig_expect_in(const char *text, const char *part);
 
 #define ON_A_RIG(test) cmocka_unit_test_setup_teardown(test, setup_rig_setup, setup_rig_teardown)
 
-/* A PNG of two by two pixels, and its size. */
+/* Returns a PNG of two by two pixels, and its size. */
 const char *setup_rig_png(size_t *size);
 
-/* How many files there are beside the configuration, which counts, too. */
+/* Counts the files in the directory of the configuration. The configuration counts, too. */
 size_t setup_rig_count_files(void);
 
-/* Fails unless the configuration has this text; NULL: unless there is none. */
+/* Fails unless the configuration has this text. NULL: fails if there is a configuration. */
 void setup_rig_expect_config(const char *text);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "tests/firmware/rigs/rig.h"
 
-/* So often a test lets anna visit until she is admitted. */
+/* A test makes at most so many visits of anna until she is admitted. */
 enum { SLOW_DISK_RIG_VISITS_MAX = 100 };
 
 /* cmocka set-up and tear-down; the tear-down makes the disk work again. */

@@ -1,5 +1,5 @@
-/* The machine of a door on its lines: on the null back end, or on a weak one, which is the null
- * back end behind operations that fail when they are told to. */
+/* The state machine of a door on its lines. It runs on the null back end, or on a weak back end:
+ * the null back end behind operations that fail on request. */
 #ifndef TESTS_FIRMWARE_DOOR_DOOR_RIG_H
 #define TESTS_FIRMWARE_DOOR_DOOR_RIG_H
 
@@ -11,23 +11,24 @@
 extern int64_t door_rig_now_ns;
 extern struct iso_door_io *door_rig_io;
 extern struct iso_door_control door_rig_control;
-extern struct iso_door_outputs door_rig_opened_with; /* of the weak back end */
-extern bool door_rig_weak_contact;                   /* likewise */
-extern int door_rig_failing; /* what every operation on the weak lines fails with */
+extern struct iso_door_outputs
+    door_rig_opened_with;          /* the outputs with which the weak back end was opened */
+extern bool door_rig_weak_contact; /* state of the contact input on the weak back end */
+extern int door_rig_failing; /* the error of every operation on the weak lines; 0: they work */
 extern const struct iso_door_outputs door_rig_unpowered;
 extern const struct iso_door_options door_rig_options;
 extern const struct iso_door_timing door_rig_timing;
 
-/* cmocka set-up and tear-down, with either back end. */
+/* cmocka set-up and tear-down, for both back ends. */
 int door_rig_setup(void **state);
 int door_rig_setup_weak(void **state);
 int door_rig_teardown(void **state);
 
-/* What was told so far, and who is told: a `changed` of iso_door_control_init. */
+/* The reports so far, and the function that adds to them: a `changed` of iso_door_control_init. */
 extern char door_rig_told[512];
 void door_rig_on_changed(void *context, enum iso_door_event cause);
 
-/* What was told since the last call: "unlocked(grant) ...". */
+/* Returns the reports since the last call: "unlocked(grant) ...". */
 const char *door_rig_news(void);
 
 void door_rig_set_input(enum iso_door_input input, bool active);

@@ -1,16 +1,15 @@
-/* What happens in a step of a run of test_faults.c: the sensor exposes frames (fault_sensor.c), the
- * appliance ends, begins and works (fault_appliance.c), and clients ask it (fault_clients.c). Each
- * of them tells the oracle of the world what it has to know. */
+/* One step of a run of test_faults.c. The sensor exposes frames (fault_sensor.c), the appliance
+ * ends, starts and works (fault_appliance.c), and clients call it (fault_clients.c). Each part
+ * reports to the oracle what the oracle has to know. */
 #ifndef TESTS_FIRMWARE_FAULTS_FAULT_STEP_H
 #define TESTS_FIRMWARE_FAULTS_FAULT_STEP_H
 
 #include "tests/firmware/faults/fault_world.h"
 
-/* The number of the face of each actor in tests/firmware/rigs/puppets.h; 0: no face that is known.
- */
+/* The number of each actor's face in tests/firmware/rigs/puppets.h; 0: an unknown face. */
 extern const int actor_faces[ACTORS];
 
-/* Exposes one frame, as the faults of this step would have it. */
+/* Exposes one frame, changed by the faults of this step. */
 void world_expose(struct world *w);
 
 /* Ends the appliance and closes its stores. */
@@ -20,13 +19,14 @@ void world_end_appliance(struct world *w);
  * starting, w->running stays false, and the next step tries again. */
 void world_begin_appliance(struct world *w);
 
-/* Lets the time of a frame pass, with memory as the faults of this step would have it. */
+/* Advances the time by one frame and lets the appliance work, with the memory that the faults of
+ * this step leave it. */
 void world_pass_frame(struct world *w);
 
-/* Clients may claim the appliance, let it go, or administer it. */
+/* Clients may claim the appliance, release it, or administer it. */
 void world_ask(struct world *w);
 
-/* The client that has the claim lets it go. */
+/* The client that has the claim releases it. */
 void world_release_claim(struct world *w);
 
 #endif

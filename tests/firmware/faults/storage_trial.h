@@ -1,5 +1,5 @@
-/* One trial of test_storage_faults.c: an act is done on a disk that fails, and another process
- * looks at what is left (storage_trial.c). Then what was found is judged (storage_judge.c). */
+/* One trial of test_storage_faults.c: an act runs on a disk that fails, and another process reads
+ * the files that the act has left (storage_trial.c). Then the trial is judged (storage_judge.c). */
 #ifndef TESTS_FIRMWARE_FAULTS_STORAGE_TRIAL_H
 #define TESTS_FIRMWARE_FAULTS_STORAGE_TRIAL_H
 
@@ -10,10 +10,10 @@
 
 enum { STORAGE_PEOPLE_SIZE = 400 };
 
-/* What the process that acts reports. */
+/* The report of the process that acts. */
 struct storage_report {
-    bool done; /* it came to its end */
-    int told;  /* what the client was told: 0, or a negative errno with the fault below */
+    bool done; /* the process reached its end */
+    int told;  /* answer to the client: 0, or a negative errno with the fault below */
     bool out_of_service, lockdown, locked, may_return;
     int records_told, grants_told;
     long calls, writes, kernel_writes;
@@ -22,7 +22,7 @@ struct storage_report {
     bool zoe;
 };
 
-/* What the process that looks finds. */
+/* The report of the process that reads the files. */
 struct storage_found {
     bool done, sound, lockdown, locked, zoe;
     int records, grants;
@@ -30,44 +30,45 @@ struct storage_found {
     char people[STORAGE_PEOPLE_SIZE];
 };
 
-/* Which call of which act fails, and how. */
+/* The call that fails, its act, and the kind of failure. */
 struct storage_point {
     const struct storage_act *act;
     enum failing_disk_kind kind;
-    long nth;     /* from 1 */
-    bool goes_on; /* the process goes on when the disk works again */
+    long nth;     /* number of the call, from 1 */
+    bool goes_on; /* the process continues when the disk works again */
 };
 
-/* What is found before an act, and after one on a disk that works. */
+/* The state before an act, and the state after it on a disk that works. */
 struct storage_ends {
     struct storage_found before, after;
 };
 
-/* What the processes of the present trial report, in memory that they share. */
+/* The reports of the present trial, in memory that the processes share. */
 struct storage_trial {
     struct storage_report report;
     struct storage_found found;
 };
 extern struct storage_trial *storage_trial;
 
-/* Makes the shared memory. False: there is none. */
+/* Allocates the shared memory. Returns false if it fails. */
 bool storage_trial_prepare(void);
 
-/* Acts, and has another process look at what is left. False: a process did not come to its end. */
+/* Runs the act, then lets another process read the files. Returns false if a process did not reach
+ * its end. */
 bool storage_try(const struct storage_point *point);
 
-/* Prints a rule that did not hold in this trial, with the trial, and counts it. */
+/* Prints a rule that did not hold, with the trial, and counts it. */
 __attribute__((format(printf, 2, 3))) void storage_violation(const struct storage_point *point,
                                                              const char *format, ...);
 
-/* How often a rule did not hold so far. */
+/* Returns how often a rule did not hold so far. */
 long storage_violations(void);
 
-/* Judges what was found after a call that failed. */
+/* Judges the state after a call that failed. */
 void storage_judge(const struct storage_point *point, const struct storage_ends *ends);
 
-/* Judges what is left by a process that was killed: it told nobody anything, so what is left is as
- * before the change or as after it. */
+/* Judges the state after the process was killed. It has answered to no client, so the state must be
+ * the one before the change or the one after it. */
 void storage_judge_kill(const struct storage_point *point, const struct storage_ends *ends);
 
 #endif

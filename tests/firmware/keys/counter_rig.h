@@ -1,4 +1,5 @@
-/* A state directory with a counter: one of the test's, or that of a software TPM. */
+/* A state directory with a counter. The counter is a puppet of the test, or that of a software TPM.
+ */
 #ifndef TESTS_FIRMWARE_KEYS_COUNTER_RIG_H
 #define TESTS_FIRMWARE_KEYS_COUNTER_RIG_H
 
@@ -8,13 +9,13 @@
 
 extern struct puppet_counter counter_rig_puppet;
 extern struct soft_tpm counter_rig_tpm;
-extern bool counter_rig_with_tpm; /* which of the two it is; set before the tests */
+extern bool counter_rig_with_tpm; /* true: the software TPM; set before the tests */
 
-/* A kill between the write of the anchor and the increment: the increments do not take place. */
+/* Simulates a kill between the write of the anchor and the increment: no increment takes place. */
 extern bool counter_rig_killed;
 
 struct world {
-    char *state; /* directory of the stores */
+    char *state; /* the directory of the stores */
     void *scratch;
     struct mix_state before;
 };
@@ -23,19 +24,20 @@ struct world {
 int counter_rig_setup(void **state);
 int counter_rig_teardown(void **state);
 
-/* Opens the device, as state_rig_counter does. */
+/* Opens the counter, as state_rig_counter does. */
 int counter_rig_open(struct iso_counter *out, struct iso_fault *fault);
 
-/* The number of the device; nobody else may have it meanwhile. */
+/* Returns the value of the counter. No store may have the counter open during the call. */
 uint64_t counter_rig_value(void);
 
-/* The device is away, or back. */
+/* Takes the counter's device away, or brings it back. */
 void counter_rig_take_away(bool away);
 
-/* The machine gets another device, which never counted. */
+/* Gives the machine another device, whose counter never counted. */
 void counter_rig_exchange(void);
 
-/* The stores are refused with this error, code and words, in one line; or they can be opened. */
+/* Asserts that the daemon refuses the stores with this error, this code and these words in one
+ * line; or that it opens them. */
 void counter_rig_expect_refusal(const struct world *world, int error, enum iso_fault_code code,
                                 const char *words);
 void counter_rig_expect_open(const struct world *world);

@@ -1,5 +1,5 @@
-/* What the tests of the audit log share: a.log in a directory of the test's, on a clock that
- * stands. */
+/* Functions that the tests of the audit log share. The log is a.log in a directory of the test, and
+ * its clock stands still. */
 #ifndef TESTS_FIRMWARE_RIGS_AUDIT_RIG_H
 #define TESTS_FIRMWARE_RIGS_AUDIT_RIG_H
 
@@ -11,28 +11,29 @@ extern const struct iso_times audit_rig_times;
 
 int audit_rig_try_open(const char *directory, struct iso_audit **out, struct iso_fault *fault);
 
-/* The same; a failure fails the test. */
+/* Like audit_rig_try_open, but a failure fails the test. */
 struct iso_audit *audit_rig_open(const char *directory);
 
-/* A log of small segments, of which it keeps three, that is not synchronised. */
+/* Opens a log with small segments. It keeps three of them and does not synchronise. */
 struct iso_audit *audit_rig_open_small(const char *directory);
 
-/* Line number `number` of a text, from 0. */
+/* Returns line number `number` of a text, counted from 0. */
 const char *audit_rig_line(const char *text, int number);
 
-/* A record of an event and nothing more. */
+/* Appends a record that has only an event. */
 int audit_rig_append(struct iso_audit *audit, const char *event, struct iso_fault *fault);
 
-/* What the log of a directory says, and what is on the disk; to be freed. */
+/* The decrypted log of a directory, and the content of its file. Free both with free(). */
 char *audit_rig_log(const char *directory);
 char *audit_rig_file(const char *directory);
 
 struct iso_audit_report audit_rig_verify(struct iso_audit *audit);
 
-/* For iso_audit_read: takes the context, a struct audit_rig_seen, from record to record. */
+/* audit_rig_see is a callback for iso_audit_read. The context is a struct audit_rig_seen, which it
+ * updates with each record. */
 struct audit_rig_seen {
     unsigned n, first, last;
-    int stop_at; /* the result of the call for this one is 7 */
+    int stop_at; /* the callback returns 7 for this record */
 };
 
 int audit_rig_see(void *context, const char *line);

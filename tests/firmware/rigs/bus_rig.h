@@ -1,5 +1,5 @@
-/* The service on a private bus, with two clients. All are in one process: the loop goes round until
- * an answer is there. */
+/* The service on a private bus, with two clients. All of them are in one process: a call runs their
+ * loop until its answer has arrived. */
 #ifndef TESTS_FIRMWARE_RIGS_BUS_RIG_H
 #define TESTS_FIRMWARE_RIGS_BUS_RIG_H
 
@@ -16,24 +16,25 @@ struct bus_rig {
     sd_event *event;
     struct iso_bus *service;
     sd_bus *client[2];
-    char told[2][1024]; /* signals: "EnrollStatus enroll-completed; ..." */
+    char told[2][1024]; /* received signals: "EnrollStatus enroll-completed; ..." */
 };
 
-/* cmocka set-up and tear-down: of the bus for a group, of service and clients for a test. */
+/* cmocka set-up and tear-down. Those of the group start and stop the bus, those of a test start and
+ * stop the service and the clients. */
 int bus_rig_group_setup(void **state);
 int bus_rig_group_teardown(void **state);
 int bus_rig_setup(void **state);
 int bus_rig_teardown(void **state);
 
-/* The rig of a test; skips the test where there is no dbus-daemon. */
+/* Returns the rig of a test. Skips the test if there is no dbus-daemon. */
 struct bus_rig *bus_rig_need(void **state);
 
 const char *bus_rig_address(void);
 
-/* One more client, whose signals are noted in told[1024]. */
+/* Connects one more client. Its signals are noted in told[1024]. */
 sd_bus *bus_rig_connect(char *told);
 
-/* One round of the service and both clients. */
+/* Runs the service and both clients once. */
 void bus_rig_go_round(struct bus_rig *rig);
 
 struct bus_answer {
@@ -42,26 +43,29 @@ struct bus_answer {
     sd_bus_message *reply;
 };
 
-/* A call of a client, to be filled in; sends it and waits for the answer, valid until the next. */
+/* Makes a call of a client, whose arguments the test appends; sends it and waits for the answer.
+ * The answer is valid until the next call. */
 sd_bus_message *bus_rig_new_call(struct bus_rig *rig, int client, const char *method);
 struct bus_answer *bus_rig_send(struct bus_rig *rig, int client, sd_bus_message *message);
 
-/* A method without arguments, or with one string. "" or the error's last word. */
+/* Calls a method without arguments, or with one string. Returns "" or the last word of the error's
+ * name. */
 const char *bus_rig_call(struct bus_rig *rig, int client, const char *method, const char *argument);
 
-/* Lets the appliance run, and what it says arrive. */
+/* Runs the appliance for this time, then delivers its signals. */
 void bus_rig_run(struct bus_rig *rig, int64_t ms);
 
-/* What a client was told since the last call. */
+/* Returns the signals that a client has received since the last call. */
 const char *bus_rig_news(struct bus_rig *rig, int client);
 
-/* The clients leave the bus, if they have one, and connect to that which is there. */
+/* Disconnects the clients, if they are connected, and connects them to the present bus. */
 void bus_rig_connect_clients(struct bus_rig *rig);
 
-/* The bus goes away, under everybody's feet, and another one comes to the same address. */
+/* Stops the bus while service and clients are connected, and starts another one at the same
+ * address. */
 void bus_rig_restart_bus(struct bus_rig *rig);
 
-/* The bus goes away, under everybody's feet. */
+/* Stops the bus while service and clients are connected. */
 void bus_rig_end_bus(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* cmocka, with what it wants included before it. */
+/* cmocka.h, and the headers that it needs before it. */
 #ifndef TESTS_FIRMWARE_RIGS_CMOCKA_HEADERS_H
 #define TESTS_FIRMWARE_RIGS_CMOCKA_HEADERS_H
 

@@ -1,34 +1,35 @@
-/* What the tests of the gallery share: g.db in a directory of the test's. */
+/* Functions that the tests of the gallery share. The gallery is g.db in a directory of the test. */
 #ifndef TESTS_FIRMWARE_RIGS_GALLERY_RIG_H
 #define TESTS_FIRMWARE_RIGS_GALLERY_RIG_H
 
 #include "firmware/gallery/gallery.h"
 #include "tests/firmware/rigs/stores.h"
 
-/* How many people a gallery that is opened from here on may hold; 3 at first. */
+/* The capacity, in people, of the galleries that are opened from now on; 3 at first. */
 extern int gallery_rig_capacity;
 
 int gallery_rig_try_open(const char *directory, struct iso_gallery **out, struct iso_fault *fault);
 
-/* The same; a failure fails the test. */
+/* Like gallery_rig_try_open, but a failure fails the test. */
 struct iso_gallery *gallery_rig_open(const char *directory);
 
-/* A person who was enrolled 1000 + face seconds after 1970, and may come in until then or (0) for
- * good. */
+/* Adds a person who was enrolled 1000 + face seconds after 1970, and who is valid until that time,
+ * or without limit (0). */
 int gallery_rig_add_until(struct iso_gallery *gallery, const char *name, int face,
                           int64_t valid_until_s, struct iso_fault *fault);
 int gallery_rig_add(struct iso_gallery *gallery, const char *name, int face,
                     struct iso_fault *fault);
 
-/* "person NUMBER", with the face of this number; or so many of them, the first with number 0, in a
- * gallery that is closed then. */
+/* gallery_rig_add_number adds "person NUMBER" with the face of this number. gallery_rig_make makes
+ * a gallery with so many of them, from number 0, and closes it. */
 int gallery_rig_add_number(struct iso_gallery *gallery, int number, struct iso_fault *fault);
 void gallery_rig_make(const char *directory, int people);
 
-/* That a person is there, with so many templates, all of them usable. */
+/* Asserts that the gallery has this person with so many templates, and that all of them are usable.
+ */
 void gallery_rig_expect(struct iso_gallery *gallery, const char *name, unsigned templates);
 
-/* Executes SQL in g.db, past the gallery. */
+/* Executes SQL on g.db directly, without the gallery. */
 void gallery_rig_execute(const char *directory, const char *sql);
 
 #endif

@@ -1,4 +1,4 @@
-/* A counter that a test holds in its hand. */
+/* A counter that a test controls. */
 #ifndef TESTS_FIRMWARE_RIGS_PUPPET_COUNTER_H
 #define TESTS_FIRMWARE_RIGS_PUPPET_COUNTER_H
 
@@ -10,13 +10,13 @@
 struct puppet_counter {
     bool defined;
     uint64_t value;
-    int error;         /* not 0: what every call returns */
-    bool loses_answer; /* it counts, and says -EIO */
+    int error;         /* if not 0, every call returns it */
+    bool loses_answer; /* it counts, but returns -EIO */
     int increments;
-    void (*incremented)(void); /* NULL: nobody is told */
+    void (*incremented)(void); /* called after each increment; NULL: no call */
 };
 
-/* Closing it changes nothing. */
+/* Closing this counter does nothing. */
 struct iso_counter puppet_counter(struct puppet_counter *puppet);
 
 #endif

@@ -1,5 +1,5 @@
-/* The stores of one appliance in a test's directory, opened as the daemon opens them, and histories
- * that change them. A failure fails the test. */
+/* The stores of one appliance in a directory of the test. The rig opens them as the daemon does,
+ * and plays histories that change them. A failure fails the test. */
 #ifndef TESTS_FIRMWARE_RIGS_STATE_RIG_H
 #define TESTS_FIRMWARE_RIGS_STATE_RIG_H
 
@@ -7,21 +7,22 @@
 #include "firmware/daemon/components.h"
 #include "tests/firmware/rigs/file_mix.h"
 
-/* The times of the stores, and the number of the face that was enrolled last. */
+/* The time of the stores, and the number of the face that was enrolled last. */
 extern int64_t state_rig_now_ns;
 extern int state_rig_faces;
 
-/* Who opens the counter of the state; 0 or its error. NULL: there is none. */
+/* Opens the counter of the state. Returns 0 or an error. NULL: there is no counter. */
 extern int (*state_rig_counter)(struct iso_counter *out, struct iso_fault *fault);
 
-/* Nothing is open yet. */
+/* Makes the components. None of them is open yet. */
 struct iso_components *state_rig_new(const char *directory, struct iso_fault *fault);
 void state_rig_close(struct iso_components *components);
 
-/* As the daemon does: 0, or why nobody is let in, with a fault. */
+/* Opens the stores as the daemon does. Returns 0, or the error for which the daemon admits nobody,
+ * with a fault. */
 int state_rig_try(const char *directory, struct iso_fault *fault);
 
-/* Opens them, and begins to count. */
+/* Opens the stores and begins to use the counter. */
 struct iso_components *state_rig_open(const char *directory);
 
 void state_rig_append(struct iso_components *components, const char *event);
@@ -32,17 +33,17 @@ struct state_history {
     void (*play)(struct iso_components *components);
 };
 
-/* Everything that changes the stores, a kind each; the last is all of it. */
+/* Histories, one for each kind of change of the stores. The last one consists of all others. */
 extern const struct state_history state_histories[];
 extern const size_t state_n_histories;
 
-/* Plays a history of this name on the stores; out: what the directory holds then. */
+/* Plays the history of this name on the stores. out: the files of the directory afterwards. */
 void state_rig_play(const char *directory, const char *name, struct mix_state *out);
 
-/* A life before: every store has been written, and more than once. */
+/* Prepares the stores: each of them is written more than once. */
 void state_rig_begin(const char *directory, struct mix_state *out);
 
-/* Everything, and closed segments, on open stores. */
+/* Makes every kind of change on open stores, and closes segments. */
 void state_rig_everything(struct iso_components *components);
 
 #endif

@@ -1,4 +1,4 @@
-/* Sealed stores in a test's directory: g.db and a.log, and the key ring for both. */
+/* Sealed stores in a directory of the test: g.db, a.log, and the key ring for both. */
 #ifndef TESTS_FIRMWARE_RIGS_STORES_H
 #define TESTS_FIRMWARE_RIGS_STORES_H
 
@@ -11,7 +11,7 @@
 struct iso_key_ring *stores_ring(const char *directory);
 void stores_forget(void);
 
-/* scratch_setup(), and scratch_teardown() with stores_forget() before it. */
+/* scratch_setup(), and scratch_teardown() after stores_forget(). */
 int stores_setup(void **state);
 int stores_teardown(void **state);
 
@@ -19,10 +19,10 @@ int stores_teardown(void **state);
 struct iso_gallery_options stores_gallery(const char *directory);
 struct iso_audit_options stores_audit(const char *directory);
 
-/* Copies a file of the directory: puts it aside, or back. */
+/* Copies a file of the directory: saves it under another name, or restores it. */
 void stores_copy_file(const char *directory, const char *from, const char *to);
 
-/* All records of a log, decrypted, a line each, to be freed. */
+/* Returns all records of a log, decrypted, one on each line. Free it with free(). */
 char *stores_log_text(struct iso_audit *audit);
 
 #endif

@@ -1,4 +1,4 @@
-/* What the tests of the decision share: one decision, its last verdict, and two people. */
+/* State that the tests of the decision share: one decision, its last verdict, and two people. */
 #ifndef TESTS_FIRMWARE_VISIT_DECISION_RIG_H
 #define TESTS_FIRMWARE_VISIT_DECISION_RIG_H
 
@@ -15,10 +15,10 @@ extern struct iso_verdict verdict;
 /* cmocka set-up: a new decision, and a verdict that shows whether it was written. */
 int decision_rig_setup(void **state);
 
-/* A usable face at a time; true if that led to a verdict. */
+/* Adds a usable face at this time. Returns true if a verdict followed. */
 bool face(int64_t t_ms, int64_t person, double score, double second, bool valid);
 
-/* A frame with a cue of an attack; likewise. */
+/* Adds a frame with a cue of an attack. Returns true if a verdict followed. */
 bool attack(int64_t t_ms, enum iso_capture cue);
 
 #endif

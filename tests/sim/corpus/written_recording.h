@@ -1,4 +1,4 @@
-/* A small recording that tests write. Failures fail the running test. */
+/* A small recording that tests write. A failure fails the running test. */
 #ifndef TESTS_SIM_CORPUS_WRITTEN_RECORDING_H
 #define TESTS_SIM_CORPUS_WRITTEN_RECORDING_H
 
@@ -7,19 +7,20 @@
 
 enum { WRITTEN_WIDTH = 13, WRITTEN_HEIGHT = 8 };
 
-/* A camera with distortion, whose numbers are no round ones. */
+/* A camera with distortion. None of its numbers is a round one. */
 struct iso_recording_meta written_meta(void);
 
-/* A frame of that camera; depths are whole counts, with the largest and the smallest among them. */
+/* A frame of that camera. Its depths are whole counts, and the largest and the smallest count are
+ * among them. */
 struct iso_frame *written_frame(bool with_intensity);
 
-/* Begins the recording `r` of the test's directory. */
+/* Begins the recording `r` in the directory of the test. */
 struct sim_recording_writer *written_create(void **state, const struct iso_recording_meta *meta);
 
-/* Finishes and frees. */
+/* Finishes the recording and frees the writer. */
 void written_finish(struct sim_recording_writer *writer);
 
-/* Opens it for reading. */
+/* Opens the recording for reading. */
 struct iso_recording *written_open(void **state);
 
 #endif

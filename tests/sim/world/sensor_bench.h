@@ -1,4 +1,4 @@
-/* A sensor model before cards of known size and place. */
+/* A sensor model in front of cards of known size and place. */
 #ifndef TESTS_SIM_WORLD_SENSOR_BENCH_H
 #define TESTS_SIM_WORLD_SENSOR_BENCH_H
 
@@ -14,7 +14,7 @@ struct sensor_bench {
 struct sensor_bench sensor_bench_set_up(const struct sim_sensor *sensor);
 void sensor_bench_tear_down(struct sensor_bench *bench);
 
-/* Adds a card to the view, its middle on the axis, turned by a rotation vector. */
+/* Adds a card to the view. Its centre is on the axis, and a rotation vector turns it. */
 void sensor_bench_put(struct sensor_bench *bench, double width_mm, double height_mm, double z_mm,
                       struct iso_vec3 turn_rad, enum sim_material material);
 

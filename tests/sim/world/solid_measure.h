@@ -1,15 +1,15 @@
-/* Measures of a solid. */
+/* Functions that measure a solid. */
 #ifndef TESTS_SIM_WORLD_SOLID_MEASURE_H
 #define TESTS_SIM_WORLD_SOLID_MEASURE_H
 
 #include "sim/world/prop/solid.h"
 
-/* Positive if triangles are counter-clockwise seen from outside. */
+/* Positive if the triangles are counter-clockwise seen from outside. */
 double solid_volume(const struct sim_solid *solid);
 
 double solid_area(const struct sim_solid *solid);
 
-/* Its bounding box. */
+/* The bounding box of a solid. */
 struct solid_extent {
     struct iso_vec3 least, most;
 };
