@@ -18,7 +18,7 @@ void whoever_is_known_is_let_in_while_the_disk_works(void **state)
     for (int i = 0; i < SLOW_DISK_RIG_VISITS_MAX && !strstr(news, "visit allow anna match 2");
          i++) {
         news = slow_disk_rig_visit(
-            rig); /* once, but on a machine that takes 250 ms to wake up a thread */
+            rig); /* more than once on a machine that wakes a thread after 250 ms */
     }
     wired_door_await(ISO_DOOR_RELAY, 2);
     const char *visit = slow_disk_rig_record(rig, "visit");
@@ -29,11 +29,11 @@ void a_grant_that_is_not_on_record_lets_nobody_in(void **state)
 {
     struct rig *rig = *state;
     slow_disk_rig_start(rig);
-    do { /* once, but on a machine that takes 250 ms to wake up a thread */
+    do { /* more than once on a machine that wakes a thread after 250 ms */
         slow_disk_go_on();
         slow_disk_hang();
         assert_non_null(strstr(slow_disk_rig_visit(rig), "visit deny anna not-on-record 2"));
-    } while (slow_disk_waiting() == 0); /* it hangs with the record of the grant */
+    } while (slow_disk_waiting() == 0); /* the disk hangs with the record of the grant */
     slow_disk_go_on();
     const char *grant = strstr(slow_disk_rig_record(rig, "grant"), "\"sequence\":");
     assert_non_null(grant);
@@ -46,7 +46,7 @@ void a_grant_that_is_not_on_record_lets_nobody_in(void **state)
     assert_int_equal(wired_door_switchings(ISO_DOOR_RELAY), 0);
 }
 
-/* A grant that waits in the queue behind other records is not written at all. */
+/* A grant that waits in the queue behind other records is removed and never written. */
 void a_grant_that_was_not_begun_is_forgotten(void **state)
 {
     struct rig *rig = *state;
@@ -70,11 +70,11 @@ void a_full_queue_lets_nobody_in(void **state)
     wired_door_await(ISO_DOOR_RELAY, 2);
     while (iso_audit_writer_post(iso_appliance_log(rig->appliance), &record, NULL) == 0) {
     }
-    /* The first grant and its outcome take the places that are kept for them. */
+    /* The first grant and its outcome take the places in the queue that are reserved for them. */
     assert_non_null(strstr(slow_disk_rig_visit(rig), "visit deny anna not-on-record 2"));
     assert_non_null(strstr(slow_disk_rig_visit(rig), "visit deny anna not-on-record 2"));
     assert_int_equal(wired_door_switchings(ISO_DOOR_RELAY), 2);
-    wired_door_press(); /* the exit button works all the same */
+    wired_door_press(); /* the exit button still works */
     wired_door_await(ISO_DOOR_RELAY, 4);
     assert_int_equal(slow_disk_waiting(), 1);
     slow_disk_go_on();

@@ -33,7 +33,7 @@ static void *chatter(void *context)
     return NULL;
 }
 
-/* The record of the grant is waited for by no more than 250 ms. */
+/* The visit waits for the record of the grant, but no longer than 250 ms. */
 void a_chattering_contact_keeps_nobody_out(void **state)
 {
     struct rig *rig = *state;
@@ -44,7 +44,7 @@ void a_chattering_contact_keeps_nobody_out(void **state)
     slow_disk_take_ms(DISK_MS);
     chatters = true;
     assert_int_equal(pthread_create(&thread, NULL, chatter, NULL), 0);
-    wired_door_await(ISO_DOOR_BUZZER, 2 * CHATTER_HZ); /* it has been going on for a while */
+    wired_door_await(ISO_DOOR_BUZZER, 2 * CHATTER_HZ); /* the contact has chattered for a while */
     for (int i = 0; i < SLOW_DISK_RIG_VISITS_MAX && admitted < 3; i++) {
         admitted += strstr(slow_disk_rig_visit(rig), "visit allow anna match 2") != NULL;
     }
@@ -58,7 +58,7 @@ void a_chattering_contact_keeps_nobody_out(void **state)
     assert_in_range(last - before, 1, RECORDS_MAX);
 }
 
-/* ---- a journal that is stuck ---- */
+/* ---- a journal that hangs ---- */
 
 static struct {
     pthread_mutex_t mutex;
@@ -86,7 +86,7 @@ static void let_journal_work(void)
     (void)pthread_mutex_unlock(&journal.mutex);
 }
 
-/* The log of the rig, told to this journal. */
+/* Opens the log of the rig with this journal. */
 static void open_told_log(struct rig *rig, struct iso_journal *to)
 {
     struct iso_audit_options audit = stores_audit(rig->directory);
@@ -111,7 +111,7 @@ void a_stuck_journal_keeps_nobody_out(void **state)
     for (int i = 0; i < SLOW_DISK_RIG_VISITS_MAX && !strstr(news, "visit allow anna match 2");
          i++) {
         news = slow_disk_rig_visit(
-            rig); /* once, but on a machine that takes 250 ms to wake up a thread */
+            rig); /* more than once on a machine that wakes a thread after 250 ms */
     }
     assert_true(journal.stuck);
     assert_non_null(strstr(news, "visit allow anna match 2"));

@@ -30,7 +30,7 @@ int slow_disk_rig_setup(void **state)
     rig->borrowed.audit = rig->audit;
     rig->config.door.unlock_ms = UNLOCK_MS;
     rig->config.decision.refractory_ms = 1;
-    rig->config.sensor.stale_ms = LONG_MS; /* no frame is too old on a busy machine */
+    rig->config.sensor.stale_ms = LONG_MS; /* on a busy machine, no frame is too old */
     rig_enrol(rig, "anna", 50);
     return iso_appliance_new(&rig->borrowed, &rig->appliance);
 }

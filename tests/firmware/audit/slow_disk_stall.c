@@ -27,14 +27,15 @@ int slow_disk_stall_setup(void **state)
     return iso_appliance_new(&rig->borrowed, &rig->appliance);
 }
 
-/* A frame without anybody, as a camera has one all the time. */
+/* Adds a frame without a person, as a camera delivers them all the time. */
 static void show_nobody(struct rig *rig)
 {
     const int64_t now_ns = iso_times_now_ns(&rig->borrowed.times);
     puppet_sensor_add(&rig->sensor, now_ns, 0, ISO_CAPTURE_NO_FACE);
 }
 
-/* Removes anna, for which the disk takes STALL_MS; frames of before and behind wait meanwhile. */
+/* Removes anna, for which the disk takes STALL_MS. Meanwhile frames from before and during this
+ * time wait. */
 static void stall(struct rig *rig)
 {
     const struct timespec stall = {.tv_nsec = STALL_MS * 1000000L};
@@ -55,10 +56,10 @@ void a_slow_disk_does_not_release_a_fail_safe_door(void **state)
     struct rig *rig = *state;
     show_nobody(rig);
     slow_disk_rig_start(rig);
-    wired_door_await(ISO_DOOR_RELAY, 1); /* the magnet holds */
+    wired_door_await(ISO_DOOR_RELAY, 1); /* the magnet holds the door */
     (void)iso_appliance_step(rig->appliance);
     stall(rig);
-    (void)iso_appliance_step(rig->appliance); /* the old frame */
+    (void)iso_appliance_step(rig->appliance); /* fetches the old frame */
     for (int i = 0; i < 20; i++) {
         show_nobody(rig);
         (void)iso_appliance_step(rig->appliance);
@@ -68,7 +69,7 @@ void a_slow_disk_does_not_release_a_fail_safe_door(void **state)
     assert_null(strstr(rig_news(rig), "fault"));
 }
 
-/* Frames from before the stall are no reason to let anybody in, although it was not their fault. */
+/* Frames from before the stall admit nobody, although the people in them did not cause it. */
 void frames_from_before_a_stall_let_nobody_in(void **state)
 {
     struct rig *rig = *state;
@@ -88,7 +89,7 @@ void frames_from_before_a_stall_let_nobody_in(void **state)
     assert_null(strstr(rig_news(rig), "visit allow"));
 }
 
-/* Its camera was unplugged during the stall. */
+/* The camera was unplugged during the stall. */
 void a_dead_sensor_is_a_fault_behind_a_stall(void **state)
 {
     struct rig *rig = *state;
@@ -98,7 +99,8 @@ void a_dead_sensor_is_a_fault_behind_a_stall(void **state)
     wired_door_await(ISO_DOOR_RELAY, 1);
     (void)iso_appliance_step(rig->appliance);
     stall(rig);
-    while (!strstr(all, "door fault fault")) { /* the test's time-out ends it if it never comes */
+    while (!strstr(all, "door fault fault")) { /* the time-out of the test ends this loop if the
+                                                  report never comes */
         (void)iso_appliance_step(rig->appliance);
         (void)strncat(all, rig_news(rig), sizeof all - strlen(all) - 1);
         slow_disk_rig_wait_a_moment();

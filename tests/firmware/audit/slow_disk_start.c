@@ -18,7 +18,8 @@ static void *start_appliance(void *context)
     return (void *)(intptr_t)error;
 }
 
-/* Has the appliance started by a thread, on a disk that hangs, until the disk is waited for. */
+/* Starts the appliance in a thread, on a disk that hangs, and returns when the thread waits for the
+ * disk. */
 static pthread_t start_slowly(struct rig *rig)
 {
     pthread_t thread;
@@ -45,7 +46,7 @@ void the_exit_button_works_before_the_start_is_on_record(void **state)
         wired_door_await(ISO_DOOR_RELAY, 2 * press);
     }
     assert_int_equal(slow_disk_waiting(), 1);
-    assert_int_equal(rig->sensor.opened, 0); /* not before the records */
+    assert_int_equal(rig->sensor.opened, 0); /* the sensor is opened after the records */
     end_start(thread);
     assert_non_null(
         strstr(slow_disk_rig_record(rig, "door"), "\"reason\":\"time\",\"note\":\"locked\""));
@@ -59,8 +60,8 @@ static int64_t time_of(const char *record)
     return strtoll(member + strlen("\"monotonic_ns\":"), NULL, 10);
 }
 
-/* As the daemon does it: the door works before gallery and log are open. Its records of that time
- * come behind "start", and tell when it was. */
+/* As in the daemon, the door works before gallery and log are open. The records of that time come
+ * after "start", and have the time of their events. */
 void a_door_that_works_already_is_taken_over(void **state)
 {
     struct rig *rig = *state;

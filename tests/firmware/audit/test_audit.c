@@ -88,7 +88,8 @@ static void expect_reading(struct iso_audit *audit, uint64_t from, uint32_t max,
     assert_int_equal(seen.last, last);
 }
 
-/* Over the places that are remembered, written and found at open. */
+/* Reads over the remembered positions, which are noted while the log is written and when it is
+ * opened. */
 static void reads_from_anywhere(void **state)
 {
     struct iso_audit *audit = NULL;
@@ -116,7 +117,7 @@ static void reads_from_anywhere(void **state)
     iso_audit_close(audit);
 }
 
-/* ---- where it cannot be ---- */
+/* ---- where the log cannot be opened ---- */
 
 static void refuses_where_it_cannot_write(void **state)
 {
@@ -155,7 +156,7 @@ static int fill_up(const char *directory)
         audit_rig_append(audit, "filling", NULL) != -ENOSPC) {
         return 97;
     }
-    /* Room again: it goes on where it was. */
+    /* There is room again. The log continues after its last record. */
     if (setrlimit(RLIMIT_FSIZE, &more) || audit_rig_append(audit, "again", NULL)) {
         return 96;
     }
@@ -175,13 +176,13 @@ static void a_full_disk_leaves_whole_lines(void **state)
     if (n < 15 || n > 40) {
         fail_msg("a daemon on a full disk: %d records, or code, and not 15 to 40", n);
     }
-    struct iso_audit *audit = audit_rig_open(*state); /* it refuses a log with a gap */
+    struct iso_audit *audit = audit_rig_open(*state); /* the open fails if the log has a gap */
     assert_int_equal(iso_audit_last(audit), n + 1);
     assert_true(audit_rig_verify(audit).sound);
     iso_audit_close(audit);
 }
 
-/* Killed while it writes, it loses at most the record that was not reported. */
+/* A process that is killed while it writes loses at most the record that was not reported. */
 static void survives_kills(void **state)
 {
     for (int round = 0; round < 8; round++) {

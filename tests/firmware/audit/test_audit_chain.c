@@ -1,4 +1,5 @@
-/* The audit log's chain: what is done to the files is found, segments, keys, the version before. */
+/* The audit log's chain. The log finds changes that were made to its files, also across segments,
+ * changes of the key, and the previous version's format. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -14,7 +15,7 @@
 
 /* ---- damage ---- */
 
-/* Three records; the file's text, to be freed. */
+/* Writes three records. Returns the text of the file, to be freed. */
 static char *make_three(const char *directory)
 {
     struct iso_audit *audit = audit_rig_open(directory);
@@ -25,7 +26,8 @@ static char *make_three(const char *directory)
     return audit_rig_file(directory);
 }
 
-/* A kill between the record and its anchor leaves a torn line behind what the anchor knows. */
+/* A kill between the record and its anchor leaves a torn line after the last record that the anchor
+ * covers. */
 static void takes_a_torn_line_away(void **state)
 {
     struct iso_audit *audit = audit_rig_open(*state);
@@ -54,7 +56,7 @@ static void takes_a_torn_line_away(void **state)
     free(whole);
 }
 
-/* It is refused with such words, and left as it is. */
+/* Asserts that the log is refused with such words, and that the files stay unchanged. */
 static void expect_refusal(const char *directory, const char *text, int error, const char *message)
 {
     struct iso_audit *audit = NULL;
@@ -94,7 +96,7 @@ static void refuses_a_log_that_was_changed(void **state)
     free(whole);
 }
 
-/* Every byte of it counts. */
+/* Every byte of the file is protected. */
 static void finds_a_flipped_bit_anywhere(void **state)
 {
     char *whole = make_three(*state);
@@ -142,7 +144,8 @@ static void refuses_an_old_log(void **state)
 
 /* ---- segments ---- */
 
-/* Without synchronising, only what came before the last start or segment is certain. */
+/* Without synchronisation, only the records before the last start or the last new segment are
+ * certain. */
 static void without_sync_the_anchor_follows_later(void **state)
 {
     struct iso_audit *audit = audit_rig_open_small(*state);
@@ -155,20 +158,21 @@ static void without_sync_the_anchor_follows_later(void **state)
         assert_int_equal(audit_rig_append(audit, "x", NULL), 0);
     }
     stores_copy_file(*state, "a.log", "six.log");
-    stores_copy_file(*state, "a.log.anchor", "killed.anchor"); /* as a kill would leave it */
+    stores_copy_file(*state, "a.log.anchor",
+                     "killed.anchor"); /* the anchor that a kill would leave */
     iso_audit_close(audit);
     stores_copy_file(*state, "one.log", "a.log");
     assert_int_equal(audit_rig_try_open(*state, &audit, &fault), -ESTALE);
     stores_copy_file(*state, "killed.anchor", "a.log.anchor");
     stores_copy_file(*state, "six.log", "a.log");
-    audit = audit_rig_open(*state); /* which synchronises */
+    audit = audit_rig_open(*state); /* opening the log synchronises it */
     assert_int_equal(iso_audit_last(audit), 6);
     iso_audit_close(audit);
     stores_copy_file(*state, "one.log", "a.log");
     assert_int_equal(audit_rig_try_open(*state, &audit, &fault), -ESTALE);
 }
 
-/* ---- the version before ---- */
+/* ---- the previous version ---- */
 
 static void seals_a_log_in_plain_text(void **state)
 {
@@ -195,8 +199,8 @@ static void a_damaged_log_in_plain_text_is_left_alone(void **state)
                    "/a.log:2: damaged, or not record 2; move the file away to begin a new log");
 }
 
-/* After an exchange of files that failed the log is opened again. Meanwhile somebody has put the
- * file of an earlier time in its place, with its anchor: only the running daemon knows better. */
+/* The log is opened again after an exchange of files that failed. Meanwhile somebody has replaced
+ * its file by that of an earlier time, with its anchor. Only the running daemon can notice this. */
 static void what_was_written_is_missed_when_the_log_is_opened_again(void **state)
 {
     struct iso_fault fault = {.text = ""};

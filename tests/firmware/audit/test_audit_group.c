@@ -1,4 +1,5 @@
-/* Groups of records: one synchronisation for all of them, and what a crash leaves of one. */
+/* Groups of records. One synchronisation serves the whole group, and the log recovers from a crash
+ * within a group. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +14,7 @@ enum { GROUP = 5 };
 
 /* ---- helpers ---- */
 
-/* A file of the log, put aside under another name or put back. */
+/* Saves a file of the log under another name, or restores it. */
 static void copy_file(const char *directory, const char *from, const char *to)
 {
     size_t size = 0;
@@ -58,7 +59,7 @@ static void a_group_is_in_order_and_chained(void **state)
     iso_audit_close(audit);
 }
 
-/* The power fails behind the synchronisation of a group, before the anchor is written. */
+/* The power fails after the synchronisation of a group and before the anchor is written. */
 static void a_group_whose_anchor_was_not_written_is_kept(void **state)
 {
     struct iso_audit *audit = audit_rig_open(*state);
@@ -75,7 +76,7 @@ static void a_group_whose_anchor_was_not_written_is_kept(void **state)
     iso_audit_close(audit_rig_open(*state));
 }
 
-/* The very first records are a group. */
+/* The first records of the log are a group. */
 static void the_first_group_is_kept_without_its_anchor(void **state)
 {
     struct iso_audit *audit = audit_rig_open(*state);
@@ -88,7 +89,7 @@ static void the_first_group_is_kept_without_its_anchor(void **state)
     iso_audit_close(audit);
 }
 
-/* One record behind a group proves that the group's anchor was on the disk. */
+/* One record after a group proves that the group's anchor was on the disk. */
 static void an_anchor_from_before_a_group_is_an_old_one(void **state)
 {
     struct iso_fault fault = {.text = ""};
@@ -103,7 +104,8 @@ static void an_anchor_from_before_a_group_is_an_old_one(void **state)
     assert_non_null(strstr(fault.text, "its anchor is an old one"));
 }
 
-/* The power fails while the lines of a group are written: some are whole, one is cut short. */
+/* The power fails while the lines of a group are written. Some lines are complete, and one is cut
+ * short. */
 static void a_group_that_was_cut_short_leaves_whole_records(void **state)
 {
     struct iso_audit *audit = audit_rig_open(*state);
@@ -119,7 +121,7 @@ static void a_group_that_was_cut_short_leaves_whole_records(void **state)
     free(bytes);
     copy_file(*state, "anchor.one", "a.log.anchor");
     audit = audit_rig_open(*state);
-    assert_int_equal(iso_audit_last(audit), 4); /* one, two of the group, log-recovered */
+    assert_int_equal(iso_audit_last(audit), 4); /* the first, two of the group, log-recovered */
     assert_true(audit_rig_verify(audit).sound);
     iso_audit_close(audit);
 }
@@ -137,7 +139,7 @@ static void a_group_goes_on_in_the_next_segment(void **state)
     const struct iso_audit_report report = audit_rig_verify(audit);
     assert_true(report.sound);
     assert_int_equal(report.first, 1);
-    assert_true(report.last > 50 + 5); /* and the records that begin segments */
+    assert_true(report.last > 50 + 5); /* these, and the records that begin segments */
     iso_audit_close(audit);
     assert_int_equal(iso_audit_open(&options, &audit_rig_times, &audit, NULL), 0);
     assert_int_equal(iso_audit_last(audit), report.last);

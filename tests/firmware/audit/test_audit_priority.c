@@ -1,5 +1,6 @@
-/* A thread of real-time priority that posts a record, as the door's does, does not wait for the
- * log's thread, which has no such priority and gets no processor while others need them all. */
+/* A thread of real-time priority posts a record, as the door's thread does. It does not wait for
+ * the log's thread, which has no such priority and gets no processor time while threads of higher
+ * priority are busy. */
 #include <errno.h>
 #include <pthread.h>
 #include <sched.h>
@@ -13,7 +14,7 @@
 #include "tests/firmware/rigs/audit_rig.h"
 #include "tests/support/scratch.h"
 
-/* Priorities, and for how long nothing of less than BUSY gets the processor. */
+/* Priorities, and the time for which no thread below the priority BUSY runs. */
 enum { ORDINARY, BUSY, APPENDER, DOOR, BUSY_MS = 300, MOMENT_MS = 20, ROUNDS = 3 };
 
 static struct iso_audit *audit;
@@ -24,7 +25,7 @@ static atomic_bool posted;
 
 /* ---- one processor, and priorities on it ---- */
 
-/* False: the process may not have real-time priorities. */
+/* Returns false if the process may not use real-time priorities. */
 static bool set_priority(int priority)
 {
     const struct sched_param parameters = {.sched_priority = priority};
@@ -79,8 +80,8 @@ static int teardown(void **state)
 
 /* ---- threads ---- */
 
-/* Leaves nothing to the log's thread until the record is posted, or for BUSY_MS: then the result is
- * not NULL. */
+/* Keeps the processor busy until the record is posted, or for BUSY_MS. In the second case the
+ * result is not NULL. */
 static void *be_busy(void *context)
 {
     (void)context;
@@ -94,7 +95,7 @@ static void *be_busy(void *context)
     return NULL;
 }
 
-/* Wakes the log's thread, and waits for it. */
+/* Wakes the log's thread and waits for it. */
 static void *append(void *context)
 {
     const struct iso_audit_record record = iso_audit_record_of("grant");

@@ -1,5 +1,4 @@
-/* An audit log of several segments: bounds, rotation, another key, and what was done to old
- * segments. */
+/* An audit log of several segments: bounds, rotation, another key, and changes to old segments. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -40,13 +39,13 @@ static void is_bounded_and_verifies(void **state)
     free(text);
     struct audit_rig_seen seen = {0};
     assert_int_equal(iso_audit_read(audit, report.first + 5, 20, audit_rig_see, &seen), 0);
-    assert_int_equal(seen.n, 20); /* over the ends of segments */
+    assert_int_equal(seen.n, 20); /* read across the ends of segments */
     assert_int_equal(seen.first, report.first + 5);
     iso_audit_close(audit);
 }
 
 struct reading {
-    uint64_t last; /* number of the record seen last */
+    uint64_t last; /* number of the last record that was read */
     size_t n, gaps;
 };
 
@@ -62,8 +61,9 @@ static int see_in_order(void *context, const char *line)
     return 0;
 }
 
-/* A reader in small steps, while records come and old segments go: nothing twice, nothing out of
- * order, nothing missing but what has gone before it was asked for; up to the last. */
+/* A reader takes small steps while records are added and old segments are removed. It reads up to
+ * the last record; no record comes twice or out of order. Only records that were removed before the
+ * reader asked for them are missing. */
 static void is_read_while_it_grows_and_rotates(void **state)
 {
     struct iso_audit *audit = audit_rig_open_small(*state);
@@ -76,7 +76,7 @@ static void is_read_while_it_grows_and_rotates(void **state)
         }
         const size_t gaps = reading.gaps;
         const uint64_t next = reading.last + 1;
-        const uint32_t max = i % 200 < 100 ? 3 : 1; /* keeps up, or falls behind */
+        const uint32_t max = i % 200 < 100 ? 3 : 1; /* the reader keeps up, or falls behind */
         assert_int_equal(iso_audit_read(audit, next, max, see_in_order, &reading), 0);
         assert_true(reading.gaps == gaps || next < iso_audit_first(audit));
         batches_after_rotation += iso_audit_first(audit) > first;
@@ -93,7 +93,7 @@ static void is_read_while_it_grows_and_rotates(void **state)
     iso_audit_close(audit);
 }
 
-/* The path of the oldest closed segment of a small log. */
+/* Returns the path of the oldest closed segment of a small log. */
 static const char *oldest(const char *directory, const struct iso_audit *audit)
 {
     char name[64];
@@ -121,7 +121,7 @@ static void verify_finds_what_was_done_to_old_segments(void **state)
     const uint64_t first = iso_audit_first(audit);
     const char *path = oldest(*state, audit);
     char *whole = scratch_read(path, &size);
-    whole[size - 20] ^= 1; /* in its last record */
+    whole[size - 20] ^= 1; /* a bit of its last record */
     scratch_write(path, whole, size);
     struct iso_audit_report report = audit_rig_verify(audit);
     assert_false(report.sound);
@@ -163,8 +163,8 @@ static void a_known_head_convicts_a_log_that_was_begun_anew(void **state)
     iso_audit_close(audit);
 }
 
-/* What was sealed with the key before is read, what comes with the new one; the old key goes with
- * its last segment. */
+/* The log reads records sealed with the previous key and records sealed with the new one. The
+ * previous key is removed with its last segment. */
 static void goes_on_under_another_key(void **state)
 {
     struct iso_audit *audit = audit_rig_open_small(*state);
@@ -191,7 +191,8 @@ static void goes_on_under_another_key(void **state)
     iso_audit_close(audit);
 }
 
-/* A kill between the new segment and its first record leaves one without any. */
+/* A kill between the start of a new segment and its first record leaves a segment without records.
+ */
 static void a_segment_without_a_record_is_none(void **state)
 {
     struct iso_audit *audit = audit_rig_open_small(*state);

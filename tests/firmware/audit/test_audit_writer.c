@@ -1,4 +1,4 @@
-/* The writer of the audit log: order, waiting, a queue that is full, records that are lost. */
+/* The writer of the audit log: order, waiting, a full queue, and lost records. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,7 +37,7 @@ static int setup_without_thread(void **state)
     return open_writer(state, false);
 }
 
-/* Ends the writer and its log; the disk works. */
+/* Ends the writer and its log. The disk works again. */
 static void close_log(void)
 {
     slow_disk_go_on();
@@ -82,7 +82,7 @@ static int post_outcome(const char *note)
     return iso_audit_writer_post_outcome(writer, &record, NULL);
 }
 
-/* The disk hangs with a record that was posted. */
+/* Makes the disk hang with a record that was posted. */
 static void hang(void)
 {
     slow_disk_hang();
@@ -90,8 +90,9 @@ static void hang(void)
     slow_disk_await();
 }
 
-/* The disk hangs with a record for which nobody waits any more. Again, if the thread was not woken
- * up in time to begin with it: such a record is taken out of the queue. */
+/* Makes the disk hang with a record for which nobody waits any more. It tries again if the thread
+ * was not woken up in time to begin with the record, because such a record is removed from the
+ * queue. */
 static void append_late(const char *note)
 {
     for (;;) {
@@ -125,7 +126,7 @@ static int take_note(void *context, const char *line)
     return 0;
 }
 
-/* What the log says once everything is written; its chain is whole. */
+/* Returns the text of the log after all records are written, and checks its chain. */
 static const char *told_by_log(void)
 {
     static struct told told;
@@ -169,7 +170,7 @@ static int64_t later_ns(void *context)
     return INT64_C(1795250000) * ISO_NS_PER_S + 750 * ISO_NS_PER_MS;
 }
 
-/* It bears the time at which it was queued: that of the log stands half a second earlier. */
+/* The record has the time at which it was queued. The clock of the log is half a second behind. */
 static void a_record_says_when_it_happened(void **state)
 {
     times.wall_ns = later_ns;
@@ -180,7 +181,7 @@ static void a_record_says_when_it_happened(void **state)
     free(log);
 }
 
-/* A record that is being written cannot be called back: what came of it stands behind it. */
+/* A record that is being written cannot be cancelled. Its outcome is a record after it. */
 static void a_record_that_comes_late_is_denied_behind_it(void **state)
 {
     (void)state;
@@ -199,7 +200,7 @@ static void a_record_that_nobody_waits_for_is_not_written(void **state)
     assert_string_equal(told_by_log(), "noted hanging; visit denied; ");
 }
 
-/* The outcome that is still queued belongs to the record before, whatever comes after. */
+/* An outcome that is still queued belongs to the record before it, whatever record comes next. */
 static void an_outcome_belongs_to_its_record(void **state)
 {
     (void)state;
@@ -222,7 +223,7 @@ static void a_full_queue_takes_nothing_and_says_what_was_lost(void **state)
     }
     assert_int_equal(posted, ISO_AUDIT_WRITER_RECORDS - 2);
     assert_int_equal(append("has a place", MOMENT_MS, NULL), -ETIMEDOUT);
-    assert_int_equal(append("no room", -1, NULL), -ENOBUFS); /* at once */
+    assert_int_equal(append("no room", -1, NULL), -ENOBUFS); /* returns at once */
     assert_int_equal(post("lost, too"), -ENOBUFS);
     assert_true(iso_audit_writer_take_result(writer, &error, &fault));
     assert_int_equal(error, -ENOBUFS);
@@ -236,7 +237,7 @@ static void a_full_queue_takes_nothing_and_says_what_was_lost(void **state)
     assert_string_equal(end, "records-lost 2 records; noted again; ");
 }
 
-/* One place is left for what comes of a grant that found room. */
+/* One place in the queue is reserved for the outcome of a queued grant. */
 static void the_outcome_of_a_grant_has_its_place(void **state)
 {
     (void)state;
@@ -251,13 +252,14 @@ static void the_outcome_of_a_grant_has_its_place(void **state)
     assert_int_equal(post_outcome("one too many"), -ENOBUFS);
 }
 
-/* However many wait, the disk works once for them and once for the anchor. */
+/* For any number of waiting records, the disk writes once for all of them and once for the anchor.
+ */
 static void what_is_queued_is_synchronised_together(void **state)
 {
     struct iso_audit_report report;
     (void)state;
     hang();
-    const int before = slow_disk_calls(); /* of the record that hangs; its anchor comes */
+    const int before = slow_disk_calls(); /* calls for the hanging record; its anchor follows */
     for (int i = 0; i < 100; i++) {
         assert_int_equal(post("more"), 0);
     }
@@ -270,10 +272,10 @@ static void what_is_queued_is_synchronised_together(void **state)
     iso_audit_writer_release(writer);
 }
 
-/* One record that is too long for its line is lost alone. */
+/* A record that is too long for its line is the only one that is lost. */
 static void a_group_loses_only_what_cannot_be_written(void **state)
 {
-    static char text[2000]; /* each of its characters takes six in JSON */
+    static char text[2000]; /* JSON takes six characters for each of them */
     (void)state;
     memset(text, 1, sizeof text - 1);
     hang();
@@ -281,7 +283,7 @@ static void a_group_loses_only_what_cannot_be_written(void **state)
     assert_int_equal(post(text), 0);
     assert_int_equal(post("behind"), 0);
     (void)told_by_log();
-    assert_int_equal(post("again"), 0); /* the loss is on record before it */
+    assert_int_equal(post("again"), 0); /* the loss is recorded before this one */
     assert_string_equal(told_by_log(), "noted hanging; noted before; noted behind; "
                                        "records-lost 1 record; noted again; ");
 }

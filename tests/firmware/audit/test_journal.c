@@ -1,4 +1,5 @@
-/* The system's journal may be stuck: nobody waits for it, and what it was not sent is counted. */
+/* The system's journal may hang. No thread waits for it, and entries that were not sent are
+ * counted. */
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +11,7 @@
 
 enum { MORE = 10 };
 
-/* A journal that can be stuck. It keeps what it was sent: "ISOTHERM_SEQUENCE=1;..." */
+/* A journal that can hang. It keeps the entries that it received: "ISOTHERM_SEQUENCE=1;..." */
 static struct {
     pthread_mutex_t mutex;
     pthread_cond_t changed;
@@ -55,7 +56,7 @@ static void be_stuck(bool stuck)
     (void)pthread_mutex_unlock(&journal.mutex);
 }
 
-/* Waits until so many entries have come, and so many were taken. */
+/* Waits until the journal has begun to take so many entries, and has taken so many. */
 static void await(int waiting, int sent)
 {
     (void)pthread_mutex_lock(&journal.mutex);
@@ -91,12 +92,12 @@ static void record(struct iso_journal *to, int n)
 static void entries_are_sent_in_order(void **state)
 {
     record(*state, 3);
-    iso_journal_free(*state); /* sends what is queued */
+    iso_journal_free(*state); /* sends the queued entries */
     assert_string_equal(journal.text,
                         "ISOTHERM_SEQUENCE=1;ISOTHERM_SEQUENCE=2;ISOTHERM_SEQUENCE=3;");
 }
 
-/* This test would not come to its end if somebody waited. */
+/* This test would never end if a caller waited for the journal. */
 static void nobody_waits_for_a_stuck_journal(void **state)
 {
     char unsent[40];
@@ -123,7 +124,7 @@ static void the_end_does_not_wait_for_a_stuck_journal(void **state)
     iso_journal_free(*state);
     assert_int_equal(journal.sent, 0);
     be_stuck(false);
-    await(1, 1); /* the thread goes on, and ends */
+    await(1, 1); /* the thread continues and ends */
 }
 
 int main(void)

@@ -1,5 +1,5 @@
-/* The door does not wait for the disk: an appliance with its threads on a disk that hangs. What is
- * tested is what happens before the disk answers, never how long it takes. */
+/* The door does not wait for the disk: an appliance with its threads runs on a disk that hangs. The
+ * tests check what happens before the disk answers, and never how long it takes. */
 #include <signal.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -17,19 +17,19 @@ enum { STOPPED_S = 3 };
 
 /* ---- the door ---- */
 
-/* Nobody steps the appliance meanwhile, as if a frame took for ever. */
+/* Meanwhile no thread steps the appliance, as if the work on one frame never ended. */
 static void relay_and_exit_do_not_wait_for_the_disk(void **state)
 {
     struct rig *rig = *state;
     slow_disk_rig_start(rig);
     slow_disk_rig_hang();
-    wired_door_await(ISO_DOOR_RELAY, 2); /* on, and off again */
+    wired_door_await(ISO_DOOR_RELAY, 2); /* switched on, and off again */
     for (unsigned press = 2; press <= 20; press++) {
         wired_door_press();
         wired_door_await(ISO_DOOR_RELAY, 2 * press);
     }
     assert_false(wired_door_level(ISO_DOOR_RELAY));
-    assert_int_equal(slow_disk_waiting(), 1); /* all that before the disk has answered */
+    assert_int_equal(slow_disk_waiting(), 1); /* the disk has not answered yet */
 }
 
 static void contact_and_tamper_do_not_wait_for_the_disk(void **state)
@@ -42,7 +42,7 @@ static void contact_and_tamper_do_not_wait_for_the_disk(void **state)
     wired_door_await(ISO_DOOR_BUZZER, 1);
     wired_door_set(ISO_DOOR_TAMPER, false);
     wired_door_await(ISO_DOOR_BUZZER, 2);
-    wired_door_set(ISO_DOOR_CONTACT, true); /* forced */
+    wired_door_set(ISO_DOOR_CONTACT, true); /* the door was forced */
     wired_door_await(ISO_DOOR_BUZZER, 3);
     wired_door_set(ISO_DOOR_CONTACT, false);
     wired_door_await(ISO_DOOR_BUZZER, 4);
@@ -52,10 +52,10 @@ static void contact_and_tamper_do_not_wait_for_the_disk(void **state)
         strstr(slow_disk_rig_record(rig, "door"), "\"reason\":\"closed\",\"note\":\"locked\""));
 }
 
-/* ---- a process that is stopped ---- */
+/* ---- a stopped process ---- */
 
-/* In a process of its own, which stops itself when the record of the grant is to be synchronised.
- * Returns its exit code: 0 if nobody was let in. */
+/* Runs in a process of its own, which stops itself when the record of the grant is to be
+ * synchronised. Returns its exit code: 0 if nobody was admitted. */
 static int be_stopped(void)
 {
     void *state = NULL;

@@ -19,10 +19,10 @@ void world_end_appliance(struct world *w)
     w->running = false;
     w->oracle.claimed = false;
     w->oracle.n_seen = 0;
-    rig->sensor.next = rig->sensor.n_frames; /* what nobody fetched is lost */
-    w->last_actor = NOBODY;                  /* nobody remembers the last frame */
+    rig->sensor.next = rig->sensor.n_frames; /* frames that were not fetched are lost */
+    w->last_actor = NOBODY;                  /* no process remembers the last frame */
     total.restarts++;
-    /* What could not be kept is forgotten. */
+    /* A broken disk could not store this state, so the restart loses it. */
     if (broken_disk.error || w->rig->now_ns - w->oracle.broken_ns < 3 * ISO_NS_PER_S) {
         struct oracle *o = &w->oracle;
         o->lockdown = false;
@@ -59,7 +59,7 @@ void world_begin_appliance(struct world *w)
         total.absences++;
     }
     w->running = error == 0;
-    w->oracle.sighted_ns = w->rig->now_ns; /* a camera that is opened has a second to begin */
+    w->oracle.sighted_ns = w->rig->now_ns; /* an opened camera has a second to start */
 }
 
 void world_pass_frame(struct world *w)

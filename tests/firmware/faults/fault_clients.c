@@ -1,6 +1,6 @@
 #include "tests/firmware/faults/fault_step.h"
 
-/* A visit that goes on is forgotten, but for frames that nobody has fetched yet. */
+/* The appliance forgets the present visit, but not the frames that it has not fetched yet. */
 static void forget_visit(struct oracle *o, uint64_t fetched_now)
 {
     int kept = 0;

@@ -54,8 +54,8 @@ static bool may_enter(const struct world *w, enum actor actor)
            (actor == BOB && wall_s >= bob_from_s && wall_s <= bob_until_s);
 }
 
-/* How many frames of their own of this actor there were, without anybody else among them and
- * without a gap, up to number `last`. */
+/* Counts the frames of this actor up to number `last`, without repeated frames. They end at another
+ * actor or at a gap. */
 static int frames_until(const struct world *w, enum actor actor, int last)
 {
     const struct oracle *o = &w->oracle;
@@ -79,8 +79,8 @@ uint64_t oracle_fetched(const struct world *w)
     return w->rig->sensor.forgotten + (uint64_t)w->rig->sensor.next;
 }
 
-/* The same up to one of the frames that the appliance fetched since it was observed last: there are
- * several of them if they were late. */
+/* The highest such count up to one of the frames that the appliance has fetched since the last
+ * observation. Late frames make it several frames. */
 static int frames_of(const struct world *w, enum actor actor)
 {
     const struct oracle *o = &w->oracle;
@@ -92,7 +92,7 @@ static int frames_of(const struct world *w, enum actor actor)
     return most;
 }
 
-/* Whether the lock-out has certainly shut the door: not in the last moments of it. */
+/* Whether the lock-out has certainly shut the door. It does not count in its last moments. */
 static bool is_shut(const struct world *w)
 {
     return w->oracle.lockdown || w->rig->now_ns + 200 * ISO_NS_PER_MS < w->oracle.locked_until_ns;
@@ -145,7 +145,7 @@ static void note_failure(struct world *w, bool attack)
     }
 }
 
-/* Takes one piece of news in. */
+/* Takes one report into account. */
 static void hear(struct world *w, const char *news)
 {
     unsigned frames = 0;
@@ -166,7 +166,7 @@ static void hear(struct world *w, const char *news)
     }
 }
 
-/* Faults that leave nothing to decide by, or no place to write it down. */
+/* Faults that deprive the appliance of usable frames, or of a place to write its records. */
 static bool blinds(enum sim_fault fault)
 {
     return fault == SIM_FAULT_SENSOR_DROP || fault == SIM_FAULT_SENSOR_CORRUPT ||
@@ -175,7 +175,7 @@ static bool blinds(enum sim_fault fault)
            fault == SIM_FAULT_DISK_READ_ONLY;
 }
 
-/* Whether the policy has the door unlocked because of somebody who was let in. */
+/* Whether the policy has the door unlocked because a person was admitted. */
 static bool is_granted(const struct world *w)
 {
     const int64_t most_ns = (w->rig->config.door.unlock_ms + 2 * FRAME_MS) * ISO_NS_PER_MS;
@@ -183,8 +183,9 @@ static bool is_granted(const struct world *w)
            w->rig->now_ns - w->oracle.allowed_ns <= most_ns;
 }
 
-/* Nothing has been seen for a second, or since the start: the appliance says so, and the door is at
- * fault, but for the rest of the time for which it was unlocked before. */
+/* The sensor has seen no frame for a second, or since the start. The appliance has to report this,
+ * and the door has to be at fault, except for the rest of the time for which it was unlocked
+ * before. */
 static void judge_silence(struct world *w)
 {
     struct oracle *o = &w->oracle;
@@ -206,7 +207,7 @@ static void judge_silence(struct world *w)
     o->silent = true;
 }
 
-/* A fault that has lasted for a second. */
+/* Judges a fault that has lasted for a second. */
 static void judge_fault(struct world *w, enum sim_fault fault)
 {
     struct oracle *o = &w->oracle;
@@ -254,7 +255,8 @@ void oracle_observe(struct world *w)
     for (char *rest = text, *news; (news = strsep(&rest, ";"));) {
         hear(w, news + strspn(news, " "));
     }
-    /* Failures of clients count too, and do not all tell why: the lock may begin earlier. */
+    /* Failures of clients count, too, and not all of them are reported with a reason. The lock may
+     * therefore begin earlier. */
     if (w->running && iso_appliance_status(w->rig->appliance).lockout_ns > 0) {
         w->oracle.failures = w->oracle.attacks = 0;
     }

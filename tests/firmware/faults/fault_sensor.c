@@ -36,10 +36,10 @@ void world_expose(struct world *w)
     w->oracle.fetched = oracle_fetched(w);
     if (!w->running || strcmp(iso_appliance_status(w->rig->appliance).sensor_state, "lost") == 0) {
         w->n_late = 0;
-        return; /* a camera that is not open exposes nothing */
+        return; /* a closed camera exposes no frame */
     }
     if (!world_is_faulty(w, SIM_FAULT_SENSOR_FROZEN)) {
-        w->x_mm = w->frames % 7; /* nobody stands quite still */
+        w->x_mm = w->frames % 7; /* no person stands quite still */
     }
     if (world_is_faulty(w, SIM_FAULT_SENSOR_GONE) || world_is_faulty(w, SIM_FAULT_SENSOR_DROP)) {
         return;
@@ -47,7 +47,8 @@ void world_expose(struct world *w)
     if (world_is_faulty(w, SIM_FAULT_SENSOR_BLANK)) {
         hand_up(w, t_ns, NOBODY, w->x_mm);
     } else if (world_is_faulty(w, SIM_FAULT_SENSOR_CORRUPT)) {
-        /* Some of each kind on end: what is left of a frame before could agree with itself. */
+        /* A fault changes several frames in a row, so that a decision which kept part of an earlier
+         * frame could find two that agree. */
         const int kind = w->frames / 4 % 3;
         pipeline->raving = kind == 0;
         pipeline->extract_error = kind == 1 ? -EDOM : 0;

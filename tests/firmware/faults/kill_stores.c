@@ -1,12 +1,12 @@
-/* Kills a process that writes gallery, log, lock-out and keys, at random moments and again and
- * again, and looks each time what is left: nobody lost, nobody back from the dead, the log's chain
- * whole, and no file taken for one of an earlier time.
+/* Kills a process that writes gallery, log, lock-out and keys, again and again at random moments,
+ * and checks each time the files that it has left. Nobody may be lost, no deleted person may be
+ * back, the log's chain must be whole, and no file may be taken for one of an earlier time.
  *
- * usage: kill_stores [ROUNDS [SEED]]     exit status 0 if every round was as it should be
+ * usage: kill_stores [ROUNDS [SEED]]     exit status 0 if every round was correct
  *
- * The writer says before each change what it will do and afterwards that it is done; so the
- * observer knows who has to be there, but for the one change under way, which may hold or not. It
- * is killed while it opens the stores, too. */
+ * The writer reports each change before it begins and after it is done. From these reports the
+ * observer knows who has to be in the gallery; only the one change under way may hold or not. The
+ * writer is also killed while it opens the stores. */
 #include <errno.h>
 #include <signal.h>
 #include <stdbool.h>
@@ -39,21 +39,21 @@ struct stores {
     struct iso_audit *audit;
 };
 
-/* What the writer says. */
+/* What the writer reports. */
 struct message {
     bool done;
     uint8_t action, person;
-    uint64_t sequence; /* of the last record, when it is done */
+    uint64_t sequence; /* number of the last record when the change is done */
 };
 
-/* What has been tried so far. */
+/* What this run has tried so far. */
 static struct {
     long kills, operations;
-    bool observes; /* this process is the one that counts */
+    bool observes; /* this process counts */
 } total;
 
 static char directory[64];
-static int templates_of[PEOPLE]; /* what has to be there */
+static int templates_of[PEOPLE]; /* the templates that must be there */
 static uint64_t random_state;
 
 static uint32_t draw(uint32_t below)
@@ -169,7 +169,8 @@ static int act(struct stores *stores, const struct message *message, struct iso_
     }
 }
 
-/* Something that can be done: whoever is full or gone is not enrolled or deleted. */
+/* Chooses a change that is possible: a person with all templates is not enrolled, and a missing
+ * person is not deleted. */
 static struct message choose(void)
 {
     struct message message = {.person = (uint8_t)draw(PEOPLE)};
@@ -227,10 +228,11 @@ __attribute__((noreturn)) static void write_for_ever(int report_fd)
 struct tally {
     unsigned done[ACTIONS], cut[ACTIONS], cut_held;
     int64_t slowest_ns;
-    uint64_t last; /* record that has to be there */
+    uint64_t last; /* the record that must be there */
 };
 
-/* Lets a writer live for a while. *under_way is the change that it had begun, if it had. */
+/* Lets a writer run for a while. *under_way is the change that the writer had begun, if there is
+ * one. */
 static bool run_writer(struct tally *tally, struct message *under_way)
 {
     int fds[2], status = 0;
@@ -270,7 +272,7 @@ static bool run_writer(struct tally *tally, struct message *under_way)
     return begun;
 }
 
-/* Whether a person is as expected; a face that is another's is never. */
+/* Whether a person is as expected. A face of another person is always an error. */
 static bool is_as(const struct stores *stores, int person, int templates)
 {
     char name[32];
@@ -288,7 +290,8 @@ static bool is_as(const struct stores *stores, int person, int templates)
     return own.n_entries == templates;
 }
 
-/* Who is there, against who has to be; the change under way holds or does not. */
+/* Compares the people in the gallery with the expected people. The change under way may hold or
+ * not. */
 static void check_people(const struct stores *stores, const struct message *under_way,
                          struct tally *tally)
 {

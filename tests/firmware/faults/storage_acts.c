@@ -141,7 +141,7 @@ static int rotate_keys(struct storage_world *w, struct iso_fault *fault)
     return iso_appliance_rotate_keys(w->rig->appliance, NULL, &remark, fault);
 }
 
-/* So many that the segment ends among them. */
+/* So many records that the segment ends among them. */
 static int append(struct storage_world *w, struct iso_fault *fault)
 {
     const struct iso_audit_record record = iso_audit_record_of("x");
@@ -154,7 +154,7 @@ static int append(struct storage_world *w, struct iso_fault *fault)
     return error;
 }
 
-/* The same records in two groups, the first of which reaches the end of the segment. */
+/* The same records in two groups. The first group reaches the end of the segment. */
 static int append_groups(struct storage_world *w, struct iso_fault *fault)
 {
     enum { GROUP = 5 };
@@ -262,7 +262,7 @@ static void prepare_stopped(struct storage_world *w)
     w->rig = NULL;
 }
 
-/* A gallery as version 1 made it. */
+/* Writes a gallery in the format of version 1. */
 static void make_old_gallery(const char *path)
 {
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];

@@ -51,8 +51,8 @@ static void judge_people(const struct storage_point *point, const struct storage
     }
 }
 
-/* A record, or a group, that could not be taken away again may be there, if the disk was not to be
- * written. */
+/* A record, or a group of records, may be there if the store could not remove it again because the
+ * disk did not allow writing. */
 static void judge_log(const struct storage_point *point)
 {
     const struct storage_report *report = &storage_trial->report;

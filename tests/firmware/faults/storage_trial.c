@@ -38,7 +38,7 @@ static void go_on(struct storage_world *w)
     const char *remark = NULL;
     rig_run(rig, 2500);
     struct iso_audit_report report = {.sound = false};
-    /* What is in memory of the log is what is on the disk. */
+    /* The records that the log has in memory must be the records on the disk. */
     if (iso_audit_verify(rig->audit, 0, NULL, NULL, &report, &fault) || !report.sound) {
         fprintf(stderr, "the log is not sound: %s%s\n", fault.text, report.flaw);
         _exit(1);
@@ -105,7 +105,7 @@ static void act(const struct storage_point *point)
     report->done = true;
 }
 
-/* ---- the process that looks ---- */
+/* ---- the process that reads ---- */
 
 static int count(void *context, const char *line)
 {
@@ -115,7 +115,7 @@ static int count(void *context, const char *line)
     return 0;
 }
 
-/* The stores one by one, for the fault of the one that does not open. */
+/* Opens the stores one by one, to get the fault of the store that does not open. */
 static bool opens(struct storage_found *found)
 {
     struct iso_gallery *gallery = NULL;
@@ -126,7 +126,7 @@ static bool opens(struct storage_found *found)
     }
     const int error = iso_heads_check(iso_key_ring_board(options.ring), &found->fault);
     iso_gallery_close(gallery);
-    stores_forget(); /* what was found when the ring was opened is found anew */
+    stores_forget(); /* read the state of the ring again, not the remembered one */
     return error == 0;
 }
 
@@ -141,7 +141,7 @@ static void look(void)
     }
     storage_world_start(&w);
     if (iso_heads_check(iso_key_ring_board(stores_ring(directory)), &found->fault)) {
-        return; /* no fault of the disk is taken for an older file */
+        return; /* no fault of the disk may be reported as an older file */
     }
     const struct iso_appliance_status status = iso_appliance_status(w.rig->appliance);
     storage_people(w.rig->gallery, found->people, sizeof found->people);

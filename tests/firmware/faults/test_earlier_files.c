@@ -1,5 +1,6 @@
-/* Files of an earlier time: every subset of them, put among the present ones, is refused; and no
- * interruption of a write is taken for that. The stores are opened as the daemon opens them. */
+/* Files of an earlier time. The daemon must refuse every subset of them among the present files,
+ * and it must not take an interrupted write for such files. The tests open the stores as the daemon
+ * does. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,7 +30,7 @@ static int opens(const char *directory, const struct mix_state *state)
     return error;
 }
 
-/* What is there is refused, in one line that names a file of it. */
+/* Asserts that the present files are refused, in one line that names one of the exchanged files. */
 static void expect_refusal(const char *directory, const struct mix_state *state, const char *what,
                            unsigned mask)
 {
@@ -46,7 +47,7 @@ static void expect_refusal(const char *directory, const struct mix_state *state,
     }
 }
 
-/* All mixtures of two directories but the two themselves. */
+/* Tries all mixtures of two directories except the two directories themselves. */
 static void expect_no_mixture(const char *directory, const struct mix_state *a,
                               const struct mix_state *b, const char *what)
 {
@@ -116,7 +117,7 @@ static void files_of_two_histories_are_refused(void **state)
     mix_let_go(&other);
 }
 
-/* Only the key is left: a new appliance, which knows nobody. */
+/* Only the key is left. This is a new appliance without any people. */
 static bool is_new(const struct mix_state *state)
 {
     return state->n == 0 || (state->n == 1 && strcmp(state->files[0].name, "gallery.db.key") == 0);
@@ -139,7 +140,7 @@ static void every_subset_of_missing_files_is_refused(void **state)
     }
 }
 
-/* ---- the version before ---- */
+/* ---- the previous version ---- */
 
 static void expect_people_of_before(struct iso_components *components)
 {
@@ -154,7 +155,7 @@ static void expect_people_of_before(struct iso_components *components)
     }
 }
 
-/* The directory state_1 was written by the last version whose stores did not know each other. */
+/* The last version whose stores did not know each other wrote the directory state_1. */
 static void a_directory_of_the_version_before_is_upgraded(void **state)
 {
     const struct world *world = *state;
@@ -206,7 +207,7 @@ static int find_accepted(void *context, const char *line)
     return 0;
 }
 
-/* Without the files of these names, which are as they were before, or missing. */
+/* Uses the earlier versions of the files of these names, or removes them. */
 static void replace(const struct world *world, const char *const *names, bool by_older)
 {
     char path[MIX_PATH_SIZE];
@@ -235,7 +236,7 @@ static void an_administrator_accepts_an_older_gallery(void **state)
     assert_int_equal(state_rig_try(world->directory, &fault), -ESTALE);
     assert_non_null(strstr(fault.text, "/gallery.db: from an earlier time"));
     accept(world->directory, "/gallery.db: from an earlier time");
-    accept(world->directory, ""); /* there is nothing left to accept */
+    accept(world->directory, ""); /* no difference is left to accept */
     struct iso_components *components = state_rig_open(world->directory);
     assert_int_equal(iso_audit_read(components->audit, 1, UINT32_MAX, find_accepted, &n), 0);
     assert_int_equal(n, 2);
@@ -263,10 +264,10 @@ static void what_is_accepted_without_a_lock_out_file_is_a_lockdown(void **state)
 
 /* ---- interruptions ---- */
 
-static const char *watched; /* directory, while every state of it between two calls is tried */
+static const char *watched; /* the directory; every state of it between two calls is tried */
 static struct mix_state *moments;
 enum { MOMENTS_MAX = 600 };
-static struct puppet_counter counts[MOMENTS_MAX]; /* the counter at that moment */
+static struct puppet_counter counts[MOMENTS_MAX]; /* the counter at each of these moments */
 static struct puppet_counter counter;
 static size_t n_moments;
 
@@ -310,7 +311,7 @@ static int open_counter(struct iso_counter *out, struct iso_fault *fault)
     return 0;
 }
 
-/* From a start to an end, both included. */
+/* Tries the interruptions from a start of the daemon to its end. Both are included. */
 static void try_interruptions(const struct world *world)
 {
     struct mix_state after;
@@ -340,14 +341,14 @@ static void no_interruption_is_taken_for_an_attack(void **state)
     try_interruptions(*state);
 }
 
-/* The moments between the write of the anchor and the increment are among them. */
+/* These states include the moments between the write of the anchor and the increment. */
 static void nor_with_a_counter(void **state)
 {
     const struct world *world = *state;
     counter = (struct puppet_counter){.incremented = moment};
     state_rig_counter = open_counter;
     mix_put_back(world->directory, &world->before);
-    state_rig_close(state_rig_open(world->directory)); /* it begins to count */
+    state_rig_close(state_rig_open(world->directory)); /* begins to use the counter */
     struct world counted = *world;
     mix_take(world->directory, &counted.before);
     try_interruptions(&counted);

@@ -1,15 +1,16 @@
-/* The appliance while things go wrong: plans of faults (tests/firmware/faults/plan.h), people who
- * come and go, clients who ask for this and that, and an oracle that has seen what the sensor was
- * handed and knows the policy, but nothing of how the appliance decides. It is to hold at all
- * times:
+/* The appliance while faults are present. The test plays plans of faults
+ * (tests/firmware/faults/plan.h), people who come and go, and clients who make calls. An oracle
+ * judges the appliance: it knows the frames that the sensor received and the policy, but not how
+ * the appliance decides. These rules hold at all times:
  *
- *   the lock's relay has power only after a visit that the policy allows, for unlock_ms;
- *   a second after a fault began that leaves nothing to see, or to write on, nobody is let in;
- *   a second after the last frame the sensor is known not to see, and the door is at fault;
- *   when all faults are over, who is enrolled gets in, without a restart.
+ *   The relay of the lock has power only after a visit that the policy allows, for unlock_ms.
+ *   A fault may take away the frames, or the place for records: a second later nobody is admitted.
+ *   A second after the last frame the sensor is reported as blind, and the door is at fault.
+ *   When all faults are over, enrolled people are admitted without a restart.
  *
- *   test_firmware_faults [SEEDS [STEPS [FIRST_SEED]]]     a failure names the seed, which repeats
- *                                                         it */
+ * usage: test_firmware_faults [SEEDS [STEPS [FIRST_SEED]]]
+ *
+ * A failure names its seed; a run with this seed repeats it. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,7 +35,7 @@ static void choose_actor(struct world *w)
     }
 }
 
-/* What holds for the whole of a step. */
+/* Checks the rules that hold during a whole step. */
 static void bring_about(struct world *w)
 {
     oracle_begin_step(w);
@@ -72,7 +73,7 @@ static void step(struct world *w)
     }
 }
 
-/* All faults are over: what is shut is opened, and anna comes. */
+/* All faults are over. A lock-out and a lockdown are lifted, and anna comes. */
 static void recover(struct world *w)
 {
     struct iso_fault fault = {.text = ""};
@@ -107,7 +108,7 @@ static void recover(struct world *w)
     }
 }
 
-/* Shorter times than a door's, so that more happens. */
+/* The times are shorter than those of a real door, so that more happens in a run. */
 static void configure(struct iso_config *config)
 {
     config->motion.frozen_frames = 3;

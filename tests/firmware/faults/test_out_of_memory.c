@@ -1,5 +1,5 @@
-/* The Nth allocation fails, for every N until all goes well: -ENOMEM, outputs untouched, and
- * (seen by the sanitizers) nothing leaks. */
+/* The Nth allocation fails, for every N until the call succeeds. Each failure returns -ENOMEM and
+ * leaves the outputs untouched. The sanitizers check that no memory leaks. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include "tests/support/memory/scarce_memory.h"
 #include "tests/support/scratch.h"
 
-enum { MOST = 200 }; /* allocations of anything */
+enum { MOST = 200 }; /* no tested call makes more allocations */
 
 static int load_config(void *context, struct iso_fault *fault)
 {
@@ -137,7 +137,8 @@ static int make_appliance(void *context, struct iso_fault *fault)
 
 static void while_it_makes_an_appliance(void **state)
 {
-    assert_int_equal(scarce_memory_exhaust(make_appliance, *state, MOST), 3); /* log and door */
+    assert_int_equal(scarce_memory_exhaust(make_appliance, *state, MOST),
+                     3); /* log and door are open already */
 }
 
 int main(void)

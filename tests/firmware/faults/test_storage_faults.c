@@ -1,18 +1,19 @@
 /* The Nth call that changes a file fails, for every N until an act of the appliance makes no more
- * calls, in every way in which a disk fails (tests/support/disk/failing_disk.h). Each time two
- * things are tried, with processes of their own:
+ * calls. It fails in every way in which a disk can fail (tests/support/disk/failing_disk.h). Each
+ * failure is tried in two ways, with processes of their own:
  *
- *   restart   the process ends behind the act; another one opens what it has left
- *   go on     the disk works again, the process goes on for a while, enrols one person more and
- *             ends; another one opens what it has left
+ *   restart   The process ends after the act. Another process opens the files that it has left.
+ *   go on     The disk works again. The process continues for a while, enrols one more person and
+ *             ends. Another process opens the files that it has left.
  *
- * What is found has to be what the client was told, and what the process had in its memory;
- * gallery, log and anchors have to open; nobody may be lost or back.
+ * The state of the files has to agree with the answer to the client, and with the state that the
+ * process had in its memory. Gallery, log and anchors have to open. Nobody may be lost, and no
+ * deleted person may be back.
  *
- * usage: storage_faults [STRIDE [ACT]]     exit status 0 if everything was as it has to be
+ * usage: storage_faults [STRIDE [ACT]]     exit status 0 if every trial was correct
  *
- * With a stride of 3, each call fails in two of the six ways, in one of those that last for one
- * call and in one of the others. */
+ * With a stride of 3, each call fails in two of the six ways: in one of those that last for one
+ * call, and in one of the others. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,9 +24,9 @@
 
 enum { CALLS_MAX = 5000 };
 
-static long points; /* trials that were judged */
+static long points; /* number of judged trials */
 
-/* The process is killed at one call. False: the act does not make so many calls. */
+/* Kills the process at one call. Returns false if the act does not make so many calls. */
 static bool kill_at(struct storage_point *point, const struct storage_ends *ends)
 {
     point->goes_on = false;
@@ -38,7 +39,7 @@ static bool kill_at(struct storage_point *point, const struct storage_ends *ends
     return true;
 }
 
-/* One call fails in one way. False: the act does not make so many calls. */
+/* Lets one call fail in one way. Returns false if the act does not make so many calls. */
 static bool fail_at(struct storage_point *point, const struct storage_ends *ends)
 {
     if (point->kind >= FAILING_DISK_KILLS) {
@@ -67,7 +68,7 @@ static int do_nothing(struct storage_world *w, struct iso_fault *fault)
     return 0;
 }
 
-/* How many calls the act makes. */
+/* Returns how many calls the act makes. */
 static long learn(const struct storage_act *of, struct storage_ends *ends)
 {
     struct storage_act nothing = *of;

@@ -84,7 +84,7 @@ int bus_rig_setup(void **state)
     if (iso_bus_open(private.address, &fixture.service, &fault)) {
         fail_msg("%s", fault.text);
     }
-    /* The rig's appliance reports to the rig; this one to the bus. */
+    /* The appliance of the rig reports to the rig. This appliance reports to the bus. */
     iso_appliance_free(fixture.rig->appliance);
     fixture.rig->borrowed.events = iso_bus_events(fixture.service, on_message);
     assert_int_equal(iso_appliance_new(&fixture.rig->borrowed, &fixture.rig->appliance), 0);
@@ -113,7 +113,7 @@ int bus_rig_teardown(void **state)
     return rig_teardown(&rig);
 }
 
-/* Skips the test where there is no dbus-daemon. */
+/* Skips the test if there is no dbus-daemon. */
 struct bus_rig *bus_rig_need(void **state)
 {
     if (!*state) {
@@ -125,7 +125,7 @@ struct bus_rig *bus_rig_need(void **state)
 
 /* ---- calls ---- */
 
-/* One round of the service and both clients. */
+/* Runs the service and both clients once. */
 void bus_rig_go_round(struct bus_rig *fixture)
 {
     assert_true(sd_event_run(fixture->event, 200) >= 0);
@@ -151,7 +151,7 @@ static int on_answer(sd_bus_message *reply, void *context, sd_bus_error *unused)
     return 0;
 }
 
-/* Sends a call of a client and waits for the answer; valid until the next. */
+/* Sends a call of a client and waits for the answer. The answer is valid until the next call. */
 struct bus_answer *bus_rig_send(struct bus_rig *fixture, int client, sd_bus_message *message)
 {
     static struct bus_answer answer;
@@ -176,7 +176,8 @@ sd_bus_message *bus_rig_new_call(struct bus_rig *fixture, int client, const char
     return message;
 }
 
-/* A method without arguments, or with one string. "" or the error's last word. */
+/* Calls a method without arguments, or with one string. Returns "" or the last word of the error's
+ * name. */
 const char *bus_rig_call(struct bus_rig *fixture, int client, const char *method,
                          const char *argument)
 {
@@ -189,12 +190,12 @@ const char *bus_rig_call(struct bus_rig *fixture, int client, const char *method
     return dot ? dot + 1 : answer->error;
 }
 
-/* Lets the appliance run, and what it says arrive. */
+/* Runs the appliance for this time, then delivers its signals. */
 void bus_rig_run(struct bus_rig *fixture, int64_t ms)
 {
     rig_run(fixture->rig, ms);
     assert_string_equal(bus_rig_call(fixture, 0, ISO_CONTRACT_GET_STATUS, NULL),
-                        ""); /* behind them all */
+                        ""); /* this call follows all signals */
     assert_string_equal(bus_rig_call(fixture, 1, ISO_CONTRACT_GET_STATUS, NULL), "");
 }
 

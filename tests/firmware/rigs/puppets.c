@@ -41,8 +41,9 @@ int puppet_face_of(const struct iso_template *tmpl)
 
 /* ---- sensor ---- */
 
-/* A frame's first pixel is the face, its second the outcome, its third where it is: 100 and more,
- * to be valid depths. The others are the scene, which may move. */
+/* The first pixel of a frame is the face, the second the outcome, the third the position. Each
+ * value is at least 100, so that it is a valid depth. The other pixels are the scene, which may
+ * move. */
 enum { CODE_PX = 3, WIDTH_PX = 8 };
 
 struct stream {
@@ -51,7 +52,7 @@ struct stream {
     struct iso_frame frame;
 };
 
-static struct puppet_sensor *being_opened; /* options cannot carry it */
+static struct puppet_sensor *being_opened; /* the options of a sensor cannot hold a pointer */
 
 static int refuse(const struct puppet_sensor *sensor, int error, const char *text,
                   struct iso_fault *fault)
@@ -211,7 +212,7 @@ void puppet_sensor_add(struct puppet_sensor *sensor, int64_t t_ns, int face,
 void puppet_sensor_add_at(struct puppet_sensor *sensor, int64_t t_ns, int face,
                           enum iso_capture capture, int right_mm)
 {
-    if (sensor->n_frames == PUPPET_FRAMES_MAX) { /* those that were fetched make room */
+    if (sensor->n_frames == PUPPET_FRAMES_MAX) { /* drop the fetched frames to make room */
         sensor->n_frames -= sensor->next;
         memmove(sensor->frames, sensor->frames + sensor->next,
                 (size_t)sensor->n_frames * sizeof *sensor->frames);

@@ -15,7 +15,7 @@
 #include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
 
-/* ---- what it reports ---- */
+/* ---- reports ---- */
 
 __attribute__((format(printf, 2, 3))) static void tell(struct rig *rig, const char *format, ...)
 {
@@ -149,7 +149,7 @@ int rig_setup_in(void **state, char *directory)
     rig->wall_ns = INT64_C(1795250000) * ISO_NS_PER_S;
     rig->config = iso_config_default();
     rig->config.decision.threshold = 6;
-    rig->config.motion.frozen_frames = 0; /* the puppets' frames are all the same */
+    rig->config.motion.frozen_frames = 0; /* all frames of the puppet are equal */
     rig->config.motion.lifeless_ms = 0;
     rig->config.decision.margin = 1;
     rig->config.enroll.agree_score = 4;
@@ -173,7 +173,7 @@ int rig_teardown(void **state)
     return stores_teardown(&directory);
 }
 
-/* ---- moving ---- */
+/* ---- frames and time ---- */
 
 void rig_start(struct rig *rig)
 {
@@ -217,7 +217,7 @@ void rig_run(struct rig *rig, int64_t ms)
     const int64_t end_ns = rig->now_ns + ms * ISO_NS_PER_MS;
     for (int steps = 0;; steps++) {
         const int64_t wake_ns = iso_appliance_step(rig->appliance);
-        assert_true(steps < 100 + 2 * ms); /* else it is busy doing nothing */
+        assert_true(steps < 100 + 2 * ms); /* otherwise it is always due and never waits */
         if (wake_ns > end_ns) {
             break;
         }
@@ -230,7 +230,7 @@ void rig_run(struct rig *rig, int64_t ms)
     rig->now_ns = end_ns;
 }
 
-/* ---- looking ---- */
+/* ---- results ---- */
 
 const char *rig_news(struct rig *rig)
 {
@@ -239,7 +239,7 @@ const char *rig_news(struct rig *rig)
     rig->told[0] = '\0';
     const size_t length = strlen(text);
     if (length > 2) {
-        text[length - 2] = '\0'; /* the last "; " */
+        text[length - 2] = '\0'; /* remove the last "; " */
     }
     return text;
 }

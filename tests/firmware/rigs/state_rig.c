@@ -78,7 +78,7 @@ struct iso_components *state_rig_open(const char *directory)
     return components;
 }
 
-/* ---- what happens in between ---- */
+/* ---- histories ---- */
 
 void state_rig_append(struct iso_components *components, const char *event)
 {
@@ -159,7 +159,7 @@ static void segments(struct iso_components *components)
     }
 }
 
-/* The keys in the ring stay, so that the old ring, with its key, opens everything. */
+/* The earlier keys stay in the ring, so that the old ring, with its key, opens every store. */
 static void new_key(struct iso_components *components)
 {
     state_rig_append(components, "rotate-keys");
