@@ -1,4 +1,4 @@
-/* What a client can do with the appliance: claim, enrol, verify, identify, delete. */
+/* The actions of a client: claim, enrol, verify, identify, delete. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -19,7 +19,7 @@ static void a_claim_keeps_the_door_shut(void **state)
     rig_run(rig, 1000);
     assert_string_equal(rig_news(rig), "");
     iso_appliance_release(rig->appliance);
-    iso_appliance_release(rig->appliance); /* once more does no harm */
+    iso_appliance_release(rig->appliance); /* a second release does no harm */
     rig_show(rig, 50, 2);
     rig_run(rig, 1000);
     assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
@@ -76,7 +76,7 @@ static void verifies(void **state)
     rig_show(rig, 52, 2);
     rig_run(rig, 100);
     assert_string_equal(rig_news(rig), "verify match anna done");
-    assert_false(rig_relay(rig)); /* nothing of it opens the door */
+    assert_false(rig_relay(rig)); /* no action of a client opens the door */
     assert_non_null(strstr(rig_record(rig, "verify"), "\"person\":\"anna\",\"reason\":\"match\","));
     assert_int_equal(iso_appliance_verify(rig->appliance, "anna", NULL), 0);
     rig_show(rig, 80, 6);
@@ -87,7 +87,7 @@ static void verifies(void **state)
     assert_string_equal(fault.text, "zac: no such person");
 }
 
-/* An empty scene gives no hint, whoever waits, and does not count. */
+/* An empty scene gives no hint to a waiting client, and does not count as a failure. */
 static void nobody_is_told_nothing(void **state)
 {
     struct rig *rig = *state;
@@ -117,7 +117,7 @@ static void identifies(void **state)
     rig_run(rig, 100);
     assert_string_equal(rig_news(rig), "identify retry-no-face; identify match bob done");
     assert_int_equal(iso_appliance_identify(rig->appliance, NULL), 0);
-    rig_show(rig, 65, 1); /* and is gone again */
+    rig_show(rig, 65, 1); /* and the person leaves again */
     rig_run(rig, 2000);
     assert_string_equal(rig_news(rig), "identify no-match done");
     assert_false(rig_relay(rig));
@@ -137,10 +137,11 @@ static void a_picture_is_not_recognised(void **state)
     assert_non_null(strstr(rig_record(rig, "verify"),
                            "\"person\":\"anna\",\"reason\":\"attack\",\"score\":10,\"threshold\":6,"
                            "\"frames\":1,\"attack_frames\":2,\"note\":\"eyes-cut\"}"));
-    assert_int_equal(iso_appliance_status(rig->appliance).counts.denied, 0); /* was no visit */
+    assert_int_equal(iso_appliance_status(rig->appliance).counts.denied, 0); /* it was no visit */
 }
 
-/* Another face before the camera does not end what a client asked for: it is looked at instead. */
+/* Another face before the camera does not end the action of a client: the appliance compares that
+ * face instead. */
 static void an_identification_goes_on_with_another_face(void **state)
 {
     struct rig *rig = *state;

@@ -1,4 +1,5 @@
-/* What an administrator does to the stores, through the appliance; and what the journal is told. */
+/* The changes that an administrator makes to the stores through the appliance, and the log lines
+ * about them. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -43,7 +44,7 @@ static void carries_people_on_record(void **state)
     assert_int_equal(known, 1);
     assert_non_null(
         strstr(rig_record(rig, "import"), "\"reason\":\"done\",\"note\":\"1 of 2 people\""));
-    /* Who came by file comes in at the door. */
+    /* A person who was imported from a file is admitted at the door. */
     rig_show(rig, 50, 2);
     rig_run(rig, 200);
     assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
@@ -170,7 +171,7 @@ static void a_rename_reminds_of_the_cards(void **state)
     rig_enrol(rig, "ada", 50);
     rig_start(rig);
     assert_int_equal(iso_appliance_rename(rig->appliance, "ada", "ADA", &remark, NULL), 0);
-    assert_string_equal(remark, ""); /* one name still */
+    assert_string_equal(remark, ""); /* both spellings are one name */
     assert_int_equal(iso_appliance_rename(rig->appliance, "ada", "eve", &remark, NULL), 0);
     assert_non_null(strstr(remark, "the file of card numbers"));
     assert_int_equal(iso_appliance_rename(rig->appliance, "eve", "carl", &remark, NULL), 0);

@@ -89,16 +89,16 @@ static void says_at_the_door_what_hinders(void **state)
     struct rig *rig = *state;
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
-    rig_show_unusable(rig, ISO_CAPTURE_TOO_FAR, 2); /* walks in: too short to be said */
+    rig_show_unusable(rig, ISO_CAPTURE_TOO_FAR, 2); /* a person walks in: too short for a hint */
     rig_run(rig, 100);
     assert_string_equal(rig_news(rig), "");
     rig_show_unusable(rig, ISO_CAPTURE_TURN_LEFT, 40);
     rig_run(rig, 1400);
-    assert_string_equal(rig_news(rig), "hint turn-left; hint turn-left"); /* once a second */
+    assert_string_equal(rig_news(rig), "hint turn-left; hint turn-left"); /* one hint each second */
     rig_show(rig, 50, 2);
     rig_run(rig, 100);
     assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
-    rig_show_unusable(rig, ISO_CAPTURE_TURN_LEFT, 20); /* who is let in may look where he goes */
+    rig_show_unusable(rig, ISO_CAPTURE_TURN_LEFT, 20); /* an admitted person may look anywhere */
     rig_run(rig, 1000);
     assert_string_equal(rig_news(rig), "");
 }
@@ -121,7 +121,7 @@ static void a_face_that_moves_is_not_used(void **state)
     struct rig *rig = *state;
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
-    for (int i = 0; i < 10; i++) { /* 600 mm/s, and of the first frame nobody knows */
+    for (int i = 0; i < 10; i++) { /* 600 mm/s; the first frame has no speed */
         rig_show_at(rig, 50, -200 + 20 * i, 33 * (i + 1));
     }
     rig_run(rig, 400);
@@ -156,11 +156,11 @@ static void tells_what_it_sees_to_who_aims(void **state)
     assert_null(iso_appliance_status(rig->appliance).view);
     rig_show_unusable(rig, ISO_CAPTURE_NO_FACE, 10);
     rig_run(rig, 400);
-    assert_string_equal(rig_news(rig), ""); /* nobody listens */
+    assert_string_equal(rig_news(rig), ""); /* no client listens */
     assert_int_equal(iso_appliance_status(rig->appliance).view->capture, ISO_CAPTURE_NO_FACE);
     iso_appliance_aim(rig->appliance, true);
     rig_show_at(rig, 50, 30, 10);
-    rig_show_at(rig, 50, 31, 50); /* not sooner than 100 ms after */
+    rig_show_at(rig, 50, 31, 50); /* less than 100 ms after the previous one */
     rig_show_at(rig, 50, 32, 120);
     rig_run(rig, 150);
     assert_string_equal(rig_news(rig), "view ok; view ok");
@@ -171,7 +171,7 @@ static void tells_what_it_sees_to_who_aims(void **state)
     rig_show_at(rig, 50, 32, 200);
     rig_run(rig, 250);
     assert_string_equal(rig_news(rig), "");
-    for (int i = 0; i < 2; i++) { /* whoever begins to aim need not wait for those 100 ms */
+    for (int i = 0; i < 2; i++) { /* a client that begins to aim need not wait for those 100 ms */
         iso_appliance_aim(rig->appliance, true);
         rig_show_at(rig, 50, 32, 10);
         rig_run(rig, 20);
@@ -196,8 +196,8 @@ static void two_people_one_after_the_other(void **state)
                         "door unlocked grant; visit allow anna match 2; visit allow bob match 2");
 }
 
-/* Late as frames are worked on (if not too late, see stale_ms), it is their exposure that counts.
- */
+/* A visit has the time at which its frames were exposed, however late the appliance works on them
+ * (unless they are too old, see stale_ms). */
 static void a_slow_machine_sees_one_visit(void **state)
 {
     struct rig *rig = *state;
@@ -283,7 +283,7 @@ static void sends_the_card_of_who_is_let_in(void **state)
     assert_int_equal(count, 1);
     assert_int_equal(card.facility, 17);
     assert_int_equal(card.number, 4711);
-    rig_show(rig, 80, 2); /* bob has none, and is let in */
+    rig_show(rig, 80, 2); /* bob has no limits, and is admitted */
     rig_run(rig, 100);
     assert_true(rig_relay(rig));
     assert_int_equal(iso_door_null_get_card(rig->door_io, &count, &card), 0);

@@ -1,5 +1,5 @@
-/* What the appliance makes of the counter of its state: changes are counted, also those that no
- * record follows, and faults are told. */
+/* The appliance and the counter of its state. The counter counts every change, also a change
+ * without a record after it, and faults of the counter are reported. */
 #include <errno.h>
 #include <string.h>
 
@@ -65,7 +65,7 @@ static void a_change_without_a_record_gets_one(void **state)
     struct rig *rig = *state;
     const int before = puppet.increments;
     iso_state_counter_changed(rig->borrowed.counter, ISO_STATE_ADMINISTRATOR);
-    rig_run(rig, 1500); /* a record may be on its way */
+    rig_run(rig, 1500); /* a record may still be in the queue */
     assert_string_equal(rig_record(rig, "counter"), "");
     rig_run(rig, 2500);
     assert_string_not_equal(rig_record(rig, "counter"), "");
@@ -80,7 +80,8 @@ static void a_fault_is_told_and_shown_until_it_is_over(void **state)
 {
     struct rig *rig = *state;
     puppet.error = -EIO;
-    assert_int_equal(iso_appliance_lockdown(rig->appliance, true, NULL), 0); /* goes on */
+    assert_int_equal(iso_appliance_lockdown(rig->appliance, true, NULL),
+                     0); /* the appliance continues */
     rig_run(rig, 100);
     assert_non_null(strstr(rig->warned, "the counter of the state stands still"));
     assert_non_null(strstr(iso_appliance_status(rig->appliance).counter_fault, "the puppet"));

@@ -1,4 +1,4 @@
-/* The appliance when something fails: the log, a frame, the sensor; and how it stops. */
+/* The appliance when the log, a frame or the sensor fails, and how it stops. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -39,7 +39,7 @@ static void who_is_inside_gets_out_with_a_full_disk(void **state)
     assert_true(rig_relay(rig));
 }
 
-/* ---- frames that cannot be worked on ---- */
+/* ---- frames that cannot be processed ---- */
 
 static void goes_on_after_a_frame_that_fails(void **state)
 {
@@ -123,8 +123,8 @@ static void a_damaged_frame_is_no_fault_of_the_door(void **state)
     assert_string_equal(iso_appliance_status(rig->appliance).sensor_state, "started");
 }
 
-/* The camera hiccups: within a second nobody is let in for what was seen before, and it is not
- * opened anew. */
+/* The camera fails for less than a second. Frames from before the failure admit nobody, and the
+ * sensor is not opened again. */
 static void a_silent_sensor_is_a_fault_of_the_door_within_a_second(void **state)
 {
     struct rig *rig = *state;
@@ -141,7 +141,7 @@ static void a_silent_sensor_is_a_fault_of_the_door_within_a_second(void **state)
     assert_non_null(strstr(rig_record(rig, "sensor"), "\"reason\":\"silent\""));
     assert_non_null(strstr(rig_record(rig, "sensor"), "nothing seen for 9"));
     rig_run(rig, 200);
-    rig_show(rig, 50, 1); /* one of two that would have agreed */
+    rig_show(rig, 50, 1); /* the first of two frames that would agree */
     rig_run(rig, 50);
     assert_string_equal(rig_news(rig), "door locked recovered");
     assert_string_equal(iso_appliance_status(rig->appliance).sensor_state, "started");
@@ -151,7 +151,7 @@ static void a_silent_sensor_is_a_fault_of_the_door_within_a_second(void **state)
     assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
 
-/* A client's enrolment outlives it. */
+/* An enrolment by a client continues after the failure. */
 static void an_action_goes_on_after_a_pause(void **state)
 {
     struct rig *rig = *state;
@@ -163,7 +163,7 @@ static void an_action_goes_on_after_a_pause(void **state)
     rig_run(rig, 1200);
     assert_string_equal(rig_news(rig), "door fault fault");
     assert_int_equal(iso_appliance_status(rig->appliance).mode, ISO_APPLIANCE_ENROLL);
-    rig_run(rig, 5000); /* and is lost with the sensor */
+    rig_run(rig, 5000); /* and ends when the sensor is lost */
     assert_string_equal(rig_news(rig), "enroll disconnected 0/3 done");
 }
 

@@ -1,4 +1,5 @@
-/* Presentation attacks at the door: denied, counted, one record an attempt. */
+/* Presentation attacks at the door. They are denied and counted, and each attempt has one record.
+ */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -25,7 +26,7 @@ static void an_attack_is_denied_counted_and_on_record(void **state)
         strstr(rig_record(rig, "visit"),
                "\"verdict\":\"deny\",\"reason\":\"attack\",\"threshold\":6,"
                "\"frames\":0,\"attack_frames\":2,\"sensor\":\"started\",\"note\":\"flat\"}"));
-    assert_string_equal(rig_record(rig, "attack"), ""); /* it goes on, for all that is known */
+    assert_string_equal(rig_record(rig, "attack"), ""); /* the attempt may still go on */
     rig_run(rig, 10000);
     assert_non_null(strstr(rig_record(rig, "attack"), "\"reason\":\"flat\",\"attack_frames\":6,"
                                                       "\"note\":\"within 0.2 s\"}"));
@@ -52,11 +53,12 @@ static void a_single_cue_is_on_record_and_delays_nobody(void **state)
     assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
     assert_non_null(strstr(rig_record(rig, "visit"), "\"frames\":2,\"attack_frames\":1,"
                                                      "\"sensor\":\"started\",\"note\":\"bent\"}"));
-    iso_appliance_stop(rig->appliance); /* before the attempt is over: not forgotten */
+    iso_appliance_stop(rig->appliance); /* the attempt is not over, but is recorded */
     assert_non_null(strstr(rig_record(rig, "attack"), "\"reason\":\"bent\",\"attack_frames\":1,"));
 }
 
-/* The puppets' frames are the same to the bit, as if one were played again and again. */
+/* The frames of the puppet are equal bit by bit, as if an attacker played one frame again and
+ * again. */
 static void frames_that_repeat_are_an_attack(void **state)
 {
     struct rig *rig = *state;

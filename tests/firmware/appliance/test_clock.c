@@ -1,5 +1,5 @@
-/* The clock set back behind the log's newest record: who has time limits stays out, others come in,
- * the fault is told and on record, and a restart forgets nothing of it. */
+/* The clock is set back behind the newest record of the log. People with time limits are refused,
+ * others are admitted, the fault is reported and recorded, and a restart keeps it. */
 #include <string.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
@@ -8,7 +8,7 @@
 #include "tests/firmware/rigs/rig.h"
 #include "tests/firmware/rigs/stores.h"
 
-enum { ANNA = 50, BOB = 80 }; /* until an hour after the start; without limits */
+enum { ANNA = 50, BOB = 80 }; /* valid until an hour after the start; without limits */
 
 static const int64_t hour_ns = 3600 * ISO_NS_PER_S;
 
@@ -27,10 +27,10 @@ static int setup(void **state)
     return 0;
 }
 
-/* Somebody comes; what is reported of the visit. */
+/* Shows a face. Returns the report of the visit. */
 static const char *visit(struct rig *rig, int face)
 {
-    rig_run(rig, 8000); /* the one before has left, and the door has locked */
+    rig_run(rig, 8000); /* the previous person has left, and the door has locked */
     (void)rig_news(rig);
     rig_show(rig, face, 2);
     rig_run(rig, 200);
@@ -47,8 +47,8 @@ static const char *fault(const struct rig *rig)
     return iso_appliance_status(rig->appliance).clock_fault;
 }
 
-/* As after the end of the process; the log has been closed and is read again. segment_bytes: the
- * log goes on in a new segment when one has so many. */
+/* Simulates a restart of the process: the log is closed and read again. segment_bytes: the size
+ * from which the log continues in a new segment. */
 static void restart_with(struct rig *rig, uint64_t segment_bytes)
 {
     struct iso_audit_options options = stores_audit(rig->directory);
@@ -92,7 +92,8 @@ static void who_has_expired_stays_out_when_the_clock_is_set_back(void **state)
     assert_non_null(strstr(visit(rig, ANNA), "visit deny anna not-valid"));
 }
 
-/* Twice: the records of the first run were written by the clock that is behind. */
+/* The restart happens twice, because the clock that is behind wrote the records of the first run.
+ */
 static void a_restart_forgets_nothing_of_it(void **state)
 {
     struct rig *rig = *state;
@@ -107,7 +108,7 @@ static void a_restart_forgets_nothing_of_it(void **state)
     }
 }
 
-/* Each record begins a segment: only the newest one is read. */
+/* Each record begins a segment, so that only the newest record is read. */
 static void nor_does_a_new_segment_of_the_log(void **state)
 {
     struct rig *rig = *state;
@@ -123,7 +124,7 @@ static void nor_does_a_new_segment_of_the_log(void **state)
     }
 }
 
-/* A clock that ran ahead for a while has left a date in the log that has not come yet. */
+/* A clock that ran ahead for a while has left a date in the log that lies in the future. */
 static void an_administrator_accepts_the_clock(void **state)
 {
     struct rig *rig = *state;
@@ -141,7 +142,7 @@ static void an_administrator_accepts_the_clock(void **state)
     assert_string_equal(fault(rig), "");
 }
 
-/* What the network's time corrects is no fault; nor does it let anybody in for a minute more. */
+/* A correction by the network's time is no fault, and it extends no limit by a minute. */
 static void a_small_correction_is_no_fault(void **state)
 {
     struct rig *rig = *state;
@@ -153,8 +154,7 @@ static void a_small_correction_is_no_fault(void **state)
     assert_string_equal(rig_record(rig, "clock"), "");
 }
 
-/* The clock jumps between the two frames of a visit. The date that counts is that of the verdict.
- */
+/* The clock jumps between the two frames of a visit. The date of the verdict decides. */
 static const char *visit_with_jump(struct rig *rig, int face, int64_t jump_ns)
 {
     rig_run(rig, 8000);
@@ -180,7 +180,7 @@ static void jumps_by_months_during_a_visit_prolong_nobodys_limit(void **state)
     assert_non_null(strstr(visit_with_jump(rig, ANNA, 0), "visit deny anna not-valid 2"));
 }
 
-/* An administrator took the date of a board without a battery for right. */
+/* An administrator has confirmed the date on a board without a battery. */
 static void a_clock_that_is_not_set_is_a_fault_of_its_own(void **state)
 {
     struct rig *rig = *state;

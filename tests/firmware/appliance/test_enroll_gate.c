@@ -1,4 +1,4 @@
-/* What an enrolment asks of a frame, and what is said of where it looks. */
+/* The conditions that a frame must meet for an enrolment, and the view of the face. */
 #include <math.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
@@ -40,7 +40,8 @@ static const char *judge(void)
 static void uncover(enum iso_landmark landmark, float weight)
 {
     for (int i = 0; i < extraction.tmpl.n_points; i++) {
-        extraction.tmpl.weight[0][landmark][i] = i % 2 ? 0 : 2 * weight; /* a mean, not each */
+        extraction.tmpl.weight[0][landmark][i] =
+            i % 2 ? 0 : 2 * weight; /* the mean counts, not each weight */
     }
 }
 
@@ -91,9 +92,9 @@ static void half_a_hidden_face_is_named(void **state)
     uncover(ISO_LM_EYE_OUT_L, 0.1f);
     uncover(ISO_LM_MOUTH_L, 0.2f);
     assert_string_equal(judge(), "covered-left");
-    uncover(ISO_LM_SUBNASALE, 0.05f); /* the middle is at the edge of it */
+    uncover(ISO_LM_SUBNASALE, 0.05f); /* the middle is at the edge of the region */
     assert_string_equal(judge(), "covered-left");
-    uncover(ISO_LM_MOUTH_R, 0.4f); /* something of the other half: no half any more */
+    uncover(ISO_LM_MOUTH_R, 0.4f); /* part of the other half, too: not just one half */
     assert_string_equal(judge(), "covered-nose");
     assert_int_equal(setup(NULL), 0);
     uncover(ISO_LM_ALA_R, 0.3f);
@@ -114,7 +115,7 @@ static void a_grimace_is_not_kept(void **state)
     (void)state;
     extraction.expression_norm = 1.01;
     assert_string_equal(judge(), "expression");
-    extraction.coverage = 0.7; /* comes first */
+    extraction.coverage = 0.7; /* it is checked first */
     assert_string_equal(judge(), "too-few-points");
 }
 
@@ -162,7 +163,7 @@ static void a_face_is_described(void **state)
     assert_true(view.mm_s == 12 && view.rad_s == 0.25);
 }
 
-/* A face that was found and not fitted has a place, and no quality. */
+/* A face that was found but not fitted has a position and no quality. */
 static void a_rough_pose_is_told_alone(void **state)
 {
     const struct iso_track_motion none = {0};

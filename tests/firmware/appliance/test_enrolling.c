@@ -1,4 +1,4 @@
-/* A client enrols somebody: stages, hints, limits, and how an enrolment fails. */
+/* A client enrols a person: stages, hints, limits, and failures of an enrolment. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -46,7 +46,7 @@ static void enrols_with_hints(void **state)
     rig_run(rig, 1000);
     rig_show_unusable(rig, ISO_CAPTURE_TURN_LEFT, 3);
     rig_run(rig, 100);
-    rig_show(rig, 90, 1); /* somebody else looks in */
+    rig_show(rig, 90, 1); /* another person looks in */
     rig_run(rig, 50);
     rig_show(rig, 51, 4);
     rig_run(rig, 200);
@@ -59,7 +59,7 @@ static void enrols_with_hints(void **state)
     assert_in_range(anna->enrolled_s, 1795250000, 1795250001);
     assert_non_null(strstr(rig_record(rig, "enroll"),
                            "\"person\":\"anna\",\"reason\":\"completed\",\"frames\":3}"));
-    /* It has ended by itself: stopping it is fine, once. */
+    /* The enrolment has ended by itself. A client may stop it once. */
     assert_int_equal(iso_appliance_stop_action(rig->appliance, ISO_APPLIANCE_ENROLL), 0);
     assert_int_equal(iso_appliance_stop_action(rig->appliance, ISO_APPLIANCE_ENROLL), -ENODATA);
     iso_appliance_release(rig->appliance);
@@ -78,7 +78,7 @@ static void repeats_a_hint_once_a_second(void **state)
     assert_string_equal(rig_news(rig), "enroll retry-look-up 0/3; enroll retry-look-up 0/3");
 }
 
-/* More than recognition asks: the pose, what covers the face, and the expression. */
+/* Enrolment checks more than recognition: the pose, the covered regions, and the expression. */
 static void enrols_good_frames_only(void **state)
 {
     struct rig *rig = *state;
@@ -114,13 +114,14 @@ static void does_not_enrol_a_face_that_moves(void **state)
     rig_start_claimed(rig);
     enroll(rig, "anna");
     for (int i = 0; i < 5; i++) {
-        rig_show_at(rig, 50, 15 * i, 33 * (i + 1)); /* 455 mm/s, but for the first frame */
+        rig_show_at(rig, 50, 15 * i, 33 * (i + 1)); /* 455 mm/s, except for the first frame */
     }
     rig_run(rig, 200);
     assert_string_equal(rig_news(rig), "enroll stage-passed 1/3; enroll retry-moving 1/3");
 }
 
-/* Two attack frames of a stage end it; a mistake in each of two stages does not. */
+/* Two attack frames in one stage end the enrolment. One false alarm in each of two stages does not.
+ */
 static void does_not_enrol_a_picture(void **state)
 {
     struct rig *rig = *state;
@@ -159,7 +160,7 @@ static void enrols_within_limits(void **state)
     assert_int_equal(iso_gallery_find(rig->gallery, "anna")->valid_until_s, 1795250001);
 }
 
-/* Enrols anna with these limits, in the place of which the stored ones stay where none is named. */
+/* Enrols anna with these limits. A stored limit holds where the call names none. */
 static void enroll_within(struct rig *rig, const char *name,
                           const struct iso_validity_change *validity)
 {

@@ -1,5 +1,5 @@
-/* A verdict that has become old opens nothing: slow records, slow frames, a process that is stopped
- * and a machine that is suspended, on the clocks of the test's. */
+/* An old verdict does not open the door. A verdict becomes old by slow records, slow frames, a
+ * stopped process, or a suspended machine. The test controls the clocks. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,8 +17,8 @@ enum { STALE_MS = 1000 };
 
 static struct rig *the_rig;
 
-/* What takes time: the record of a grant, a frame, the switching of the relay. Times that pass, and
- * times for which the machine is suspended. */
+/* Delays of the record of a grant, of a frame, and of the switching of the relay. Each has a time
+ * that passes, and a time for which the machine is suspended. */
 static struct delays {
     int64_t record_ms, record_asleep_ms, frame_ms, frame_asleep_ms, relay_ms;
 } delays;
@@ -99,7 +99,7 @@ static int setup(void **state)
     rig->borrowed.pipeline.ops = &slow_ops;
     rig->config.sensor.stale_ms = STALE_MS;
     rig->config.sensor.pause_ms = 600000;
-    rig->asleep_ns = 7 * ISO_NS_PER_S; /* of some time before */
+    rig->asleep_ns = 7 * ISO_NS_PER_S; /* suspended at an earlier time */
     delays = (struct delays){0};
     rig_enrol(rig, "anna", 50);
     const int error = iso_appliance_new(&rig->borrowed, &rig->appliance);
@@ -116,7 +116,7 @@ static void come(struct rig *rig)
     rig_run(rig, 100);
 }
 
-/* Nobody was let in, and the log says so behind the grant. */
+/* Asserts that nobody was admitted, and that the log says so after the grant. */
 static void expect_denial(struct rig *rig, const char *reason)
 {
     char news[64], behind[96];
@@ -128,7 +128,7 @@ static void expect_denial(struct rig *rig, const char *reason)
                    strtoul(number + strlen("\"sequence\":"), NULL, 10), reason);
     assert_non_null(strstr(rig_record(rig, "visit"), behind));
     assert_false(relay);
-    rig_run(rig, 5000); /* nor later */
+    rig_run(rig, 5000); /* and not later */
     assert_false(relay);
 }
 
@@ -173,8 +173,8 @@ static void frames_that_are_just_young_enough_let_in(void **state)
     struct rig *rig = *state;
     delays.frame_ms = 450;
     rig_show_at(rig, 50, 0, 33);
-    rig_show_at(rig, 50, 0, 33 + 100); /* looked at when the first is 450 ms old */
-    delays.record_ms = 100;            /* 1000 ms in all */
+    rig_show_at(rig, 50, 0, 33 + 100); /* processed when the first frame is 450 ms old */
+    delays.record_ms = 100;            /* 1000 ms in total */
     rig_run(rig, 1500);
     assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
@@ -182,7 +182,7 @@ static void frames_that_are_just_young_enough_let_in(void **state)
 static void a_machine_that_is_suspended_over_a_frame_lets_nobody_in(void **state)
 {
     struct rig *rig = *state;
-    delays.frame_asleep_ms = 600; /* shorter than stale_ms, twice longer */
+    delays.frame_asleep_ms = 600; /* shorter than stale_ms; twice that is longer */
     rig_show_at(rig, 50, 0, 33);
     rig_run(rig, 50);
     delays.frame_asleep_ms = 3000;
@@ -193,8 +193,8 @@ static void a_machine_that_is_suspended_over_a_frame_lets_nobody_in(void **state
     assert_null(strstr(rig_news(rig), "allow"));
 }
 
-/* The second frame agrees with the first, and the machine was asleep while it was looked at: by the
- * clock of the frames both are fresh. */
+/* The second frame agrees with the first. The machine is suspended while the frame is processed, so
+ * that both frames are fresh by the clock of the frames. */
 static void a_machine_that_is_suspended_over_the_frame_that_decides_lets_nobody_in(void **state)
 {
     struct rig *rig = *state;
@@ -207,7 +207,7 @@ static void a_machine_that_is_suspended_over_the_frame_that_decides_lets_nobody_
     assert_int_equal(relay_switchings, 0);
 }
 
-/* Exposed before the machine went to sleep, and fetched after it woke up. */
+/* The frame was exposed before the machine was suspended, and fetched afterwards. */
 static void frames_from_before_a_suspension_are_not_looked_at(void **state)
 {
     struct rig *rig = *state;
@@ -234,7 +234,7 @@ static void a_visit_does_not_go_on_after_a_suspension(void **state)
     assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
 
-/* Stopped between the look at the clock and the switching. */
+/* The process is stopped between the reading of the clock and the switching. */
 static void a_lock_that_was_switched_too_late_is_switched_back(void **state)
 {
     struct rig *rig = *state;
@@ -246,7 +246,7 @@ static void a_lock_that_was_switched_too_late_is_switched_back(void **state)
                                        "visit deny anna stale 2");
 }
 
-/* What was unlocked before the machine went to sleep is locked when it wakes up. */
+/* A door that was unlocked before the machine was suspended locks when the machine continues. */
 static void the_door_locks_after_a_suspension(void **state)
 {
     struct rig *rig = *state;
@@ -267,7 +267,7 @@ static void a_test_of_the_door_does_not_wait_for_its_record(void **state)
     assert_int_equal(relay_switchings, 0);
 }
 
-/* ---- a warning before it comes to that ---- */
+/* ---- a warning before verdicts become old ---- */
 
 static void a_slow_sensor_is_told_at_the_start(void **state)
 {

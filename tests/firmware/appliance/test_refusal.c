@@ -1,5 +1,5 @@
-/* Who is refused whatever the face: lock-out and lockdown of a whole appliance, frames that come
- * late or again. */
+/* Visits that are denied for any face: lock-out and lockdown of a whole appliance, and late or
+ * repeated frames. */
 #include <errno.h>
 #include <string.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@
 
 static char path[4096];
 
-/* An appliance that remembers. */
+/* An appliance with the file of its lock-out. */
 static int setup(void **state)
 {
     const int error = rig_setup(state);
@@ -25,7 +25,7 @@ static int setup(void **state)
     return error ? error : iso_appliance_new(&rig->borrowed, &rig->appliance);
 }
 
-/* Ends the appliance and begins another one, as a service manager would. */
+/* Ends the appliance and starts another one, as a service manager does. */
 static void restart(struct rig *rig)
 {
     iso_appliance_stop(rig->appliance);
@@ -34,7 +34,7 @@ static void restart(struct rig *rig)
     rig_start(rig);
 }
 
-/* One visit, until the door has forgotten it; what was told. */
+/* Makes one visit and waits until the door is locked again. Returns the reports. */
 static const char *visit(struct rig *rig, int face)
 {
     rig_show(rig, face, 6);
@@ -61,7 +61,7 @@ static void strangers_lock_the_door_for_everybody(void **state)
     assert_in_range(iso_appliance_status(rig->appliance).lockout_ns, 1, 60 * ISO_NS_PER_S);
     assert_string_equal(visit(rig, 50), "visit deny locked-out 6");
     const char *record = rig_record(rig, "visit");
-    assert_null(strstr(record, "anna")); /* nor is it said whether she was recognised */
+    assert_null(strstr(record, "anna")); /* the record does not say whether she was recognised */
     assert_null(strstr(record, "score"));
     rig_run(rig, 60000);
     assert_non_null(strstr(rig_record(rig, "lockout"), "\"reason\":\"over\""));
@@ -108,7 +108,7 @@ static void what_cannot_be_logged_clears_nothing(void **state)
     rig_fill_disk();
     assert_int_equal(iso_appliance_lockdown(rig->appliance, true, &fault), -ENOSPC);
     rig_free_disk();
-    assert_true(iso_appliance_status(rig->appliance).lockdown); /* towards safety, it is done */
+    assert_true(iso_appliance_status(rig->appliance).lockdown); /* a safe change takes effect */
 }
 
 static void a_lock_outlasts_a_restart(void **state)
@@ -118,7 +118,7 @@ static void a_lock_outlasts_a_restart(void **state)
     rig_start(rig);
     (void)visit(rig, 80);
     restart(rig);
-    (void)visit(rig, 80); /* the first one was remembered */
+    (void)visit(rig, 80); /* the first lockdown was stored */
     restart(rig);
     assert_string_equal(visit(rig, 50), "visit deny locked-out 6");
     rig_run(rig, 60000);
@@ -146,7 +146,7 @@ static void lockdown_in_the_middle_of_a_visit(void **state)
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
     rig_show(rig, 50, 6);
-    rig_run(rig, 50); /* one frame of two */
+    rig_run(rig, 50); /* one of the two frames */
     assert_int_equal(iso_appliance_lockdown(rig->appliance, true, &fault), 0);
     rig_run(rig, 1000);
     assert_false(rig_relay(rig));
@@ -190,7 +190,7 @@ static void a_client_learns_nothing_either(void **state)
     struct iso_fault fault = {.text = ""};
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
-    for (int i = 0; i < 2; i++) { /* failures of a client's count */
+    for (int i = 0; i < 2; i++) { /* failures of a client count */
         assert_int_equal(iso_appliance_claim(rig->appliance), 0);
         assert_int_equal(iso_appliance_verify(rig->appliance, "anna", &fault), 0);
         rig_show(rig, 80, 6);
@@ -211,7 +211,7 @@ static void a_frame_that_comes_too_late_is_not_looked_at(void **state)
     struct rig *rig = *state;
     rig_enrol(rig, "anna", 50);
     rig_start(rig);
-    for (int i = 0; i < 6; i++) { /* exposed now, and not there before six seconds are over */
+    for (int i = 0; i < 6; i++) { /* exposed now, available after six seconds */
         puppet_sensor_add(&rig->sensor, rig->now_ns + i * 33 * ISO_NS_PER_MS, 50, ISO_CAPTURE_OK);
     }
     rig->now_ns += 6 * ISO_NS_PER_S;
@@ -221,7 +221,8 @@ static void a_frame_that_comes_too_late_is_not_looked_at(void **state)
     assert_non_null(strstr(visit(rig, 50), "visit allow anna"));
 }
 
-/* The puppets' frames are all the same: with the check of frozen frames, one is no two. */
+/* All frames of the puppet are equal. With the check for frozen frames, a repeated frame does not
+ * count as a second one. */
 static void a_frame_does_not_agree_with_itself(void **state)
 {
     struct rig *rig = *state;

@@ -1,6 +1,5 @@
-/* Frames that come again count for nothing, whatever the appliance does with frames at the moment.
- * The frames are whole ones, with noise of their own each, so that the appliance itself finds what
- * repeats. */
+/* Repeated frames do not count, whatever the appliance does at that time. The frames are complete,
+ * each with its own noise, so that the appliance itself finds the repetitions. */
 #include <errno.h>
 #include <string.h>
 
@@ -13,8 +12,8 @@
 
 enum { WIDTH = 160, HEIGHT = 120, NOSE_MM = 700, QUEUE_MAX = 64, CODE_PX = 3 };
 
-/* The face and the number of the buffer are all that a frame is made of: the same two, the same
- * frame. The codes are those that the puppets' pipeline reads (puppets.h). */
+/* The face and the number of the buffer determine all pixels: equal numbers give equal frames. The
+ * pipeline of the puppets reads the codes (puppets.h). */
 struct buffer {
     int64_t t_ns;
     int face, number, right_mm;
@@ -65,7 +64,7 @@ static int camera_wait(void *self, int64_t deadline_ns, const struct iso_frame *
 {
     (void)self, (void)deadline_ns;
     if (camera.gone) {
-        camera.gone = false; /* it is there again when it is opened next */
+        camera.gone = false; /* the next open finds it again */
         return iso_fault_set(fault, -ENODEV, "unplugged");
     }
     if (camera.next == camera.n ||
@@ -155,7 +154,7 @@ static int setup(void **state)
     return error;
 }
 
-/* One more buffer, so much later. */
+/* Shows one more buffer, after this time. */
 static void queue(struct rig *rig, int face, int number, int right_mm, int64_t in_ms)
 {
     assert_in_range(camera.n, 0, QUEUE_MAX - 1);
@@ -167,8 +166,8 @@ static void queue(struct rig *rig, int face, int number, int right_mm, int64_t i
     };
 }
 
-/* The buffers `first` to `first` + n - 1 of a face, 33 ms apart, and the time in which they are
- * looked at. */
+/* Shows the buffers `first` to `first` + n - 1 of a face, 33 ms apart, and lets the appliance
+ * process them. */
 static void play(struct rig *rig, int face, int first, int n)
 {
     for (int i = 0; i < n; i++) {
@@ -199,7 +198,7 @@ static void a_visit_that_is_played_again_opens_nothing(void **state)
         assert_false(was_let_in(rig));
     }
     leave(rig);
-    play(rig, 50, 3, 2); /* anna herself */
+    play(rig, 50, 3, 2); /* a visit of anna herself */
     assert_true(was_let_in(rig));
 }
 
@@ -209,11 +208,11 @@ static void one_new_frame_does_not_agree_with_known_ones(void **state)
     play(rig, 50, 1, 2);
     assert_true(was_let_in(rig));
     leave(rig);
-    play(rig, 50, 1, 3); /* two known ones, and one that is new */
+    play(rig, 50, 1, 3); /* two known buffers and a new one */
     assert_false(was_let_in(rig));
 }
 
-/* Anna moved too fast for a second frame of hers to be used. */
+/* Anna moved too fast, so that her second frame was not used. */
 static void frames_that_were_not_used_are_remembered(void **state)
 {
     struct rig *rig = *state;
@@ -229,7 +228,7 @@ static void frames_that_were_not_used_are_remembered(void **state)
     assert_false(was_let_in(rig));
 }
 
-/* The camera's cable is pulled, and what was recorded is played at its other end. */
+/* An attacker unplugs the camera and plays recorded frames at the other end of the cable. */
 static void a_camera_that_starts_again_has_no_new_frames(void **state)
 {
     struct rig *rig = *state;

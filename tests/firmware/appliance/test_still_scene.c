@@ -1,8 +1,8 @@
-/* What stands still before the camera: furniture, of which nobody is told. */
+/* An object that stands still before the camera, such as furniture, causes no report. */
 #include "tests/firmware/rigs/cmocka_headers.h"
 #include "tests/firmware/rigs/rig.h"
 
-/* A chair is no face either; but it does not move. */
+/* A chair is no face either, but it does not move. */
 static void tells_only_what_moves_that_it_is_not_a_face(void **state)
 {
     struct rig *rig = *state;

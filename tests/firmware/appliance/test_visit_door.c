@@ -1,5 +1,5 @@
-/* A verdict and what the door did for it are two facts: both are on record and reported. The door
- * is the null back end behind outputs that can get stuck. */
+/* A verdict and the door's result for it are two facts. Both are recorded and reported. The door is
+ * the null back end behind outputs that can get stuck. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -16,7 +16,7 @@
 
 static struct rig *the_rig;
 static bool stuck[ISO_DOOR_OUTPUTS], contact, disk_fills, blind;
-static bool relay;          /* as it was switched last */
+static bool relay;          /* the last switched state */
 static char at_relay[1024]; /* the last "grant" record when the relay was switched on */
 
 static int set_output(void *self, enum iso_door_output output, bool active, struct iso_fault *fault)
@@ -71,7 +71,7 @@ static int setup(void **state)
     return iso_appliance_new(&rig->borrowed, &rig->appliance);
 }
 
-/* Anna stands at the door long enough. */
+/* Anna stands at the door long enough for a verdict. */
 static void come(struct rig *rig)
 {
     rig_show(rig, 50, 2);
@@ -96,7 +96,7 @@ static void a_grant_is_on_record_before_the_lock_and_its_outcome_after(void **st
     assert_true(relay);
     assert_non_null(strstr(at_relay, "\"person\":\"anna\",\"verdict\":\"allow\",\"reason\":"
                                      "\"match\""));
-    assert_null(strstr(at_relay, "\"door\"")); /* nobody knows yet */
+    assert_null(strstr(at_relay, "\"door\"")); /* the result is not known yet */
     const char *visit = rig_record(rig, "visit");
     assert_non_null(strstr(visit, "\"verdict\":\"allow\",\"door\":\"unlocked\",\"grant\":"));
     assert_null(strstr(visit, "door_fault"));
@@ -104,7 +104,7 @@ static void a_grant_is_on_record_before_the_lock_and_its_outcome_after(void **st
     assert_string_equal(iso_appliance_status(rig->appliance).last_outcome, "allow anna");
 }
 
-/* Such a door unlocks by the controller, which has to be told a card number. */
+/* On such a door the controller unlocks. It needs a card number. */
 static void a_door_without_a_relay_does_what_its_controller_is_told(void **state)
 {
     struct rig *rig = *state;
@@ -150,7 +150,7 @@ static void an_allow_whose_lock_is_stuck_is_no_entry(void **state)
                            "\"door_fault\":\"output 0 is stuck\",\"grant\":"));
     assert_string_equal(iso_appliance_status(rig->appliance).last_outcome,
                         "allow anna, door not-unlocked");
-    /* What the record says stays true: the lock does not open when it can be switched again. */
+    /* The record stays true: the lock does not open when its line works again. */
     stuck[ISO_DOOR_RELAY] = false;
     rig_run(rig, 1000);
     assert_string_equal(rig_news(rig), "door locked recovered");
@@ -161,7 +161,7 @@ static void an_allow_whose_lock_is_stuck_is_no_entry(void **state)
     assert_true(relay);
 }
 
-/* The lock is what counts, not the lamp. */
+/* The lock decides the result, not the lamp. */
 static void a_door_whose_lamp_is_stuck_unlocks_all_the_same(void **state)
 {
     struct rig *rig = *state;
@@ -197,7 +197,7 @@ static void a_door_that_stands_open_is_not_unlocked_again(void **state)
     assert_non_null(strstr(rig_record(rig, "visit"), "\"verdict\":\"allow\",\"door\":\"open\""));
 }
 
-/* The grant is on the disk, so the door opens; that nothing more fits does not close it. */
+/* The grant is on the disk, so the door opens. The full disk afterwards does not lock it. */
 static void a_disk_that_fills_behind_the_grant_keeps_nobody_out(void **state)
 {
     struct rig *rig = *state;

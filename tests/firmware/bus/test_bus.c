@@ -101,7 +101,7 @@ static void enrols(void **state)
                                             "EnrollStatus enroll-stage-passed; "
                                             "EnrollStatus enroll-stage-passed; "
                                             "EnrollStatus enroll-completed");
-    assert_string_equal(bus_rig_news(f, 1), ""); /* nobody else is told */
+    assert_string_equal(bus_rig_news(f, 1), ""); /* the other client gets no signal */
     assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_ENROLL_STOP, NULL), "");
     assert_int_equal(iso_gallery_find(f->rig->gallery, "anna")->valid_until_s, 1795260000);
 
@@ -253,7 +253,7 @@ static void notices_the_end_of_the_bus(void **state)
         assert_true(sd_event_run(f->event, 200) >= 0);
     }
     assert_true(iso_bus_is_gone(f->service));
-    rig_run(f->rig, 1000); /* and the appliance does not mind */
+    rig_run(f->rig, 1000); /* and the appliance continues */
     struct iso_fault fault = {.text = ""};
     assert_true(iso_bus_mend(f->service, &fault) < 0);
     assert_true(iso_bus_is_gone(f->service));
@@ -289,7 +289,8 @@ static void who_calls_without_end_is_refused(void **state)
         assert_true(!*error || strcmp(error, "TooManyCalls") == 0);
     }
     assert_in_range(answered, 30, 60);
-    assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_LIST_PEOPLE, NULL), ""); /* somebody else */
+    assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_LIST_PEOPLE, NULL),
+                        ""); /* another client */
     rig_run(f->rig, 1000);
     assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_LIST_PEOPLE, NULL), "");
 }

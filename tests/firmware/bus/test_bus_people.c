@@ -1,4 +1,4 @@
-/* The service on a private bus: what it says of people, and what it changes of them. */
+/* The service on a private bus: the methods that list people and change them. */
 #include <stdio.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 #include "firmware/contract/contract.h"
 #include "tests/firmware/rigs/bus_rig.h"
 
-/* What EnrollStart answers of a name, "" if nobody has it. */
+/* Returns the fields of EnrollStart's answer about a name, "" if nobody has it. */
 static const char *known_of(struct bus_rig *f, const char *person)
 {
     static char text[256];
@@ -84,10 +84,10 @@ static void names_whom_a_duplicate_duplicates(void **state)
     rig_show(f->rig, 50, 1);
     bus_rig_run(f, 100);
     assert_string_equal(told, "enroll-duplicate 'anna'");
-    assert_string_equal(others, ""); /* nobody else hears of it */
+    assert_string_equal(others, ""); /* the other client gets no signal */
 }
 
-/* SetValidity with one option; what it answers, or its error. */
+/* Calls SetValidity with one option. Returns the answer, or its error. */
 static const char *set_validity(struct bus_rig *f, const char *person, const char *option,
                                 int64_t value, bool expired)
 {
@@ -123,7 +123,7 @@ static void changes_limits(void **state)
     assert_string_equal(set_validity(f, "anna", ISO_CONTRACT_VALID_UNTIL, 1795000001, true),
                         "Anna 0 1795000001");
     assert_string_equal(set_validity(f, "anna", ISO_CONTRACT_ALLOW_DUPLICATE, 1, true),
-                        "InvalidArgument"); /* is none of its options */
+                        "InvalidArgument"); /* not one of its options */
     assert_string_equal(set_validity(f, "anna", NULL, 0, false), "InvalidArgument");
     assert_string_equal(set_validity(f, "zac", ISO_CONTRACT_VALID_FROM, 5, false), "NoSuchPerson");
 }

@@ -1,6 +1,7 @@
-/* Who may ask what of the daemon: the installed policy on a bus of the test's own, a stand-in for
- * the daemon that answers every call, and clients in the groups of the policy, in whose place those
- * of Debian stand. Needs root, to become somebody else. */
+/* Which client may call which method of the daemon: the installed policy on a private bus, a
+ * stand-in for the daemon that answers every call, and clients in the groups of the policy.
+ * Existing groups of Debian replace the groups of the policy. The test needs root, because it
+ * changes its user. */
 #include <errno.h>
 #include <grp.h>
 #include <signal.h>
@@ -63,7 +64,7 @@ enum { RULES = sizeof rules / sizeof *rules };
 static struct private_bus private;
 static pid_t server;
 
-/* ---- the policy, with groups that there are ---- */
+/* ---- the policy, with groups that exist ---- */
 
 static void replace(char *text, size_t size, const char *from, const char *to)
 {
@@ -167,7 +168,7 @@ static int group_teardown(void **state)
     return 0;
 }
 
-/* One verdict a rule, from a child in this group. */
+/* Reports one verdict for each rule, from a child process in this group. */
 static void ask_all(enum rank group, uint8_t verdicts[RULES])
 {
     sd_bus *bus;
@@ -231,8 +232,8 @@ static void everybody_may_what_the_group_may(void **state)
     }
 }
 
-/* An enrolment tells whom a face duplicates and since when a name is in use. The rules are those
- * that the bus was found to follow above. */
+/* The answer to an enrolment tells whose face is a duplicate and since when a name is in use. The
+ * expected rules are the ones that the tests above found on the bus. */
 static void who_may_enrol_may_list(void **state)
 {
     const bool *enrol = NULL, *list = NULL;

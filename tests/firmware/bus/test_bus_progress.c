@@ -1,4 +1,4 @@
-/* The service on a private bus: how far a long call is. */
+/* The service on a private bus: the progress of a long call. */
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -11,7 +11,7 @@
 
 enum { PEOPLE = 100, RECORDS = 200, STEP_MS = 20, SIGNAL_STEPS = 500 / STEP_MS };
 
-/* What a client heard of progress. */
+/* The Progress signals that a client received. */
 struct heard {
     int n;
     uint64_t done, total; /* of the last signal */
@@ -39,7 +39,7 @@ static void hear(struct bus_rig *f, int client, struct heard *heard)
                                     heard) >= 0);
 }
 
-/* A clock that goes on by as much with each look at it. */
+/* A clock that advances by the same time at each reading. */
 static int64_t slow_now_ns(void *context)
 {
     return *(int64_t *)context += STEP_MS * ISO_NS_PER_MS;
@@ -125,7 +125,7 @@ static void import(struct bus_rig *f, int fd, uint32_t wanted)
 
 /* ---- the tests ---- */
 
-/* So many steps were a signal each half second, the last of them near the end. */
+/* So many steps give one signal each half second. The last signal is near the end. */
 static void expect(const struct heard *heard, uint64_t steps, uint64_t total)
 {
     assert_int_equal(heard->total, total);
@@ -175,7 +175,7 @@ static void tells_how_far_people_are_who_move(void **state)
     export(f, fd);
     expect(&caller, PEOPLE, PEOPLE);
     caller = (struct heard){0};
-    import(f, fd, 0); /* all are known, and read back */
+    import(f, fd, 0); /* all are known, and are read again */
     expect(&caller, 2 * PEOPLE, 2 * PEOPLE);
     for (int i = 0; i < PEOPLE; i += 2) {
         char name[16];

@@ -1,4 +1,4 @@
-/* The status that the service tells: its keys, and the codes of its faults. */
+/* The status of the service: its keys, and the codes of its faults. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 
 /* ---- gallery, status, log ---- */
 
-/* The value of a key of GetStatus, as text. */
+/* Returns the value of a key of GetStatus as text. */
 static const char *status_of(struct bus_rig *f, const char *key)
 {
     static char text[128];
@@ -100,7 +100,7 @@ static void tells_its_state(void **state)
     assert_memory_equal(status_of(f, "log-sequence"), "t ", 2);
 }
 
-/* While all is well they are there, and empty. */
+/* Without faults the keys exist and are empty. */
 static void tells_the_codes_of_its_faults(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);

@@ -1,5 +1,5 @@
-/* What goes out on the bus of what the sensor sees: hints, reasons, and the view for who aims it.
- */
+/* The signals about the sensor's frames: hints, reasons, and the view for a client that aims the
+ * sensor. */
 #include <stdio.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 #include "firmware/contract/contract.h"
 #include "tests/firmware/rigs/bus_rig.h"
 
-/* Every word of isotherm/capture.h goes out as what it is. */
+/* The signal for each outcome of isotherm/capture.h has the word of that outcome. */
 static void tells_everybody_every_hint(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
@@ -22,7 +22,7 @@ static void tells_everybody_every_hint(void **state)
         }
         char wanted[64];
         rig_show_unusable(f->rig, capture, 3);
-        bus_rig_run(f, 3000); /* and what was shown before does not count any more */
+        bus_rig_run(f, 3000); /* and earlier frames do not count any more */
         (void)snprintf(wanted, sizeof wanted, "Hint %s", iso_capture_name(capture));
         assert_string_equal(bus_rig_news(f, 0), wanted);
         assert_string_equal(bus_rig_news(f, 1), wanted);
@@ -40,7 +40,7 @@ static void tells_everybody_every_hint(void **state)
     }
 }
 
-/* A client of before reads the first seven arguments only, and is answered as before. */
+/* An older client reads only the first seven arguments, and its call is answered as before. */
 static int read_reason(sd_bus_message *signal, void *context, sd_bus_error *error)
 {
     const char *verdict, *person, *reason;
@@ -109,11 +109,11 @@ static void tells_what_it_sees_while_somebody_listens(void **state)
     assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_STOP, NULL), "NoActionInProgress");
     assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_START, NULL), "");
     assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_START, NULL),
-                        ""); /* once more does no harm */
+                        ""); /* a second call does no harm */
     rig_show_at(f->rig, 50, 30, 10);
     bus_rig_run(f, 200);
     assert_string_equal(bus_rig_news(f, 0), "View ");
-    assert_string_equal(bus_rig_news(f, 1), ""); /* not to others */
+    assert_string_equal(bus_rig_news(f, 1), ""); /* no other client gets it */
     assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_AIM_START, NULL), "");
     assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_STOP, NULL), "");
     rig_show_at(f->rig, 50, 30, 10);
@@ -121,7 +121,7 @@ static void tells_what_it_sees_while_somebody_listens(void **state)
     assert_null(strstr(bus_rig_news(f, 0), "View"));
     assert_non_null(strstr(bus_rig_news(f, 1), "View"));
     assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_AIM_STOP, NULL), "");
-    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_START, NULL), ""); /* begins again */
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_START, NULL), ""); /* it starts again */
     rig_show_at(f->rig, 50, 30, 10);
     bus_rig_run(f, 200);
     assert_non_null(strstr(bus_rig_news(f, 0), "View"));

@@ -1,4 +1,4 @@
-/* How often the clients of the bus may call. */
+/* How often the clients on the bus may call. */
 #include <stdio.h>
 #include <string.h>
 
@@ -18,7 +18,7 @@ static int setup(void **state)
     return 0;
 }
 
-/* How many of n calls are answered. */
+/* Returns how many of n calls are answered. */
 static int call(const char *client, int n)
 {
     int answered = 0;
@@ -45,7 +45,7 @@ static void clients_do_not_share(void **state)
     assert_int_equal(call(":1.8", 5), 5);
 }
 
-/* Who has a new name for each call gets no further than all newcomers together. */
+/* A client that takes a new name for each call gets no more than all new clients together. */
 static void new_names_do_not_help(void **state)
 {
     int answered = 0;

@@ -1,5 +1,5 @@
-/* The boards' configurations: sound, wired as their back end reads it, and as the tables of
- * board/README.md say. */
+/* The configurations of the boards. They are valid, their lines are what the back end reads, and
+ * they agree with the tables of board/README.md. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,7 +57,7 @@ static void skip_without_gpiod(void)
     }
 }
 
-/* No two of a board are the same line. */
+/* Asserts that all lines of a board are different. */
 static void lines_are_lines(void **state)
 {
     (void)state;
@@ -87,8 +87,8 @@ static void lines_are_lines(void **state)
     }
 }
 
-/* The cell of a row of the table "| line | active means | pc-usb ... | raspberry-pi-5 ... | ... |"
- * that holds `line` in code marks. */
+/* Returns the cell of a row of the table "| line | active means | pc-usb ... | raspberry-pi-5 ... |
+ * ... |". The row has `line` in code marks. */
 static bool row_has_line(const char *readme, const char *key, int column, const char *line)
 {
     char begin[64], code[ISO_CONFIG_TEXT_SIZE + 2];
@@ -123,7 +123,7 @@ static void the_tables_say_the_same(void **state)
     free(readme);
 }
 
-/* The overlay gives every name that the configuration uses. */
+/* The overlay defines every name that the configuration uses. */
 static void the_overlay_names_the_lines(void **state)
 {
     const struct iso_config config = load("rock-5b");
@@ -148,8 +148,8 @@ static int64_t no_time(void *context)
     return 0;
 }
 
-/* The driver that the board is for takes the options; that there is no such camera here is another
- * matter. A build without the driver cannot say. */
+/* The driver for the board's camera accepts the options. The test ignores that this camera is not
+ * connected. A build without the driver cannot check them. */
 static void sensors_are_named_as_their_drivers_want(void **state)
 {
     static const char *const back_ends[N_BOARDS] = {"openni2", "libcamera-stereo", "openni2",

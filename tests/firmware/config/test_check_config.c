@@ -1,5 +1,6 @@
 /* `isothermd --check-config` and a start of the daemon refuse the same configurations with the same
- * line and exit code, and accept the same ones. Both are run as programs, on a private bus. */
+ * line and exit code, and accept the same ones. The tests run both as programs, on a private bus.
+ */
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -22,12 +23,12 @@ enum { SILENCE_MS = 20000, TEXT_SIZE = 16384 };
 
 static struct private_bus bus;
 
-/* What a case says of a section; NULL: what works. "$D" stands for the test's directory. */
+/* The text of each section; NULL: a valid one. "$D" stands for the test's directory. */
 struct sections {
     const char *sensor, *door, *stores, *bus, *model, *more;
 };
 
-/* Copies `text` with each "$D" replaced. */
+/* Copies `text` and replaces each "$D". */
 static void append(char out[TEXT_SIZE], const char *text, const char *directory)
 {
     size_t length = strlen(out);
@@ -68,11 +69,11 @@ static const char *write_configuration(const char *directory, const struct secti
     return path;
 }
 
-/* ---- wrong ones ---- */
+/* ---- invalid configurations ---- */
 
 static const struct {
     int exit;
-    const char *line; /* the line has this in it */
+    const char *line; /* the line has this text in it */
     struct sections sections;
 } wrong[] = {
     {3,
@@ -255,7 +256,7 @@ static void refuses_what_the_start_refuses(void **state)
     }
 }
 
-/* ---- sound ones ---- */
+/* ---- valid configurations ---- */
 
 static int listen_for_notifications(const char *path)
 {
@@ -267,7 +268,7 @@ static int listen_for_notifications(const char *path)
     return fd;
 }
 
-/* Starts it, waits for READY=1, ends it. */
+/* Starts the daemon, waits for READY=1, and ends it. */
 static void expect_start(const char *name, const char *path, const char *directory)
 {
     const char *const argv[] = {PROGRAM, "--config", path, NULL};
@@ -291,7 +292,7 @@ static void expect_start(const char *name, const char *path, const char *directo
     (void)close(fd);
 }
 
-/* `name` is that of a directory for its stores. */
+/* `name` is the name of the directory for the stores. */
 static void expect_sound(const char *name, const char *sensor_and_door, const char *directory)
 {
     char stores[512];
@@ -310,13 +311,13 @@ static void expect_sound(const char *name, const char *sensor_and_door, const ch
         fail_msg("%s: exit %d, %s", name, run.exit, run.err);
     } else {
         (void)snprintf(stores, sizeof stores, "%s/%s/g.db", directory, name);
-        assert_false(scratch_exists(stores)); /* a check makes nothing */
+        assert_false(scratch_exists(stores)); /* a check creates no file */
         expect_start(name, path, directory);
     }
     run_free(&run);
 }
 
-/* A board's file with the calibration that an installer makes in this directory. */
+/* Uses a board's file with the calibration that an installer makes in this directory. */
 static void read_board(const char *name, char text[TEXT_SIZE])
 {
     static const char calibration[] = "/etc/isotherm/stereo.ini";
@@ -332,7 +333,8 @@ static void read_board(const char *name, char text[TEXT_SIZE])
     free(bytes);
 }
 
-/* No board's devices are here: a missing device is no fault of the configuration. */
+/* The devices of the boards are not connected here. A missing device is no fault of the
+ * configuration. */
 static void accepts_the_boards(void **state)
 {
     static const char *const boards[] = {"pc-usb", "qemu", "raspberry-pi-5", "rock-5b"};

@@ -1,5 +1,5 @@
-/* The configuration: defaults, every refusal by its line, and that sample and manual say the same
- * as the table. */
+/* The configuration: its defaults, every refusal with its line, and the agreement of sample and
+ * manual with the table. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,7 +26,7 @@ static void holds_defaults_without_a_file(void **state)
     assert_int_equal(config.decision.agree, 2);
     assert_true(config.log.sync);
     assert_string_equal(config.bus.address, "system");
-    /* Said twice, in core and here: they have to agree. */
+    /* Core and configuration both define them, so they have to agree. */
     assert_true(config.sensor.distance_min_mm == extract.distance_min_mm);
     assert_true(config.sensor.distance_max_mm == extract.distance_max_mm);
     assert_true(config.match.trim == match.trim);
@@ -61,7 +61,8 @@ static double threshold_among(const char *text, size_t n_people)
     return iso_config_threshold_among(&config, n_people);
 }
 
-/* A level's rate is that of a visit: ten times the people, a tenth of the chances with each. */
+/* The rate of a level is the rate of a visit: with ten times the people, each comparison may have a
+ * tenth of the chance. */
 static void the_threshold_grows_with_the_people(void **state)
 {
     (void)state;
@@ -121,7 +122,7 @@ static void reads_every_type(void **state)
     assert_int_equal(config.door.held_ms, 30000);
 }
 
-/* A file that was written for an earlier version. */
+/* A file for an earlier version. */
 static void accepts_and_names_an_obsolete_key(void **state)
 {
     (void)state;
@@ -140,7 +141,7 @@ static void refuses(const char *text, const char *message)
     struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_config_parse("door.conf", text, &config, &fault), -EINVAL);
     assert_string_equal(fault.text, message);
-    assert_int_equal(config.door.unlock_ms, 4711); /* untouched */
+    assert_int_equal(config.door.unlock_ms, 4711); /* unchanged */
 }
 
 static void refuses_what_it_does_not_know(void **state)
@@ -153,7 +154,7 @@ static void refuses_what_it_does_not_know(void **state)
     refuses("[gallery]\nunlock_ms = 700\n", "door.conf:2: unknown key 'unlock_ms' in [gallery]");
 }
 
-/* Of every back end of this build, whichever stands first: `backend` or the option. */
+/* For every back end of this build, in either order of `backend` and the option. */
 static void hands_options_to_the_back_end_that_is_named(void **state)
 {
     struct iso_config config;
@@ -184,7 +185,7 @@ static void hands_options_to_the_back_end_that_is_named(void **state)
             "door.conf:2: unknown key 'colour' in [door]");
 }
 
-/* As it was when all options stood in one table: what is empty is not set. */
+/* As with the earlier single table of options, an empty value counts as not set. */
 static void lets_pass_what_is_empty(void **state)
 {
     struct iso_config config;
@@ -205,7 +206,7 @@ static void lets_pass_what_is_empty(void **state)
     refuses("[sensor]\ncolour =\n", "door.conf:2: unknown key 'colour' in [sensor]");
 }
 
-/* Whoever opens the back end says that there is none, and which there are. */
+/* The function that opens the back end reports that it does not exist, and lists those that do. */
 static void leaves_unknown_back_ends_to_their_registry(void **state)
 {
     struct iso_config config;

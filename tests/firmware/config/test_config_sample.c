@@ -1,5 +1,5 @@
-/* The sample of the configuration that `isothermd --help-config` prints, and the tables of the back
- * ends in it. */
+/* The sample configuration that `isothermd --help-config` prints, and the tables of the back ends
+ * in it. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 #include "isotherm/extract.h"
 #include "tests/support/scratch.h"
 
-/* The appliance would take such a line for its own. */
+/* The appliance would take such a line for an option of its own. */
 static void expect_no_key(const char *section, const char *back_end,
                           const struct iso_option_spec *spec)
 {
@@ -73,7 +73,7 @@ static void the_sample_of_the_board_is_the_table(void **state)
     committed[size] = '\0';
     if (has_every_back_end()) {
         assert_string_equal(committed, printed);
-    } else { /* what this build has stands there, paragraph by paragraph */
+    } else { /* it has each paragraph of this build's sample */
         for (char *at = printed, *end; (end = strstr(at, "\n\n")); at = end + 2) {
             *end = '\0';
             if (!strstr(committed, at)) {
@@ -115,7 +115,7 @@ static void the_sample_is_sound(void **state)
     free(text);
 }
 
-/* Takes a line "#NAME = VALUE" out of its comment, in the paragraph that begins at `text`. */
+/* Removes the comment sign from a line "#NAME = VALUE", in the paragraph that begins at `text`. */
 static void uncomment(char *text)
 {
     for (char *at = text; (at = strchr(at, '\n')) && at[1] && at[1] != '\n'; at++) {
@@ -136,7 +136,7 @@ static void expect_sound_with(const char *class, const char *back_end)
     char *options = strstr(text, heading);
     assert_non_null(options);
     uncomment(options + 1);
-    /* The options have to stand in their section, and the back end's name before them. */
+    /* The options have to be in their section, after the name of the back end. */
     char *whole = NULL;
     size_t size;
     FILE *file = open_memstream(&whole, &size);
@@ -150,7 +150,7 @@ static void expect_sound_with(const char *class, const char *back_end)
     free(text);
 }
 
-/* With the keys of the appliance, and with the options of each back end, out of their comments. */
+/* Takes the keys of the appliance, and the options of each back end, out of their comments. */
 static void what_the_sample_shows_may_be_set(void **state)
 {
     const struct iso_config otherwise = iso_config_default();

@@ -1,4 +1,5 @@
-/* The score that an appliance asks for depends on how many people a face is compared with. */
+/* The score that an appliance requires depends on the number of people with whom it compares a
+ * face. */
 #include <stdio.h>
 #include <string.h>
 
@@ -14,8 +15,8 @@ static int many_people_setup(void **state)
     return error;
 }
 
-/* A score of 4 is enough at `strict` for a door of one person, and for who says who he or she is.
- * In a search among twenty it takes 4.3. */
+/* At `strict`, a score of 4 is enough for a door of one person, and for a verification. A search
+ * among twenty people needs 4.3. */
 static void the_more_people_the_surer_a_search_has_to_be(void **state)
 {
     struct rig *rig = *state;

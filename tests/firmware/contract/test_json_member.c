@@ -1,4 +1,4 @@
-/* Members of a record of the log: found by their names, whatever stands in other values. */
+/* Members of a record of the log are found by their names, whatever text other values have. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,7 +25,7 @@ static void finds_what_was_written(void **state)
     iso_json_line_string(&line, "note", "");
     assert_true(iso_json_line_end(&line) > 0);
     assert_true(iso_json_member(line.text, "event", value, sizeof value));
-    assert_string_equal(value, "visit"); /* and not what the name pretends */
+    assert_string_equal(value, "visit"); /* and not the text in the name */
     assert_true(iso_json_member(line.text, "note", value, sizeof value));
     assert_string_equal(value, "");
     assert_true(iso_json_member(line.text, "person", value, sizeof value));

@@ -1,5 +1,5 @@
-/* Which names are one: folded without regard to case, encoding and what is not seen. Which
- * characters a name may have. */
+/* Which names are equal: they are folded without regard to case, encoding and invisible characters.
+ * Which characters a name may have. */
 #include <errno.h>
 #include <string.h>
 #include <unistr.h>
@@ -30,12 +30,13 @@ static void case_and_encoding_do_not_tell_names_apart(void **state)
         {"Stra\u00dfe", "STRASSE"},
         {"\u00c9lodie", "\u00e9lodie"},   /* E with acute, both cases */
         {"\u00e9lodie", "e\u0301lodie"},  /* composed, decomposed */
-        {"\uff21\uff44\uff41", "ada"},    /* full-width letters: not by the short way */
+        {"\uff21\uff44\uff41", "ada"},    /* full-width letters: the short way does not work */
         {"\u0391\u03a3", "\u03b1\u03c2"}, /* sigma at the end of a word */
         {"\u0416\u0435\u043d\u044f", "\u0436\u0415\u041d\u042f"},
-        {"\u3392", "mhz"},       /* letters with a case by normalisation only */
+        {"\u3392", "mhz"},       /* letters that get a case by normalisation only */
         {"o\ufb03ce", "OFFICE"}, /* a ligature */
-        /* what is not seen: soft hyphen, zero-width space and joiner, word joiner, Hangul filler */
+        /* invisible characters: soft hyphen, zero-width space and joiner, word joiner, Hangul
+         * filler */
         {"A\u00adda", "ada"},
         {"Ad\u200ba", "ada"},
         {"Ada\u200d", "ada"},
@@ -60,12 +61,12 @@ static void other_names_are_others(void **state)
     (void)state;
     assert_false(are_one("Ada", "Adam"));
     assert_false(are_one("Ada", "Ad a"));
-    assert_false(are_one("Zo\u00eb", "Zoe")); /* an accent tells names apart */
-    assert_false(are_one("[", "{"));          /* 0x20 apart, and no letters */
+    assert_false(are_one("Zo\u00eb", "Zoe")); /* an accent makes a different name */
+    assert_false(are_one("[", "{"));          /* 0x20 apart, but no letters */
     assert_false(are_one("@", "`"));
 }
 
-/* A store of before may hold such a name: it has a key, too. */
+/* An earlier version may have stored such a name, so it also has a key. */
 static void a_name_of_nothing_seen_has_a_key(void **state)
 {
     (void)state;
@@ -73,7 +74,8 @@ static void a_name_of_nothing_seen_has_a_key(void **state)
     assert_false(are_one("\u200b", "a"));
 }
 
-/* Every character that Unicode calls so, and every one of the other kinds that are not seen. */
+/* Every character that Unicode lists as default-ignorable, and every character of the other
+ * invisible kinds. */
 static void refuses_what_is_not_seen(void **state)
 {
     static const struct {
@@ -101,7 +103,7 @@ static void refuses_what_is_not_seen(void **state)
     print_message("%zu characters\n", n);
 }
 
-/* Letters of many scripts, marks that belong to them, and blanks inside are seen. */
+/* Letters of many scripts, marks that belong to them, and blanks inside a name are visible. */
 static void lets_letters_in(void **state)
 {
     static const char *const names[] = {"Zo\u00eb",

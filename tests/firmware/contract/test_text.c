@@ -1,4 +1,4 @@
-/* What comes from people and goes into the log: UTF-8, names, JSON lines. */
+/* Text from people that goes into the log: UTF-8, names, JSON lines. */
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -28,7 +28,7 @@ static void decodes_utf8(void **state)
 static void refuses_what_is_no_utf8(void **state)
 {
     static const char *const bad[] = {
-        "\x80",             /* continuation */
+        "\x80",             /* a continuation byte */
         "\xc0\xaf",         /* overlong '/' */
         "\xe0\x80\xaf",     /* overlong, three bytes */
         "\xf0\x80\x80\xaf", /* overlong, four */
@@ -73,7 +73,8 @@ static void refuses_names(void **state)
         {"an\nna", "the name holds a control character"},
         {"anna\x7f", "the name holds a control character"},
         {"an\xc2\x85na", "the name holds a control character"},
-        {"an\xe2\x80\xaena", "the name holds a control character"}, /* right to left from here */
+        {"an\xe2\x80\xaena",
+         "the name holds a control character"}, /* the text after it runs from right to left */
         {"an\xffna", "the name is not UTF-8"},
         {"12345678901234567890123456789012345678901234567890123456789012345",
          "the name is longer than 64 characters"},

@@ -1,4 +1,4 @@
-/* Limits of validity: what a change leaves, what is refused, and how it reads. */
+/* Limits of validity: the result of a change, refused changes, and their text. */
 #include <string.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
@@ -58,9 +58,10 @@ static void an_end_in_the_past_has_to_be_meant(void **state)
     change.expired = true;
     expect_flaw(&change, NOW, "");
     change.expired = false;
-    expect_flaw(&change, 86400, ""); /* a clock that was never set cannot tell */
+    expect_flaw(&change, 86400, ""); /* a clock that was never set does not count */
     const struct iso_validity_change past_end_is_stored = {.names_from = true, .limits = {5, 0}};
-    expect_flaw(&past_end_is_stored, december.until_s + 1, ""); /* and is not what is changed */
+    expect_flaw(&past_end_is_stored, december.until_s + 1,
+                ""); /* the change does not name this limit */
 }
 
 static void reads_as_words(void **state)

@@ -1,5 +1,5 @@
-/* What a confined process can no longer do. Each case is a child that confines itself, tries, and
- * ends with the error that it met; or is ended. */
+/* The limits of a confined process. Each case is a child process that confines itself and tries
+ * something. It ends with the error of the attempt, or a signal ends it. */
 #include <errno.h>
 #include <fcntl.h>
 #include <link.h>
@@ -29,7 +29,7 @@ enum { CANNOT = 200 };
 static struct iso_config config;
 static char inside[4096];
 
-/* State in one directory, and another one beside it. */
+/* A directory for the state, and another one beside it. */
 static int setup(void **state)
 {
     const int error = scratch_setup(state);
@@ -44,7 +44,8 @@ static int setup(void **state)
     return error;
 }
 
-/* 0 or the errno that `try` met in a confined child; negative: the signal that ended it. */
+/* Returns 0 or the errno that `try` got in a confined child; negative: the signal that ended the
+ * child. */
 static int attempt(int (*try)(void))
 {
     int status = 0;
@@ -89,7 +90,8 @@ static int write_outside(void)
 
 static int read_outside(void)
 {
-    /* The scratch directories lie in that of temporary files, which may be used. */
+    /* The scratch directories are in the directory of temporary files, which the process may use.
+     */
     return try_open("/root", O_RDONLY | O_DIRECTORY);
 }
 
@@ -166,8 +168,8 @@ static void *ask_policy(void *context)
     return NULL;
 }
 
-/* As the thread of the door does when its lines come back: the sender of card numbers gets its
- * thread anew. */
+/* The door's thread does the same when its lines come back: the sender of card numbers gets a new
+ * thread. */
 static void *confine_and_pass_on(void *context)
 {
     int *result = context, policy = -1;
@@ -182,7 +184,7 @@ static void *confine_and_pass_on(void *context)
     return NULL;
 }
 
-/* 0: a real-time thread of a confined process has started another one. */
+/* Returns 0 if a real-time thread of a confined process has started another real-time thread. */
 static int pass_priority_on(void)
 {
     pthread_t thread;
@@ -215,7 +217,7 @@ static void what_is_not_named_cannot_be_read(void **state)
     assert_int_equal(attempt(read_system), 0);
 }
 
-/* A file that an option of the back end names, by the kind that the back end's table gives it. */
+/* Uses a file that an option of the back end names, with the kind from the back end's table. */
 static void what_an_option_of_a_back_end_names_can_be_read(void **state)
 {
     static const struct iso_option_spec file = {.name = "camera", .kind = ISO_OPTION_PATH};
@@ -240,8 +242,8 @@ static void a_replayed_recording_may_be_anywhere(void **state)
     assert_int_equal(attempt(write_outside), EACCES);
 }
 
-/* The folder of the product's own library, and the one around it; "" if it lies where everything
- * may be read anyway. */
+/* Returns the folder of the product's library, or the folder around it. Returns "" if it is in a
+ * place where the process may read every file. */
 static char folder[4096], around[4096];
 
 static int find_library(struct dl_phdr_info *library, size_t size, void *context)
@@ -284,7 +286,7 @@ static int read_around_library(void)
     return try_open(around, O_RDONLY | O_DIRECTORY);
 }
 
-/* A library may load its parts from beside itself; nothing more of that place is opened by it. */
+/* A library may load its parts from its own folder. The process may open nothing else there. */
 static void what_lies_beside_a_library_can_be_read(void **state)
 {
     (void)state;
@@ -314,13 +316,14 @@ static void it_has_no_network(void **state)
     assert_int_equal(attempt(device_news), 0);
 }
 
-/* A thread of ordinary priority stays one, whatever the limits of the process allow. */
+/* A thread of ordinary priority keeps it, whatever limits the process has. */
 static void it_cannot_become_realtime(void **state)
 {
     (void)state;
     assert_int_equal(attempt(become_realtime), EPERM);
     assert_int_equal(attempt(change_priority), EPERM);
-    assert_int_equal(attempt(start_a_realtime_thread), 0); /* it gets an ordinary one */
+    assert_int_equal(attempt(start_a_realtime_thread),
+                     0); /* the new thread has ordinary priority */
 }
 
 static void a_realtime_thread_passes_its_priority_on(void **state)
@@ -342,7 +345,8 @@ static void a_realtime_thread_passes_its_priority_on(void **state)
     assert_int_equal(WEXITSTATUS(status), 0);
 }
 
-/* By the limit that there is: locked, or a reason why not; and never a core file. */
+/* By the present limit, the memory is locked or a fault says why it is not. A core file is never
+ * written. */
 static void its_memory_stays_its_own(void **state)
 {
     struct iso_fault fault = {.text = ""};

@@ -1,5 +1,5 @@
-/* The daemon with a counter in a software TPM: confined as ever, it counts, refuses a state
- * directory of an earlier time in one line, and takes it when it is told to. */
+/* The daemon with a counter in a software TPM. It is confined as always. It counts, refuses a state
+ * directory of an earlier time in one line, and accepts it when an option says so. */
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -70,7 +70,7 @@ static void stop(struct run *run)
     run_free(run);
 }
 
-/* Ends by itself: with one line on standard error if it fails. */
+/* Waits until the daemon ends by itself. On a failure it must print one line on standard error. */
 static void expect_end(const char *option, int exit, const char *words)
 {
     const char *const argv[] = {DAEMON, "--config", configuration, option, NULL};
@@ -121,7 +121,7 @@ static void a_directory_of_an_earlier_time_is_refused_and_accepted(void **state)
     mix_let_go(&before);
 }
 
-/* At whatever moment it comes: the increment may be under way. */
+/* The kill may come at any time, also while an increment is under way. */
 static void a_power_cut_is_no_reason_to_refuse(void **state)
 {
     struct run run;
@@ -156,7 +156,7 @@ static void without_its_tpm_it_does_not_start(void **state)
     expect_end(NULL, 4, "the counter of the state is gone from the TPM");
 }
 
-/* The door goes on without it, and says so; the next start is refused. */
+/* The door continues without the counter and reports its fault; the next start is refused. */
 static void a_tpm_that_is_lost_later_is_told_of(void **state)
 {
     const char *const argv[] = {CLIENT, "--bus", bus.address, "doctor", "--json", NULL};

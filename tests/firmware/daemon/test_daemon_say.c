@@ -1,4 +1,5 @@
-/* What the daemon says to the system's journal: with its priority, and without waiting. */
+/* The daemon's lines for the system's journal have a priority, and the daemon does not wait for the
+ * journal. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,7 @@
 
 #include "firmware/daemon/daemon.h"
 
-/* A journal on the other end of the standard error stream. */
+/* A journal at the other end of the standard error stream. */
 struct journal {
     int end, saved_stderr;
 };
@@ -62,7 +63,7 @@ static void a_long_text_is_cut_at_the_end_of_a_line(void **state)
     assert_int_equal(line[n - 1], '\n');
 }
 
-/* Nobody reads: without MSG_DONTWAIT the last call would not return. */
+/* The journal does not read. Without MSG_DONTWAIT the last call would not return. */
 static void a_stuck_journal_does_not_stop_the_daemon(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Faults that keep the daemon from starting, provoked for real: its line ends with the code. Each
- * test has a directory of its own. */
+/* Real faults that keep the daemon from starting. The daemon's line ends with the code of the
+ * fault. Each test has a directory of its own. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +18,7 @@
 #define PROGRAM ISOTHERM_BINARY_DIR "/firmware/isothermd"
 #define DATA    ISOTHERM_SOURCE_DIR "/core/data"
 
-/* A configuration that would work, but for the bus; `more` comes behind it. */
+/* A configuration that would work, but has no bus. `more` follows it. */
 static const char *write_configuration(const char *directory, const char *more)
 {
     static char text[2048];
@@ -34,8 +34,8 @@ static const char *write_configuration(const char *directory, const char *more)
     return path;
 }
 
-/* Runs the program until it ends; `option` may be NULL. It opens its stores, and gives up at the
- * bus at the latest. */
+/* Runs the program until it ends. `option` may be NULL. The program opens its stores, and it ends
+ * at the missing bus at the latest. */
 static void expect_code(const char *configuration, const char *option, enum iso_fault_code code)
 {
     const char *const argv[] = {PROGRAM, "--config", configuration, option, NULL};
@@ -96,7 +96,7 @@ static void files_that_cannot_be_used(void **state)
                    "[model]\nhead = " DATA "/head.model\nmetric = " DATA "/head.model\n");
     scratch_write_text(path, text);
     expect_code(path, NULL, ISO_FAULT_MODEL_DAMAGED);
-    if (geteuid() != 0) { /* root may read everything */
+    if (geteuid() != 0) { /* root may read every file */
         const char *hidden = scratch_path(*state, "hidden.model");
         scratch_write_text(hidden, "x");
         assert_int_equal(chmod(hidden, 0), 0);
@@ -117,7 +117,7 @@ static void a_damaged_log(void **state)
 {
     const char *path = write_configuration(*state, ""), *log = scratch_path(*state, "a.log");
     char anchor[512];
-    expect_code(path, NULL, ISO_FAULT_BUS_MISSING); /* which has made the stores */
+    expect_code(path, NULL, ISO_FAULT_BUS_MISSING); /* this start creates the stores */
     scratch_write_text(log, "nonsense\n");
     expect_code(path, NULL, ISO_FAULT_LOG_DAMAGED);
     (void)snprintf(anchor, sizeof anchor, "%s.anchor", log);
@@ -140,7 +140,7 @@ static void a_key_that_is_gone_or_another(void **state)
     expect_code(path, NULL, ISO_FAULT_KEY_MISSING);
 }
 
-/* A file may not grow: for the daemon there is no room left. */
+/* The size of files is limited, so that the daemon finds no room on the disk. */
 static void a_full_disk(void **state)
 {
     const struct rlimit full = {.rlim_cur = 16, .rlim_max = RLIM_INFINITY};

@@ -1,5 +1,5 @@
-/* The program: options, exit codes, one clear line for everything that keeps it from starting, and
- * what it tells its service manager. */
+/* The program isothermd: its options, its exit codes, one clear line for each fault that keeps it
+ * from starting, and its notifications for the service manager. */
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -23,7 +23,8 @@ enum { SILENCE_MS = 10000 };
 
 /* ---- running it ---- */
 
-/* Runs it with one or two options, until it ends; the run is valid until the next. */
+/* Runs the program with one or two options until it ends. The result is valid until the next run.
+ */
 static const struct run *run_program(const char *option, const char *value)
 {
     static struct run run;
@@ -34,7 +35,7 @@ static const struct run *run_program(const char *option, const char *value)
     return &run;
 }
 
-/* A configuration that would work, but for the bus; `more` comes behind it. */
+/* A configuration that would work, but has no bus. `more` follows it. */
 static const char *write_configuration(const char *directory, const char *bus, const char *more)
 {
     static char text[2048];
@@ -57,7 +58,7 @@ static void expect_end(const struct run *run, int exit, const char *line)
     }
     if (exit != 0) {
         assert_non_null(newline);
-        assert_int_equal(newline[1], '\0'); /* one line */
+        assert_int_equal(newline[1], '\0'); /* there is only one line */
     }
 }
 
@@ -79,7 +80,7 @@ static void explains_itself(void **state)
     assert_non_null(strstr(run->out, "\n[decision]\n"));
 }
 
-/* Every option of the help stands in the manual's list, and no other. */
+/* The manual lists every option of the help, and no other. */
 static void the_manual_has_its_options(void **state)
 {
     size_t size;
@@ -137,7 +138,7 @@ static void warns_of_an_obsolete_key(void **state)
     run_free(&run);
 }
 
-/* ---- what keeps it from starting ---- */
+/* ---- faults that keep it from starting ---- */
 
 static void says_why_it_does_not_start(void **state)
 {
@@ -183,7 +184,7 @@ static void says_what_is_wrong_with_its_data(void **state)
     expect_end(run_program("--config", path), 3, "/nonexistent/head.model: No such file");
 }
 
-/* ---- a whole life ---- */
+/* ---- from the start to the end ---- */
 
 static int listen_for_notifications(const char *path)
 {
@@ -195,7 +196,7 @@ static int listen_for_notifications(const char *path)
     return fd;
 }
 
-/* The next notification that begins so, others being passed over. */
+/* Waits for the next notification that begins with this text. It skips all others. */
 static void expect_notification(struct run *run, int fd, const char *begin)
 {
     char text[256];
@@ -234,7 +235,7 @@ static void skip_without_gpiod(const struct run *run)
     }
 }
 
-/* Touches nothing but the lines. */
+/* Uses the lines and nothing else. */
 static void puts_the_door_to_rest(void **state)
 {
     run_expect(rest_door(write_configuration(*state, "system", "")), 0);
@@ -249,7 +250,7 @@ static void puts_the_door_to_rest(void **state)
     expect_end(rest_door(path), 2, "door gpiod: option 'relay' is missing");
 }
 
-/* They may come later: the door is at fault until then. */
+/* The lines may appear later. The door is at fault until then. */
 static void starts_without_its_lines(void **state)
 {
     struct private_bus bus;
@@ -283,7 +284,7 @@ static void expect_mode(const char *path, mode_t mode)
     assert_int_equal(status.st_mode & (S_IRWXU | S_IRWXG | S_IRWXO), mode);
 }
 
-/* The bus goes away: the door is looked after all the same. */
+/* The bus goes away, but the daemon still controls the door. */
 static void live_without_the_bus(const char *const argv[], int fd, struct private_bus *bus)
 {
     struct run run;
@@ -325,11 +326,11 @@ static void lives_and_dies(void **state)
     const char *const argv[] = {PROGRAM, "--config", path, NULL};
     assert_int_equal(setenv("NOTIFY_SOCKET", scratch_path(*state, "notify"), 1), 0);
     assert_int_equal(setenv("WATCHDOG_USEC", "200000", 1), 0);
-    const mode_t mask = umask(S_IRWXU); /* whatever it inherits, its files are for it alone */
+    const mode_t mask = umask(S_IRWXU); /* with any inherited mask, its files are for itself only */
     run_start(&run, argv);
     (void)umask(mask);
     expect_notification(&run, fd, "READY=1");
-    expect_notification(&run, fd, "WATCHDOG=1"); /* an idle sensor is a living one */
+    expect_notification(&run, fd, "WATCHDOG=1"); /* an idle sensor is alive */
     expect_notification(&run, fd, "WATCHDOG=1");
     assert_int_equal(kill(run.pid, SIGTERM), 0);
     expect_notification(&run, fd, "STOPPING=1");
@@ -345,7 +346,7 @@ static void lives_and_dies(void **state)
     expect_stop_in_the_log(path);
 }
 
-/* What cannot be written is a fault, told in a line. */
+/* A store that cannot be written is a fault. The daemon reports it in one line. */
 static void says_that_it_cannot_be_read(void **state)
 {
     static const char *const options[] = {"--help", "--help-config", "--version"};

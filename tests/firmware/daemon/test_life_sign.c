@@ -1,5 +1,6 @@
-/* What the service manager is told while the main thread waits for the disk. Each test waits for
- * what has to come; what must not come is counted when something else has come. */
+/* The notifications for the service manager while the main thread waits for the disk. Each test
+ * waits for the notifications that must come. It counts the ones that must not come when another
+ * one has come. */
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -52,7 +53,7 @@ static void wait_ms(long ms)
     (void)nanosleep(&wait, NULL);
 }
 
-/* The time-out of the test ends this if it never comes. */
+/* The time-out of the test ends this wait if the notification never comes. */
 static void await(atomic_int *count)
 {
     const int before = atomic_load(count);
@@ -75,7 +76,7 @@ static void it_speaks_while_the_disk_is_waited_for(void **state)
     iso_disk_wait_end();
 }
 
-/* A main thread that hangs elsewhere is for the watchdog to find. */
+/* A main thread that hangs elsewhere must be found by the watchdog. */
 static void it_says_nothing_otherwise(void **state)
 {
     (void)state;
@@ -86,13 +87,13 @@ static void it_says_nothing_otherwise(void **state)
     iso_disk_wait_begin();
     iso_disk_wait_begin();
     iso_disk_wait_end();
-    assert_true(iso_disk_wait_lasts()); /* they are nested */
+    assert_true(iso_disk_wait_lasts()); /* the waits are nested */
     iso_disk_wait_end();
     assert_false(iso_disk_wait_lasts());
-    iso_life_sign_free(sign); /* nothing is under way any more */
+    iso_life_sign_free(sign); /* no wait is under way any more */
     sign = NULL;
     assert_int_equal(atomic_load(&extended), 0);
-    assert_true(atomic_load(&fed) <= 1); /* of the moment between begin and end */
+    assert_true(atomic_load(&fed) <= 1); /* from the moment between begin and end */
 }
 
 static void *wait_elsewhere(void *context)
@@ -105,7 +106,7 @@ static void *wait_elsewhere(void *context)
     return NULL;
 }
 
-/* The thread of the log may wait for as long as it likes. */
+/* The thread of the log may wait for any time. */
 static void another_thread_does_not_count(void **state)
 {
     pthread_t thread;
@@ -120,7 +121,7 @@ static void another_thread_does_not_count(void **state)
     assert_int_equal(atomic_load(&extended) + atomic_load(&fed), 0);
 }
 
-/* A disk that never answers is a fault in the end. */
+/* A disk that never answers becomes a fault in the end. */
 static void it_does_not_speak_for_ever(void **state)
 {
     (void)state;

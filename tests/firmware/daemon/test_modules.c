@@ -1,5 +1,5 @@
-/* The daemon with modules that are there, missing or broken. It runs on a copy of the library in a
- * directory of the test's, beside which it looks for its modules. */
+/* The daemon with modules that exist, are missing or are broken. It runs on a copy of the library
+ * in a directory of the test, because it looks for its modules beside the library. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,7 +47,7 @@ static const char *module(const char *directory, const char *name)
     return scratch_path(scratch_path(directory, "isotherm"), name);
 }
 
-/* Puts a module that was built into its place; skips the test if it was not. */
+/* Copies a built module to its place. Skips the test if the module was not built. */
 static void install(const char *directory, const char *name)
 {
     char from[4096];
@@ -73,7 +73,7 @@ static const char *configuration(const char *directory, const char *bus, const c
     return path;
 }
 
-/* Runs the daemon, which ends with one line: before it has a bus, or for lack of it. */
+/* Runs the daemon. It ends with one line: before it has a bus, or because there is no bus. */
 static void expect_end(const char *directory, const char *more, int exit, const char *line)
 {
     const char *const argv[] = {DAEMON, "--config", configuration(directory, NO_BUS, more), NULL};
@@ -89,7 +89,7 @@ static void expect_end(const char *directory, const char *more, int exit, const 
 
 /* ---- a sensor ---- */
 
-/* Whether the daemon, asked for a sensor, says so. */
+/* Whether the daemon prints this text when its configuration names a sensor. */
 static bool says(const char *directory, const char *back_end, const char *words)
 {
     char more[64];
@@ -109,7 +109,7 @@ static bool is_built_for(const char *directory, const char *back_end)
     return !says(directory, back_end, "no sensor '");
 }
 
-/* What else keeps it from starting is not told of here. */
+/* The test ignores other faults that keep the daemon from starting. */
 static bool finds_its_modules(const char *directory, const char *back_end)
 {
     return !says(directory, back_end, "the module ");
@@ -157,7 +157,7 @@ static void libcamera_needs_both(void **state)
     assert_true(finds_its_modules(*state, "libcamera-stereo"));
 }
 
-/* What the start would refuse, the check of the configuration refuses in the same words. */
+/* The check of the configuration refuses the same modules as the start, with the same words. */
 static void the_check_of_a_configuration_asks_for_modules(void **state)
 {
     if (!is_built_for(*state, "libcamera-stereo")) {
@@ -177,7 +177,7 @@ static void the_check_of_a_configuration_asks_for_modules(void **state)
 
 /* ---- the image check ---- */
 
-/* What is not asked for need not be there, nor be sound. */
+/* A module that the configuration does not name may be missing or broken. */
 static void the_check_is_wanted_when_its_cascade_is_named(void **state)
 {
     static const char cascade[] = "[recognition]\ncascade = " DATA "/head.model\n";
@@ -192,7 +192,7 @@ static void the_check_is_wanted_when_its_cascade_is_named(void **state)
     expect_end(*state, cascade, 4, "/head.model: not a cascade that OpenCV can read");
 }
 
-/* Starts the daemon, and says what it tells of the image check. */
+/* Starts the daemon. Returns its line about the image check. */
 static void expect_image_check(const char *directory, const char *word, const char *line)
 {
     struct private_bus bus;

@@ -1,10 +1,10 @@
-/* Something else than a file in the place of a file that isothermd opens: a FIFO, a directory, a
- * symbolic link, a socket, a device, a file of 8 GiB. It is refused in one line that names it;
- * nothing hangs, and nothing takes more memory than it may.
+/* isothermd finds another object in the place of a file that it opens: a FIFO, a directory, a
+ * symbolic link, a socket, a device, or a file of 8 GiB. It refuses the object in one line that
+ * names it. It does not hang, and it does not take more memory than it may.
  *
- * Which files those are is not written here: the kernel tells (inotify) what a sound start opens in
- * the test's directory. Each of them is exchanged for each kind in turn, and the real program is
- * started. */
+ * This source has no list of those files: the kernel tells by inotify which files a normal start
+ * opens in the test's directory. The test replaces each of them by each kind of object in turn, and
+ * starts the real program. */
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
@@ -70,7 +70,7 @@ static void copy_recording(const char *directory)
     (void)fclose(list);
 }
 
-/* Two configurations, which name between them every file that can be named without a camera. */
+/* Two configurations. Together they name every file that can be named without a camera. */
 static const char *const ways[] = {
     "[model]\nhead = $D/head.model\nmetric = $D/face.metric\n[seal]\nkey = $D/key\n",
     "[model]\nhead = $D/head.model\ncohort = $D/cohort.templates\n[match]\nmethod = distance\n",
@@ -95,7 +95,7 @@ static void append(FILE *out, const char *text, const char *directory)
     }
 }
 
-/* The second way has its key as a credential. */
+/* In the second configuration the key is a credential. */
 static void write_files(const char *directory, size_t way)
 {
     FILE *out = fopen(scratch_path(directory, "c.conf"), "we");
@@ -140,8 +140,8 @@ static bool has_ended(const struct run *run)
            info.si_pid == run->pid;
 }
 
-/* Starts the daemon until it is ready or has ended, and ends it. A daemon that becomes ready goes
- * on until it says `awaited` (NULL: nothing). True if it was ready. */
+/* Starts the daemon until it is ready or has ended, and ends it. If it becomes ready, it runs until
+ * it prints `awaited` (NULL: it ends at once). Returns true if it was ready. */
 static bool start(const char *directory, const char *awaited, struct run *run)
 {
     const char *const argv[] = {PROGRAM, "--config", scratch_path(directory, "c.conf"), NULL};
@@ -191,21 +191,21 @@ static void expect_ready(const char *directory)
 static void find_names(const char *directory, struct names *names)
 {
     int watches[FOLDERS];
-    expect_ready(directory); /* which makes the stores */
+    expect_ready(directory); /* this start creates the stores */
     const int fd = opened_files_watch(directory, watches);
     expect_ready(directory);
     opened_files_collect(fd, watches, names);
     (void)close(fd);
 }
 
-/* ---- what is put in their places ---- */
+/* ---- the objects ---- */
 
 enum kind { FIFO, DIRECTORY, LINK_TO_THE_FILE, LINK_TO_ZERO, SOCKET, DEVICE, HUGE_FILE, KINDS };
 
 static const char *const kind_names[KINDS] = {
     "FIFO", "directory", "link to the file", "link to /dev/zero", "socket", "device", "8 GiB"};
 
-/* What the line says of it. */
+/* The text of the line about it. */
 static const char *const words[KINDS] = {
     "is a FIFO",   "is a directory", "is a symbolic link", "is a symbolic link",
     "is a socket", "is a device",    "longer than"};
@@ -220,10 +220,10 @@ static void make_socket(const char *path)
     (void)close(fd);
 }
 
-/* False where this machine does not let the test make one. */
+/* Returns false if this machine does not allow the test to make such an object. */
 static bool put(enum kind kind, const char *path, const char *away)
 {
-    if (kind == HUGE_FILE) { /* which begins like the sound one */
+    if (kind == HUGE_FILE) { /* it begins like the original file */
         if (scratch_exists(away)) {
             copy_file(away, path);
         } else {
@@ -248,7 +248,7 @@ static bool put(enum kind kind, const char *path, const char *away)
     }
 }
 
-/* ---- what has to come of it ---- */
+/* ---- the expected results ---- */
 
 static size_t lines_of(const char *text)
 {
@@ -259,7 +259,7 @@ static size_t lines_of(const char *text)
     return n;
 }
 
-/* A log may be of any length: of a huge one it is said that its records are not sound. */
+/* A log may have any length. The line about a huge one says that its records are not sound. */
 static bool is_named(const char *err, const char *path, enum kind kind)
 {
     return strstr(err, path) &&
@@ -275,8 +275,9 @@ static void expect_refusal(const struct run *run, const char *path, enum kind ki
     }
 }
 
-/* What belongs to the sensor or to the door's inputs is no reason to end: the daemon says it,
- * keeps the door locked and tries again. What stands for the lock-out file is a lockdown. */
+/* A fault of the sensor or of the door's inputs does not end the daemon: it reports the fault,
+ * keeps the door locked and tries again. An object in the place of the lock-out file is a lockdown.
+ */
 static bool is_tried_again(const char *name)
 {
     return strncmp(name, "slot/", 5) == 0 || strcmp(name, "inputs") == 0 ||
@@ -305,7 +306,7 @@ static void try_start(const char *directory, const char *name, enum kind kind, b
     run_free(&run);
 }
 
-/* What is not needed need not be there: the daemon may do without it. */
+/* The daemon may work without a file that it does not need. */
 static void try_one(const char *directory, const char *name, enum kind kind, bool needed)
 {
     const char *path = scratch_path(directory, name);
@@ -321,15 +322,15 @@ static void try_one(const char *directory, const char *name, enum kind kind, boo
     assert_true(rename(away, path) == 0 || !needed);
 }
 
-/* Names that a sound start looks for, or writes, and that are not there when all is well. */
+/* Names that a normal start looks for or writes, and that do not exist in a normal state. */
 static const char *const absent[][10] = {
     {"lockout", "lockout.new", "g.db-journal", "g.db-wal", "g.db.keys.new", "g.db.anchor.new",
      "a.log.anchor.new", "a.log.new", "key.new", NULL},
     {"credentials/isotherm.key.old", NULL},
 };
 
-/* Each kind in the place of a file, unless an earlier configuration had it. The number of starts.
- */
+/* Puts each kind of object in the place of the file, unless an earlier configuration had this file.
+ * Returns the number of starts. */
 static size_t try_kinds(const char *directory, const char *name, bool needed)
 {
     static struct names done;
@@ -359,7 +360,7 @@ static void odd_files_are_refused(const char *directory, size_t way)
     }
     print_message("%zu starts; %zu files are opened by a sound one\n", tried, names.n);
     assert_true(names.n >= 14);
-    expect_ready(directory); /* none of it has done harm */
+    expect_ready(directory); /* no start has done harm */
 }
 
 static void with_a_metric_and_a_key(void **state)

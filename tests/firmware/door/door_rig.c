@@ -31,7 +31,7 @@ void door_rig_on_changed(void *context, enum iso_door_event cause)
                    iso_door_state_name(door_rig_control.door.state), iso_door_event_name(cause));
 }
 
-/* Since the last call. */
+/* The reports since the last call. */
 const char *door_rig_news(void)
 {
     static char text[sizeof door_rig_told];

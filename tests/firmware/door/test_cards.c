@@ -1,4 +1,4 @@
-/* The file of card numbers, strictly. */
+/* The file of card numbers. Its reader is strict. */
 #include <errno.h>
 #include <string.h>
 
@@ -21,14 +21,15 @@ static void finds_everybodys_card(void **state)
     card = iso_cards_find(cards, "Zoë van der Berg");
     assert_non_null(card);
     assert_int_equal(card->number.number, 0);
-    assert_ptr_equal(iso_cards_find(cards, "zoë VAN DER berg"), card); /* one name */
+    assert_ptr_equal(iso_cards_find(cards, "zoë VAN DER berg"),
+                     card); /* both spellings are one name */
     assert_null(iso_cards_find(cards, "bob"));
     assert_null(iso_cards_find(cards, ""));
     iso_cards_free(cards);
     iso_cards_free(NULL);
 }
 
-/* A gallery of an earlier version may hold Ada and ada as two people. */
+/* A gallery of an earlier version may have both Ada and ada as people. */
 static void two_spellings_are_two_cards(void **state)
 {
     const char *path = scratch_path(*state, "cards");
@@ -37,7 +38,7 @@ static void two_spellings_are_two_cards(void **state)
     assert_int_equal(iso_cards_load(path, &cards, NULL), 0);
     assert_int_equal(iso_cards_find(cards, "Ada")->number.number, 1);
     assert_int_equal(iso_cards_find(cards, "ada")->number.number, 2);
-    assert_null(iso_cards_find(cards, "ADA")); /* either may be meant */
+    assert_null(iso_cards_find(cards, "ADA")); /* the name may mean either of them */
     iso_cards_free(cards);
 }
 

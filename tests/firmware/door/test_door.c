@@ -1,5 +1,5 @@
-/* The door's state machine, every event in every state, against the table in its header written out
- * a second time. */
+/* The door's state machine: every event in every state. A second copy of the table in the header
+ * gives the expected results. */
 #include <stdio.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@
 static const struct iso_door_options secure = {ISO_DOOR_FAIL_SECURE, 4 * S, 30 * S, 2 * S, 0};
 static const struct iso_door_options safe = {ISO_DOOR_FAIL_SAFE, 4 * S, 30 * S, 2 * S, 0};
 
-/* A door brought to a state by legal events only, at time 100 s. A fault lasts if `fault`. */
+/* Brings a door to a state by legal events only, at time 100 s. With `fault` a fault is present. */
 static struct iso_door door_in(const struct iso_door_options *options, enum iso_door_state state,
                                bool fault)
 {
@@ -67,7 +67,7 @@ static const char *const legal =
     "locked stop stopped\nunlocked stop stopped\nopened stop stopped\nheld-open stop stopped\n"
     "forced stop stopped\nfault stop stopped\n";
 
-/* What has to follow at once; time events are tested by themselves. */
+/* The expected state after an event. Other tests check the events of time. */
 static const char *expected(const char *state, const char *event, bool fail_safe)
 {
     char from[16], on[16], to[24];
@@ -110,7 +110,7 @@ static void follows_the_table(void **state)
     }
 }
 
-/* Where a door goes that shuts while a fault lasts. */
+/* The expected state of a door that shuts while a fault is present. */
 static void rests_in_fault_while_one_lasts(void **state)
 {
     (void)state;
@@ -121,9 +121,9 @@ static void rests_in_fault_while_one_lasts(void **state)
     iso_door_handle(&door, ISO_DOOR_ON_TIME, 104 * S);
     assert_int_equal(door.state, ISO_DOOR_FAULT);
     iso_door_handle(&door, ISO_DOOR_ON_GRANT, 105 * S);
-    assert_int_equal(door.state, ISO_DOOR_FAULT); /* nobody is let in */
+    assert_int_equal(door.state, ISO_DOOR_FAULT); /* nobody is admitted */
     iso_door_handle(&door, ISO_DOOR_ON_EXIT_BUTTON, 106 * S);
-    assert_int_equal(door.state, ISO_DOOR_UNLOCKED); /* but out */
+    assert_int_equal(door.state, ISO_DOOR_UNLOCKED); /* but people may leave */
     iso_door_handle(&door, ISO_DOOR_ON_RECOVERED, 107 * S);
     iso_door_handle(&door, ISO_DOOR_ON_TIME, 110 * S);
     assert_int_equal(door.state, ISO_DOOR_LOCKED);
@@ -161,7 +161,7 @@ static void stays_unlocked_for_the_next_one(void **state)
     assert_int_equal(iso_door_due_ns(&door), 110 * S);
     iso_door_handle(&door, ISO_DOOR_ON_FAULT, 107 * S);
     iso_door_handle(&door, ISO_DOOR_ON_GRANT, 108 * S);
-    assert_int_equal(iso_door_due_ns(&door), 110 * S); /* not while a fault lasts */
+    assert_int_equal(iso_door_due_ns(&door), 110 * S); /* not while a fault is present */
 }
 
 static void sounds_when_held_open(void **state)
@@ -188,7 +188,7 @@ static void shows_a_refusal_for_a_while(void **state)
     assert_false(iso_door_outputs_of(&door).active[ISO_DOOR_LED_REFUSED]);
 }
 
-/* One letter an output that is active: Relay, Granted, reFused, Buzzer. */
+/* One letter for each active output: Relay, Granted, reFused, Buzzer. */
 static const char *levels(const struct iso_door *door)
 {
     static char text[5];
@@ -219,13 +219,13 @@ static void switches_by_state(void **state)
     }
     struct iso_door door = door_in(&safe, ISO_DOOR_LOCKED, false);
     iso_door_handle(&door, ISO_DOOR_ON_FAULT, 100 * S);
-    assert_string_equal(levels(&door), ""); /* without power: fail-safe is open */
+    assert_string_equal(levels(&door), ""); /* no power: a fail-safe lock is open */
     iso_door_handle(&door, ISO_DOOR_ON_OPENED, 100 * S);
-    assert_int_equal(door.state, ISO_DOOR_OPENED); /* and that is no break-in */
+    assert_int_equal(door.state, ISO_DOOR_OPENED); /* and this is no break-in */
 }
 
-/* The lock gets its pulse and the door stays unlocked without it; for a magnet the pulse is one
- * without power. */
+/* The lock gets its pulse, and the door stays unlocked without power on it. For a magnet, the pulse
+ * takes the power away. */
 static void pulses_the_relay(void **state)
 {
     (void)state;
@@ -241,7 +241,7 @@ static void pulses_the_relay(void **state)
         assert_false(iso_door_handle(&door, ISO_DOOR_ON_TIME, 100 * S + S / 2));
         assert_string_equal(levels(&door), over);
         assert_int_equal(iso_door_due_ns(&door), 104 * S);
-        iso_door_handle(&door, ISO_DOOR_ON_EXIT_BUTTON, 102 * S); /* the next one */
+        iso_door_handle(&door, ISO_DOOR_ON_EXIT_BUTTON, 102 * S); /* a second event */
         assert_string_equal(levels(&door), pulse);
         iso_door_handle(&door, ISO_DOOR_ON_OPENED, 102 * S + S / 4);
         assert_int_equal(door.pulse_due_ns, ISO_NEVER_NS);
@@ -249,7 +249,7 @@ static void pulses_the_relay(void **state)
     }
 }
 
-/* A test unlocks for half a second, however long the door is unlocked for people. */
+/* A test unlocks the door for half a second, however long the door is unlocked for people. */
 static void a_test_is_short(void **state)
 {
     (void)state;
@@ -263,7 +263,7 @@ static void a_test_is_short(void **state)
         assert_int_equal(door.state, ISO_DOOR_LOCKED);
         assert_int_equal(iso_door_outputs_of(&door).active[ISO_DOOR_RELAY], fail == 1);
         iso_door_handle(&door, ISO_DOOR_ON_TEST, 102 * S);
-        iso_door_handle(&door, ISO_DOOR_ON_EXIT_BUTTON, 102 * S); /* people have their time */
+        iso_door_handle(&door, ISO_DOOR_ON_EXIT_BUTTON, 102 * S); /* people get the full time */
         assert_int_equal(iso_door_due_ns(&door), 106 * S);
     }
 }

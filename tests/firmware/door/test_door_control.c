@@ -1,4 +1,5 @@
-/* The door's machine on its lines: the null back end, and one that fails when told to. */
+/* The state machine of the door on its lines: on the null back end, and on a back end that fails on
+ * request. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -55,13 +56,14 @@ static void reads_inputs_when_it_is_time(void **state)
     assert_string_equal(door_rig_news(), "unlocked(exit-button) ");
     door_rig_set_input(ISO_DOOR_EXIT_BUTTON, false);
     iso_door_control_step(&door_rig_control, true, door_rig_now_ns);
-    door_rig_set_input(ISO_DOOR_EXIT_BUTTON, true); /* pressed and let go between two looks */
+    door_rig_set_input(ISO_DOOR_EXIT_BUTTON, true); /* pressed and released between two steps */
     door_rig_set_input(ISO_DOOR_EXIT_BUTTON, false);
     door_rig_step_at(2000);
     assert_int_equal(iso_door_due_ns(&door_rig_control.door), 6000 * MS);
 }
 
-/* Inputs come before the time: who opens in the last moment does not force the door. */
+/* Inputs are handled before the time. A person who opens the door in the last moment does not force
+ * it. */
 static void gives_the_benefit_of_the_doubt(void **state)
 {
     (void)state;
@@ -96,7 +98,7 @@ static void rests_without_power(void **state)
     assert_int_equal(iso_door_control_due_ns(&door_rig_control), ISO_NEVER_NS);
 }
 
-/* A test needs lines that work, and says what is wrong with them. */
+/* A test needs working lines, and reports their fault. */
 static void tests_the_relay(void **state)
 {
     struct iso_fault fault = {.text = ""};
@@ -113,10 +115,10 @@ static void tests_the_relay(void **state)
     assert_string_equal(fault.text, "the door's lines are at fault: the wire is cut");
     assert_int_equal(iso_door_control_may_test(&door_rig_control, &fault), -ENODEV);
     assert_int_not_equal(door_rig_control.door.state,
-                         ISO_DOOR_UNLOCKED); /* nor does it click later */
+                         ISO_DOOR_UNLOCKED); /* the lock does not switch later either */
 }
 
-/* A pulse relay has dropped already when the grant is renewed, and then its line fails. */
+/* The relay of a pulse lock is off already when the grant is renewed. Then its line fails. */
 static void a_renewal_that_fails_is_withdrawn(void **state)
 {
     (void)state;

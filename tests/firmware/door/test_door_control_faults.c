@@ -1,4 +1,4 @@
-/* The machine of a door on lines that fail, or are gone. */
+/* The state machine of a door on lines that fail or are missing. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -19,15 +19,15 @@ static void broken_lines_are_a_fault(void **state)
     assert_string_equal(door_rig_control.fault.text, "the wire is cut");
     assert_int_equal(iso_door_control_grant(&door_rig_control, door_rig_now_ns),
                      ISO_DOOR_DID_NOT_UNLOCK);
-    assert_string_equal(door_rig_news(), ""); /* nobody is let in */
+    assert_string_equal(door_rig_news(), ""); /* nobody is admitted */
     door_rig_failing = 0;
     door_rig_step_at(1100);
     assert_string_equal(door_rig_news(), "locked(recovered) ");
     assert_false(iso_door_io_is_lost(door_rig_io));
 }
 
-/* The lines fail while they are switched: nobody is told that the door is unlocked, and it
- * is not unlocked later either. */
+/* The lines fail while they are switched. The door does not report that it is unlocked, and it does
+ * not unlock later either. */
 static void a_grant_that_fails_is_withdrawn(void **state)
 {
     (void)state;
@@ -42,7 +42,7 @@ static void a_grant_that_fails_is_withdrawn(void **state)
     assert_string_equal(door_rig_news(), "locked(recovered) ");
     assert_int_equal(iso_door_control_grant(&door_rig_control, door_rig_now_ns),
                      ISO_DOOR_DID_UNLOCK);
-    door_rig_failing = -ENODEV; /* while it is unlocked: who was let in stays so */
+    door_rig_failing = -ENODEV; /* while it is unlocked: the grant stays valid */
     door_rig_step_at(1100);
     assert_int_equal(door_rig_control.door.state, ISO_DOOR_UNLOCKED);
     assert_int_equal(iso_door_control_grant(&door_rig_control, door_rig_now_ns),
@@ -89,8 +89,8 @@ static void says_when_the_lines_are_gone(void **state)
     assert_string_equal(door_rig_control.fault.text, "the wire is cut");
 }
 
-/* The first try after 500 ms, then after 1000 and 1200, which is the longest wait; in between
- * nothing is touched. The times are those at which somebody steps. */
+/* The first try follows after 500 ms, the next ones after 1000 and 1200, which is the longest wait.
+ * Between them no line is touched. The times are those of the steps. */
 static void opens_lost_lines_anew(void **state)
 {
     (void)state;
@@ -113,21 +113,22 @@ static void opens_lost_lines_anew(void **state)
     door_rig_step_at(4949);
     assert_string_equal(door_rig_news(), "");
     door_rig_step_at(4950);
-    assert_true(door_rig_opened_with.active[ISO_DOOR_RELAY]); /* who was let in has 50 ms left */
+    assert_true(door_rig_opened_with.active[ISO_DOOR_RELAY]); /* 50 ms of the grant are left */
     assert_string_equal(door_rig_news(), "");
     assert_false(door_rig_control.broken);
     door_rig_step_at(5000);
     assert_string_equal(door_rig_news(), "locked(time) ");
     door_rig_failing = -ENODEV;
     door_rig_step_at(5050);
-    assert_int_equal(iso_door_control_due_ns(&door_rig_control), 5550 * MS); /* begins anew */
+    assert_int_equal(iso_door_control_due_ns(&door_rig_control),
+                     5550 * MS); /* the waits start again */
     door_rig_failing = 0;
     door_rig_step_at(5550);
     assert_false(door_rig_opened_with.active[ISO_DOOR_RELAY]);
     assert_string_equal(door_rig_news(), "fault(fault) locked(recovered) ");
 }
 
-/* What happened to the door meanwhile is found out at once. */
+/* The machine finds at once what has happened to the door meanwhile. */
 static void sees_what_it_missed(void **state)
 {
     (void)state;
@@ -152,7 +153,8 @@ static void starts_without_lines(void **state)
     assert_int_equal(iso_door_io_new("null", NULL, 0, &clock, &door_rig_io, NULL), 0);
     iso_door_control_init(&door_rig_control, &door_rig_options, &door_rig_timing, door_rig_io,
                           door_rig_on_changed, &door_rig_control);
-    iso_door_control_start(&door_rig_control, door_rig_now_ns); /* opens them itself */
+    iso_door_control_start(&door_rig_control,
+                           door_rig_now_ns); /* the start opens the lines itself */
     assert_string_equal(door_rig_news(), "locked(start) ");
     iso_door_control_stop(&door_rig_control, door_rig_now_ns);
 }
@@ -163,7 +165,7 @@ static void starts_at_fault_without_lines(void **state)
     door_rig_failing = -ENODEV;
     struct iso_door_inputs inputs;
     assert_int_equal(iso_door_io_get_inputs(door_rig_io, &inputs, NULL),
-                     -ENODEV); /* now it is lost */
+                     -ENODEV); /* now the line is lost */
     iso_door_control_start(&door_rig_control, door_rig_now_ns);
     assert_string_equal(door_rig_news(), "fault(start) ");
     assert_string_equal(door_rig_control.fault.text, "the wire is taken");

@@ -1,5 +1,6 @@
-/* The door's guard: its thread, what others ask of it, and its news. The order of things is tested,
- * by lines that a test can wait for; never how long something takes. */
+/* The door's guard: its thread, requests of other threads, and its reports. The tests check the
+ * order of events, by lines for which a test can wait. They never check how long something takes.
+ */
 #include <errno.h>
 #include <poll.h>
 #include <stdatomic.h>
@@ -18,7 +19,7 @@ static struct iso_door_guard *guard;
 static struct iso_times times;
 static atomic_int recorded;
 static int64_t recorded_ns; /* of the last record */
-static bool records = true; /* of the next guard, from its start on */
+static bool records = true; /* for the next guard, from its start on */
 
 static void record(void *context, const struct iso_door_news *news)
 {
@@ -39,7 +40,7 @@ static int open_guard(int64_t unlock_ms)
         .door = {.unlock_ns = unlock_ms * ISO_NS_PER_MS,
                  .held_ns = 3600 * ISO_NS_PER_S,
                  .refused_ns = ISO_NS_PER_MS},
-        .timing = {.poll_ns = 3600 * ISO_NS_PER_S, /* the edges wake it up */
+        .timing = {.poll_ns = 3600 * ISO_NS_PER_S, /* the edges wake the thread */
                    .retry_ns = ISO_NS_PER_MS,
                    .retry_max_ns = ISO_NS_PER_MS},
         .clock = times.boottime,
@@ -91,7 +92,7 @@ static void an_edge_wakes_it_and_so_does_the_time(void **state)
     }
 }
 
-/* The thread waits for nothing but the hour; the grant has it look for the end of unlock_ms. */
+/* The thread would wait for an hour. The grant makes it wait for the end of unlock_ms. */
 static void a_grant_ends_by_itself(void **state)
 {
     enum iso_door_answer answer = ISO_DOOR_NOT_ASKED;
@@ -113,7 +114,8 @@ static void a_grant_that_is_too_old_switches_nothing(void **state)
     assert_int_equal(iso_door_guard_look(guard).state, ISO_DOOR_LOCKED);
 }
 
-/* The exit button has unlocked it: an old grant does not prolong that, and does not end it. */
+/* The exit button has unlocked the door. An old grant does not prolong this, and does not end it.
+ */
 static void an_old_grant_does_not_lock_out_the_exit_button(void **state)
 {
     enum iso_door_answer answer = ISO_DOOR_NOT_ASKED;
@@ -175,10 +177,10 @@ static void news_that_nobody_takes_are_counted(void **state)
     assert_true(iso_door_guard_next(guard, &news, &missed));
     assert_int_equal(missed, 2 + 2 * ISO_DOOR_GUARD_NEWS - ISO_DOOR_GUARD_NEWS);
     assert_int_equal(news.cause, ISO_DOOR_ON_TAMPER_ENDED);
-    assert_int_equal(recorded, 2 + 2 * ISO_DOOR_GUARD_NEWS); /* and none is lost there */
+    assert_int_equal(recorded, 2 + 2 * ISO_DOOR_GUARD_NEWS); /* and none of them is lost */
 }
 
-/* The door stays unlocked for longer than the verdict is good for. */
+/* The door stays unlocked for longer than a verdict is valid. */
 static void the_card_of_an_old_grant_is_not_sent(void **state)
 {
     const struct iso_wiegand_card card = {17, 4711};
@@ -188,7 +190,7 @@ static void the_card_of_an_old_grant_is_not_sent(void **state)
     const int64_t until_ns = iso_times_boot_ns(&times) + 20 * ISO_NS_PER_MS;
     int error = iso_door_guard_grant(guard, until_ns, &answer);
     if (error == -ESTALE) {
-        return; /* the test itself was stopped for so long */
+        return; /* the test itself was stopped for that time */
     }
     assert_int_equal(error, 0);
     while (iso_times_boot_ns(&times) <= until_ns) {
@@ -206,7 +208,7 @@ static void a_stopped_door_stays_so(void **state)
     iso_door_guard_stop(guard);
     wired_door_press();
     assert_int_equal(iso_door_guard_look(guard).state, ISO_DOOR_STOPPED);
-    iso_door_guard_free(guard); /* its thread has ended when this returns */
+    iso_door_guard_free(guard); /* the thread has ended when this returns */
     assert_int_equal(wired_door_switchings(ISO_DOOR_RELAY), 0);
     iso_door_io_close(io);
     assert_int_equal(open_guard(20), 0); /* for the tear-down */
@@ -219,7 +221,8 @@ static void await_lock(void)
     }
 }
 
-/* The door works before there is a log; what it does then is handed over when there is one. */
+/* The door works before there is a log. The guard hands over the records of that time when there is
+ * one. */
 static void changes_wait_for_whoever_keeps_records(void **state)
 {
     (void)state;

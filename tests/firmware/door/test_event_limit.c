@@ -1,4 +1,4 @@
-/* Events that come too often are counted, and reported with their number. */
+/* Events that come too often are counted and reported with their number. */
 #include <string.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
@@ -26,7 +26,7 @@ static void a_few_events_pass(void **state)
     assert_false(iso_event_limit_report(&limit, true, 11000 * ms_ns, &report));
 }
 
-/* 200 events in a second: each is either passed or counted. */
+/* Of 200 events in a second, each one either passes or is counted. */
 static void many_events_are_counted(void **state)
 {
     struct iso_event_limit limit = {.passed = 0};
@@ -43,7 +43,7 @@ static void many_events_are_counted(void **state)
     assert_true(iso_event_limit_report(&limit, false, 1995 * ms_ns, &report));
     assert_int_equal(report.events, 200 - BURST);
     assert_int_equal(report.length_ns, (995 - 5 * BURST) * ms_ns);
-    assert_true(iso_event_limit_take(&limit, 1995 * ms_ns)); /* it is over */
+    assert_true(iso_event_limit_take(&limit, 1995 * ms_ns)); /* the limit is over */
 }
 
 static void what_goes_on_is_reported_every_ten_seconds(void **state)
@@ -73,7 +73,7 @@ static struct iso_door_news news_of(enum iso_door_event cause, enum iso_door_sta
     return (struct iso_door_news){.cause = cause, .state = state};
 }
 
-/* A contact that chatters hides nothing of another kind. */
+/* A contact that chatters does not hide events of another kind. */
 static void each_input_is_limited_for_itself(void **state)
 {
     struct iso_door_events events = {.newest = {.tamper = false}};

@@ -1,4 +1,4 @@
-/* The gallery: what goes in comes out again, in memory and after a restart. */
+/* The gallery returns what was added, in memory and after a restart. */
 #include <errno.h>
 #include <sqlite3.h>
 #include <stdio.h>
@@ -31,7 +31,7 @@ static void begins_empty_and_private(void **state)
     iso_gallery_close(NULL);
 }
 
-/* Everything the same before and after a restart. */
+/* Everything is equal before and after a restart. */
 static void check_three(struct iso_gallery *gallery)
 {
     size_t n_people = 0;
@@ -40,12 +40,12 @@ static void check_three(struct iso_gallery *gallery)
     assert_int_equal(n_people, 2);
     assert_string_equal(people[0].name, "anna");
     assert_string_equal(people[1].name, "Zo\xc3\xab");
-    assert_int_equal(people[0].enrolled_s, 1020); /* the second template does not change that */
+    assert_int_equal(people[0].enrolled_s, 1020); /* the second template does not change this */
     assert_int_equal(people[0].valid_from_s, 0);
     assert_int_equal(people[0].valid_until_s, 2000);
     gallery_rig_expect(gallery, "anna", 2);
     gallery_rig_expect(gallery, "Zo\xc3\xab", 1);
-    /* Those of one person side by side, though they came in another order. */
+    /* The templates of one person are side by side, though they were added in another order. */
     assert_int_equal(all.n_entries, 3);
     assert_int_equal(puppet_face_of(all.entries[0].tmpl), 20);
     assert_int_equal(puppet_face_of(all.entries[1].tmpl), 22);
@@ -101,7 +101,7 @@ static void deletes_a_person_whole(void **state)
     iso_gallery_close(gallery);
 }
 
-/* The sealed record of the first template, to be freed. */
+/* Returns the sealed record of the first template, to be freed. */
 static void *sealed_template(const char *directory, size_t *size)
 {
     sqlite3 *db = NULL;
@@ -118,7 +118,7 @@ static void *sealed_template(const char *directory, size_t *size)
     return bytes;
 }
 
-/* The bytes of whom it forgets are gone from the file, sealed as they were. */
+/* The file no longer has the sealed bytes of a deleted person. */
 static void leaves_nothing_behind(void **state)
 {
     struct iso_gallery *gallery = gallery_rig_open(*state);

@@ -1,4 +1,5 @@
-/* A gallery on a disk that cannot be written, is full, or is left by a process that is killed. */
+/* A gallery on a disk that cannot be written or is full, and a gallery that a killed process has
+ * left. */
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/capability.h>
@@ -25,7 +26,7 @@ enum { CAPACITY = 1000 };
 
 /* ---- other processes, rights, space ---- */
 
-/* Runs `child` in a process of its own, which ends with its result. */
+/* Runs `child` in a process of its own. Returns its result. */
 static int in_child(int (*child)(const char *directory), const char *directory)
 {
     int status = 0;
@@ -38,8 +39,8 @@ static int in_child(int (*child)(const char *directory), const char *directory)
     return child_code(status);
 }
 
-/* Root obeys file modes from here on, as everybody else does. (To become another user would not do:
- * that one may not even reach the directory.) */
+/* From here on, file modes bind root like every other user. (The test cannot become another user,
+ * because that user might not even reach the directory.) */
 static int obey_modes(void)
 {
     struct __user_cap_header_struct header = {.version = _LINUX_CAPABILITY_VERSION_3};
@@ -90,7 +91,7 @@ static int fill_up(const char *directory)
         fprintf(stderr, "%d %s\n", error, fault.text);
         return 98;
     }
-    /* In memory it is as before, too, and works on. */
+    /* The memory is unchanged, too, and the gallery still works. */
     size_t n = 0;
     (void)iso_gallery_people(gallery, &n);
     if ((int)n != added || iso_gallery_remove(gallery, "person 0", &fault)) {
@@ -115,7 +116,7 @@ static void a_full_disk_changes_nothing(void **state)
 
 /* ---- kills ---- */
 
-/* Adds and deletes for ever, saying each time what it has done. */
+/* Adds and deletes people without end, and reports each change. */
 static void write_for_ever(const char *directory, int report_fd)
 {
     struct iso_gallery *gallery = NULL;
@@ -134,7 +135,7 @@ static void write_for_ever(const char *directory, int report_fd)
     }
 }
 
-/* Kills a writer after it has reported `reports` changes, and a little. Returns how many it had
+/* Kills a writer a short time after it has reported `reports` changes. Returns how many it had
  * reported in the end. */
 static int kill_a_writer(const char *directory, int reports)
 {
@@ -163,7 +164,7 @@ static int kill_a_writer(const char *directory, int reports)
     return n;
 }
 
-/* How many people there are after that many changes: + + + + - + - + - ... */
+/* Returns how many people there are after that many changes: + + + + - + - + - ... */
 static size_t people_after(int changes)
 {
     if (changes <= 3) {
@@ -182,7 +183,7 @@ static void survives_kills(void **state)
         const int changes = kill_a_writer(*state, round % 12);
         struct iso_gallery *gallery = gallery_rig_open(*state);
         const struct iso_person *people = iso_gallery_people(gallery, &n);
-        /* What was reported is there; one more change may be. */
+        /* The reported changes are there; one more change may be there. */
         if (n != people_after(changes) && n != people_after(changes + 1)) {
             fail_msg("after %d changes there are %zu people", changes, n);
         }

@@ -1,4 +1,4 @@
-/* What the gallery does when its file is not what it should be, and when it is killed. */
+/* The gallery when its file is damaged or is no gallery, and when its process is killed. */
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/capability.h>
@@ -23,7 +23,7 @@
 
 enum { CAPACITY = 1000 };
 
-/* It is refused with this error and text, and is afterwards what it was. */
+/* Asserts that the file is refused with this error and text, and that it stays unchanged. */
 static void expect_refusal(const char *directory, int error, const char *text)
 {
     struct iso_gallery *gallery = NULL;
@@ -111,8 +111,9 @@ static void cut_short_anywhere_it_is_refused(void **state)
     free(whole);
 }
 
-/* Every byte of every template is under its checksum, every page under the integrity check or the
- * schema; what is changed is either found, or was free. Never a crash, never another template. */
+/* A checksum protects every byte of every template, and the integrity check or the schema protects
+ * every page. A change is either found, or it was in free space. It never causes a crash or another
+ * template. */
 static void changed_anywhere_it_lies_never(void **state)
 {
     size_t size = 0;
@@ -168,8 +169,7 @@ static void one_process_has_it(void **state)
 
 /* ---- a record that changes while the gallery is open ---- */
 
-/* More than what SQLite keeps of the file in memory, so that the first record is read once
- * more. */
+/* More people than SQLite keeps of the file in memory, so that it reads the first record again. */
 enum { MORE_THAN_KEPT = 900, PART = 64 };
 
 static void add_whole_faces(const char *directory)
@@ -203,7 +203,7 @@ static void add_whole_faces(const char *directory)
     iso_gallery_close(gallery);
 }
 
-/* Part of the first person's record, and where it stands in the file. */
+/* Part of the first person's record, and its position in the file. */
 static size_t find_record(const char *directory, uint8_t part[PART])
 {
     sqlite3 *db = NULL;
@@ -253,7 +253,8 @@ static void what_changed_behind_it_is_not_handed_out(void **state)
     assert_non_null(strstr(fault.text, "damaged"));
     assert_int_equal(n, 77);
     assert_memory_equal(found, untouched, sizeof found);
-    assert_int_equal(iso_gallery_templates(gallery, last, found, 2, &n, NULL), 0); /* others are */
+    assert_int_equal(iso_gallery_templates(gallery, last, found, 2, &n, NULL),
+                     0); /* others can be read */
     assert_int_equal(n, 1);
     iso_gallery_close(gallery);
     expect_refusal(*state, -EBADMSG, "damaged");
@@ -264,7 +265,7 @@ static void what_changed_behind_it_is_not_handed_out(void **state)
     iso_gallery_close(gallery);
 }
 
-/* Takes the records of a person out of the file, locked as it is. */
+/* Removes the records of a person from the file, although it is locked. */
 static void take_out(const char *directory, int64_t person)
 {
     static const int flags = SQLITE_OPEN_READWRITE;
@@ -289,12 +290,14 @@ static void what_is_missing_behind_it_is_noticed(void **state)
     const int64_t first = iso_gallery_find(gallery, "person 0")->id;
     const int64_t last = iso_gallery_find(gallery, "person 899")->id;
     take_out(*state, first);
-    /* Not somebody without templates: then a search would go on as if there were nothing wrong. */
+    /* This is not a person without templates: a search would then continue as if nothing were
+     * wrong. */
     assert_int_equal(iso_gallery_templates(gallery, first, found, 2, &n, &fault), -EBADMSG);
     assert_non_null(strstr(fault.text, "records are missing"));
     assert_int_equal(n, 77);
     assert_memory_equal(found, untouched, sizeof found);
-    assert_int_equal(iso_gallery_templates(gallery, last, found, 2, &n, NULL), 0); /* others are */
+    assert_int_equal(iso_gallery_templates(gallery, last, found, 2, &n, NULL),
+                     0); /* others can be read */
     assert_int_equal(n, 1);
     iso_gallery_close(gallery);
     expect_refusal(*state, -EBADMSG, "missing");

@@ -1,5 +1,5 @@
-/* A gallery with a metric: the index of its vectors, and templates that are opened one person at a
- * time. */
+/* A gallery with a metric: the index of its vectors, and templates that are opened for one person
+ * at a time. */
 #include <errno.h>
 #include <sqlite3.h>
 #include <stdio.h>
@@ -14,7 +14,7 @@
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/support/scratch.h"
 
-/* A metric of the puppets' templates. */
+/* A metric for the templates of the puppets. */
 static struct iso_metric *new_metric(void)
 {
     const struct iso_template any = puppet_template(20, PUPPET_ALGORITHM);
@@ -39,7 +39,7 @@ static struct iso_metric *new_metric(void)
     return metric;
 }
 
-/* The vector that the index has to have for somebody with templates of these faces. */
+/* The expected vector in the index for a person with templates of these faces. */
 static void expect_vector(struct iso_gallery *gallery, const struct iso_metric *metric,
                           const char *name, const int *faces, int n)
 {
@@ -94,8 +94,8 @@ static void with_a_metric_it_keeps_an_index_of_vectors(void **state)
     iso_metric_free(metric);
 }
 
-/* Everybody with their own vector or template, whatever the number of people: arrays grow while
- * a database is read. */
+/* Each person has their own vector and template, for any number of people. The arrays grow while a
+ * database is read. */
 static void each_number_of_people_is_read_whole(void **state)
 {
     enum { PEOPLE = 34 };
@@ -125,7 +125,7 @@ static void each_number_of_people_is_read_whole(void **state)
     iso_metric_free(metric);
 }
 
-/* They are enrolled, and nobody is like them. */
+/* These people are enrolled, but no face resembles them. */
 static void a_template_without_points_is_in_no_index(void **state)
 {
     struct iso_metric *metric = new_metric();
@@ -169,14 +169,15 @@ static void templates_are_opened_one_person_at_a_time(void **state)
     assert_int_equal(iso_gallery_templates(gallery, bob, found, 3, &n, NULL), 0);
     assert_int_equal(n, 1);
     assert_int_equal(puppet_face_of(&found[0]), 60);
-    assert_int_equal(iso_gallery_templates(gallery, anna, found, 1, &n, NULL), 0); /* the first */
+    assert_int_equal(iso_gallery_templates(gallery, anna, found, 1, &n, NULL),
+                     0); /* the first one */
     assert_int_equal(n, 1);
     assert_int_equal(puppet_face_of(&found[0]), 20);
     n = 77;
     assert_int_equal(iso_gallery_templates(gallery, 99, found, 3, &n, &fault), -ENOENT);
     assert_string_equal(fault.text, "nobody has the number 99");
     assert_int_equal(n, 77);
-    /* Gone since somebody searched: nobody, not a person without templates. */
+    /* A person who was deleted after the search is nobody, and not a person without templates. */
     assert_int_equal(iso_gallery_remove(gallery, "bob", NULL), 0);
     assert_int_equal(iso_gallery_templates(gallery, bob, found, 3, &n, &fault), -ENOENT);
     assert_int_equal(n, 77);

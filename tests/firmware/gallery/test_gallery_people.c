@@ -1,5 +1,5 @@
-/* What the gallery knows of people besides templates: names, of which case does not tell two apart,
- * and limits of validity; changed in one transaction, and kept over a restart. */
+/* The gallery's data about people besides templates: names, which do not differ by case alone, and
+ * limits of validity. They change in one transaction and are kept over a restart. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,7 +19,7 @@ static struct iso_gallery *open_again(struct iso_gallery *gallery, const char *d
     return gallery_rig_open(directory);
 }
 
-/* The face of the only template of a person, opened from the database. */
+/* Returns the face of the only template of a person, opened from the database. */
 static int face_of(struct iso_gallery *gallery, const char *name)
 {
     struct iso_template tmpl;
@@ -38,11 +38,12 @@ static void a_name_is_one_whatever_its_case(void **state)
     struct iso_gallery *gallery = gallery_rig_open(*state);
     size_t n = 0;
     assert_int_equal(gallery_rig_add(gallery, "Ada", 20, NULL), 0);
-    assert_int_equal(gallery_rig_add(gallery, "aDA", 22, NULL), 0); /* hers, too */
+    assert_int_equal(gallery_rig_add(gallery, "aDA", 22, NULL), 0); /* it is hers, too */
     for (int i = 0; i < 2; i++) {
         (void)iso_gallery_people(gallery, &n);
         assert_int_equal(n, 1);
-        assert_string_equal(iso_gallery_find(gallery, "ADA")->name, "Ada"); /* the first spelling */
+        assert_string_equal(iso_gallery_find(gallery, "ADA")->name,
+                            "Ada"); /* the first spelling is kept */
         assert_int_equal(iso_gallery_find(gallery, "ada")->templates, 2);
         assert_int_equal(iso_gallery_find(gallery, "ada")->enrolled_s, 1020);
         assert_int_equal(iso_gallery_same_names(gallery), 0);
@@ -66,7 +67,8 @@ static void a_person_is_renamed_for_good(void **state)
         assert_null(iso_gallery_find(gallery, "ada"));
         assert_int_equal(iso_gallery_find(gallery, "ada lovelace")->id, id);
         assert_int_equal(iso_gallery_find(gallery, "Ada Lovelace")->enrolled_s, 1020);
-        assert_int_equal(face_of(gallery, "Ada Lovelace"), 20); /* the template opens still */
+        assert_int_equal(face_of(gallery, "Ada Lovelace"),
+                         20); /* the template can still be opened */
         assert_int_equal(face_of(gallery, "bob"), 60);
         if (i == 1) {
             assert_int_equal(iso_gallery_rotate(gallery, NULL, NULL), 0);
@@ -102,7 +104,7 @@ static void refuses_names_that_cannot_be_given(void **state)
     iso_gallery_close(gallery);
 }
 
-/* ---- a gallery of before ---- */
+/* ---- a gallery of an earlier version ---- */
 
 static void put(struct iso_gallery_db *db, const char *name, int face)
 {
@@ -117,7 +119,7 @@ static void put(struct iso_gallery_db *db, const char *name, int face)
         iso_gallery_db_put_template(db, row.id, PUPPET_ALGORITHM, bytes, (size_t)size, NULL), 0);
 }
 
-/* One that holds both Ada and ada. */
+/* A gallery with both Ada and ada. */
 static struct iso_gallery *open_with_both(const char *directory)
 {
     struct iso_gallery_db *db = NULL;
@@ -137,7 +139,7 @@ static void two_spellings_of_before_stay_two_people(void **state)
     assert_int_equal(iso_gallery_same_names(gallery), 1);
     assert_int_equal(face_of(gallery, "ada"), 20);
     assert_int_equal(face_of(gallery, "Ada"), 60);
-    assert_int_equal(face_of(gallery, "ADA"), 20); /* who was enrolled first */
+    assert_int_equal(face_of(gallery, "ADA"), 20); /* the person who was enrolled first */
     assert_int_equal(gallery_rig_add(gallery, "Ada", 62, NULL), 0);
     assert_int_equal(iso_gallery_find(gallery, "Ada")->templates, 2);
     assert_int_equal(iso_gallery_find(gallery, "ada")->templates, 1);
@@ -149,7 +151,7 @@ static void two_spellings_of_before_stay_two_people(void **state)
     iso_gallery_close(gallery);
 }
 
-/* One whose name has a character that is not seen, which an earlier version let in. */
+/* A gallery with a name that has an invisible character. An earlier version allowed this. */
 static void an_unseen_character_of_before_stays(void **state)
 {
     struct iso_gallery_db *db = NULL;
@@ -165,9 +167,9 @@ static void an_unseen_character_of_before_stays(void **state)
     struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_gallery_same_names(gallery), 1);
     assert_int_equal(face_of(gallery, "A\u200bda"), 60);
-    assert_int_equal(face_of(gallery, "Bob"), 80); /* as it looks */
+    assert_int_equal(face_of(gallery, "Bob"), 80); /* found by its visible characters */
     assert_int_equal(gallery_rig_add(gallery, "Bob", 82, NULL),
-                     0); /* another template of the same */
+                     0); /* another template of the same person */
     assert_int_equal(gallery_rig_add(gallery, "ev\u200be", 30, &fault), -EINVAL);
     assert_string_equal(fault.text, "the name holds a character that is not seen");
     assert_int_equal(iso_gallery_rename(gallery, "ada", "ad\u2060a", &fault), -EINVAL);
@@ -198,7 +200,7 @@ static void unseen_characters_do_not_come_by_an_import(void **state)
     iso_gallery_close(gallery);
 }
 
-/* Without their names, for that log is not sealed. */
+/* The lines have no names, because the log with them is not sealed. */
 static void the_daemon_warns_of_two_spellings(void **state)
 {
     struct rig *rig = *state;
@@ -212,7 +214,7 @@ static void the_daemon_warns_of_two_spellings(void **state)
     assert_null(strcasestr(rig->warned, "ada"));
 }
 
-/* What is learned is forgotten by an import of everybody in their own place. */
+/* To forget learned templates, the gallery imports all people in their own place. */
 static void two_spellings_of_before_forget_what_they_learned(void **state)
 {
     struct iso_gallery *gallery = open_with_both(*state);
@@ -249,7 +251,7 @@ static void two_spellings_do_not_come_by_an_import(void **state)
     assert_int_equal(iso_gallery_import(gallery, items, 1, false, NULL, &added, NULL), 0);
     assert_int_equal(added, 1);
     assert_int_equal(iso_gallery_import(gallery, items + 1, 1, false, NULL, &added, NULL), 0);
-    assert_int_equal(added, 0); /* known */
+    assert_int_equal(added, 0); /* the person was known */
     assert_int_equal(iso_gallery_import(gallery, items + 1, 1, true, NULL, &added, NULL), 0);
     assert_string_equal(iso_gallery_find(gallery, "ada")->name, "ADA");
     iso_gallery_close(gallery);

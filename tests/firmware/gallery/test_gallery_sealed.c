@@ -1,5 +1,5 @@
-/* The gallery at rest: what a thief of the files learns, and what is found that was exchanged, put
- * back or left unsealed. */
+/* The gallery at rest: what a thief learns from the files, and which exchanged, older or unsealed
+ * parts the gallery finds. */
 #include <errno.h>
 #include <sqlite3.h>
 #include <stdio.h>
@@ -36,8 +36,8 @@ static void add(struct iso_gallery *gallery, const char *name, int face)
     assert_int_equal(iso_gallery_add(gallery, &person, &tmpl, NULL), 0);
 }
 
-/* anna with two templates, Bartholomew and Wilhelmina with one: records 1 anna, 2 and 3 hers, ...
- */
+/* anna has two templates, Bartholomew and Wilhelmina have one each: record 1 is anna, records 2 and
+ * 3 are her templates, ... */
 static void make_three(const char *directory)
 {
     struct iso_gallery *gallery = gallery_rig_open(directory);
@@ -60,7 +60,8 @@ static void expect_absent(const char *directory, const char *file, const void *b
     free(whole);
 }
 
-/* Names, dates, and any eight bytes of any template, in every file but the key's. */
+/* Searches for names, dates, and any eight bytes of any template, in every file except the file of
+ * the key. */
 static void stolen_files_tell_no_name_and_no_template(void **state)
 {
     static const char *const files[] = {"g.db", "g.db.anchor", "g.db.keys", "a.log",
@@ -84,7 +85,7 @@ static void stolen_files_tell_no_name_and_no_template(void **state)
         }
         expect_absent(*state, files[f], &(int64_t){1795250060}, sizeof(int64_t));
         expect_absent(*state, files[f], bytes, 24);
-        for (int at = 64; at + 8 < size; at += 8) { /* a blank run would be found anywhere */
+        for (int at = 64; at + 8 < size; at += 8) { /* a run of zeros would be found anywhere */
             static const uint8_t blank[8];
             if (memcmp(bytes + at, blank, 8) != 0) {
                 expect_absent(*state, files[f], bytes + at, 8);
@@ -93,7 +94,7 @@ static void stolen_files_tell_no_name_and_no_template(void **state)
     }
 }
 
-/* The same search finds them where they are not sealed: it can fail. */
+/* The same search finds them in a file that is not sealed. So the search can succeed. */
 static void the_search_finds_what_is_there(void **state)
 {
     size_t size = 0;
@@ -103,7 +104,7 @@ static void the_search_finds_what_is_there(void **state)
     free(whole);
 }
 
-/* Every name takes the same room. */
+/* Every name takes the same space. */
 static void the_length_of_a_name_does_not_show(void **state)
 {
     sqlite3 *db = NULL;
@@ -149,7 +150,7 @@ static void exchanged_records_are_found(void **state)
         "UPDATE template SET person_id = 4 WHERE id = 2",
         "UPDATE template SET algorithm = algorithm + 1 WHERE id = 2",
         "UPDATE template SET id = 50 WHERE id = 2",
-        /* one that is missing, twice there, or from elsewhere */
+        /* a record that is missing, is there twice, or comes from elsewhere */
         "DELETE FROM template WHERE id = 2",
         "DELETE FROM template WHERE person_id = 6; DELETE FROM person WHERE id = 6",
         "INSERT INTO template SELECT 51, person_id, algorithm, record FROM template WHERE id = 2",
@@ -171,7 +172,7 @@ static void exchanged_records_are_found(void **state)
     iso_gallery_close(gallery_rig_open(*state));
 }
 
-/* A record of the same person, sealed by the same key in the same place, from before a change. */
+/* An earlier record of the same person, sealed by the same key in the same place. */
 static void an_old_record_is_found(void **state)
 {
     make_three(*state);
@@ -213,7 +214,8 @@ static void an_old_gallery_is_found(void **state)
     stores_copy_file(*state, "new.anchor", "g.db.anchor");
     expect_refusal(*state, -ESTALE, "/g.db: is gone; put it back, or move");
 
-    /* With its own old anchor it opens; the number of changes tells, which stands in the log. */
+    /* With its own old anchor the database can be opened. The number of changes, which is in the
+     * log, shows that it is old. */
     stores_copy_file(*state, "old", "g.db");
     stores_copy_file(*state, "old.anchor", "g.db.anchor");
     gallery = gallery_rig_open(*state);
@@ -254,9 +256,10 @@ static void anchors_can_be_sealed_anew(void **state)
     iso_gallery_close(gallery_rig_open(*state));
 }
 
-/* ---- the version before ---- */
+/* ---- the previous version ---- */
 
-/* A gallery as version 1 made it: one person, one template, one that a newer version made. */
+/* A gallery in the format of version 1: one person, one template, and one template from a newer
+ * version. */
 static void make_version_1(const char *directory)
 {
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
@@ -301,7 +304,7 @@ static void a_gallery_of_version_1_is_sealed_without_loss(void **state)
         assert_int_equal(person->enrolled_s, 1000);
         assert_int_equal(person->valid_from_s, 5);
         assert_int_equal(person->valid_until_s, 2000);
-        assert_int_equal(person->templates, 2); /* that of a newer version is kept */
+        assert_int_equal(person->templates, 2); /* the template of a newer version is kept */
         assert_int_equal(person->usable, 1);
         assert_int_equal(puppet_face_of(iso_gallery_everybody(gallery).entries->tmpl), 20);
         iso_gallery_close(gallery);
@@ -334,7 +337,7 @@ static void an_unsealed_gallery_is_not_taken_against_the_configuration(void **st
     iso_gallery_close(gallery_rig_open(*state));
 }
 
-/* As a kill leaves it: sealing has been announced, the old database is still there. */
+/* The state after a kill: the sealing was announced, and the old database is still there. */
 static void sealing_that_was_killed_begins_again(void **state)
 {
     make_version_1(*state);

@@ -1,4 +1,5 @@
-/* People carried from one gallery to another: by passphrase, by address; what is refused. */
+/* People are transferred from one gallery to another, with a passphrase or for an address; and
+ * which files are refused. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,7 +21,7 @@ struct door {
 struct doors {
     void *directory;
     struct door here, there;
-    struct iso_transfer_lock lock; /* a passphrase's */
+    struct iso_transfer_lock lock; /* of a passphrase */
 };
 
 static void open_door(const char *directory, const char *name, struct door *out)
@@ -91,7 +92,7 @@ static uint8_t *write_file(struct door *door, const char *const *people,
     return bytes;
 }
 
-/* Reads a file and takes its people over; the error of the first that fails. */
+/* Reads a file and imports its people. Returns the first error. */
 static int take(struct door *door, const uint8_t *bytes, size_t size,
                 const struct iso_seal_key *key, const char *sender, bool replace, size_t *added,
                 struct iso_fault *fault)
@@ -135,7 +136,7 @@ static void carries_people_by_passphrase(void **state)
     assert_int_equal(added, 2);
     expect_person(&doors->there, "anna", 2, 20);
     expect_person(&doors->there, "bob", 1, 60);
-    /* Again: they are known. */
+    /* A second import finds that they are known. */
     assert_int_equal(
         take(&doors->there, file, size, &doors->lock.key, doors->here.address, false, &added, NULL),
         0);
