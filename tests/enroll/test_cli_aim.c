@@ -1,4 +1,4 @@
-/* isotherm aim: what the sensor sees, and one picture of it, against a scripted daemon. */
+/* isotherm aim shows the view of the sensor and one picture of it, against a scripted daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -41,7 +41,7 @@ static void aim_shows_what_is_seen(void **state)
                                     "\"yaw-deg\":-12.4}\n");
 }
 
-/* A camera that is silent is told of once, one that shows something is not. */
+/* A silent camera is reported once. A camera that delivers frames is not reported. */
 static void aim_says_that_no_frames_arrive(void **state)
 {
     static const struct fake_view view = {"too-far", 1200, NAN};
@@ -56,7 +56,7 @@ static void aim_says_that_no_frames_arrive(void **state)
     assert_string_equal(result.err, "");
 }
 
-/* Whatever is seen: also what is not a number of a face. */
+/* All views fit, also those with numbers that no face has. */
 static void aim_fits_80_columns(void **state)
 {
     static const struct fake_view views[] = {
@@ -74,7 +74,7 @@ static void aim_fits_80_columns(void **state)
         lines += *c == '\n';
         assert_true(width < 80);
     }
-    assert_int_equal(lines, 7); /* the head, and each view with its hint */
+    assert_int_equal(lines, 7); /* the head line, and each view with its hint */
     assert_non_null(strstr(result.out, "\nno-face-in-image      >     -     - -123     -"));
 }
 
@@ -98,7 +98,7 @@ static void aim_writes_a_picture(void **state)
     assert_memory_equal(bytes, "PNG 123", 7);
     free(bytes);
     assert_int_equal(stat(path, &status), 0);
-    assert_int_equal(status.st_mode & 0777, 0600); /* it shows a person */
+    assert_int_equal(status.st_mode & 0777, 0600); /* the file shows a person */
 
     (void)snprintf(words, sizeof words, "aim --json --picture %s", path);
     result = cli_run(&script, words);

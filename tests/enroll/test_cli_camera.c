@@ -1,4 +1,4 @@
-/* enroll, identify and verify as a person meets them, against a scripted daemon. */
+/* enroll, identify and verify as a person sees them, against a scripted daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,11 +20,11 @@ static void enrolling_guides_the_person(void **state)
     static const struct fake_status statuses[] = {
         {"enroll-retry-no-face", false, 0, 2, 0, NULL, 0},
         {"enroll-retry-too-far", false, 0, 2, 0, NULL, 0},
-        {"enroll-retry-too-far", false, 0, 2, 0, NULL, 0}, /* is not said twice */
+        {"enroll-retry-too-far", false, 0, 2, 0, NULL, 0}, /* not printed twice */
         {"enroll-stage-passed", false, 1, 2, 0.875, NULL, 0},
         {"enroll-retry-turn-left", false, 1, 2, 0, NULL, 0},
         {"enroll-stage-misfit", false, 1, 2, 0, NULL, 0},
-        {"enroll-retry-turn-left", false, 1, 2, 0, NULL, 0}, /* is said again: much has happened */
+        {"enroll-retry-turn-left", false, 1, 2, 0, NULL, 0}, /* printed again after other hints */
         {"enroll-stage-passed", false, 2, 2, 0.75, NULL, 0},
         {"enroll-completed", true, 2, 2, 0.8125, NULL, 0},
     };
@@ -119,7 +119,7 @@ static void a_duplicate_is_named(void **state)
     assert_non_null(strstr(result.err, "this face is enrolled under another name (see"));
 }
 
-/* How an action may end: the daemon's word, the exit code, and what the person reads. */
+/* How an action may end: the word of the daemon, the exit code, and the text for the person. */
 static const struct ending {
     const char *words, *result;
     int exit;
@@ -182,7 +182,7 @@ static void a_score_that_nobody_knows_is_null(void **state)
     json_decref(document);
 }
 
-/* As from an appliance with an empty gallery. */
+/* The answer of an appliance with an empty gallery. */
 static void a_score_that_is_no_number_is_left_out(void **state)
 {
     const struct fake_status status = {"identify-no-match", true, 0, 0, NAN, NULL, 2};
@@ -214,7 +214,7 @@ static void verify_says_hints_and_asks_for_the_person(void **state)
     assert_string_equal(result.calls, "Claim;VerifyStart anna;VerifyStop;Release");
 }
 
-/* Hints go to the person at once, and the words of all of them into the document. */
+/* Hints are printed at once. The document has the words of all of them. */
 static void hints_are_in_the_document(void **state)
 {
     static const struct fake_status identify[] = {
@@ -315,7 +315,7 @@ static void a_refused_start_releases_the_claim(void **state)
     assert_string_equal(result.calls, "Claim;EnrollStart;Release");
 }
 
-/* Anybody on the bus may send a signal that looks like the daemon's. */
+/* Any program on the bus may send a signal that looks like one of the daemon. */
 static void a_strangers_signal_is_not_believed(void **state)
 {
     static const struct fake_status refused = {"identify-no-match", true, 0, 0, 1, NULL, 2};

@@ -1,5 +1,5 @@
-/* isotherm doctor against a scripted daemon: findings follow from words and codes of the daemon,
- * and the remedies from the codes. */
+/* isotherm doctor against a scripted daemon. Its findings follow from words and codes of the
+ * daemon, its remedies from the codes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -50,13 +50,13 @@ static void doctor_lists_the_devices_that_the_driver_sees(void **state)
                                        "pull-up\n"));
 }
 
-/* What the daemon says, and what the doctor makes of it. The sentences are arbitrary: the codes
+/* A status of the daemon, and the doctor's finding. The sentences are arbitrary, because the codes
  * decide. */
 static const struct {
     struct fake_script script;
     int exit;
     const char *text;
-    enum iso_fault_code code; /* whose remedy is told; NONE: none is */
+    enum iso_fault_code code; /* the code whose remedy is printed; NONE: no remedy */
 } cases[] = {
     {{.sensor_state = "lost"}, 4, "fault    sensor      lost\n", ISO_FAULT_NONE},
     {{.sensor_state = "lost", .sensor_fault = "what is so", .sensor_fault_code = "sensor-denied"},

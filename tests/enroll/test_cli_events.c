@@ -19,7 +19,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-/* Whether a name stands between two separators of a line of names. */
+/* Whether a name is between two separators of a line of names. */
 static bool has_column(const char *names, const char *name)
 {
     const size_t length = strlen(name);
@@ -33,7 +33,7 @@ static bool has_column(const char *names, const char *name)
     return false;
 }
 
-/* The daemon writes no member that a table of values would leave out. */
+/* The daemon writes no member that a table of values would not show. */
 static void csv_has_a_column_for_every_member_that_the_daemon_writes(void **state)
 {
     static const char call[] = "(line, \"";
@@ -54,7 +54,7 @@ static void csv_has_a_column_for_every_member_that_the_daemon_writes(void **stat
     free(source);
 }
 
-/* A word that is no event would show nothing, as if nothing had happened. */
+/* A word that is not an event would print nothing, as if nothing had happened. */
 static void an_unknown_event_is_a_usage_error(void **state)
 {
     static const struct {
@@ -90,7 +90,7 @@ static bool is_known(const char *word)
     return known;
 }
 
-/* Every word that the source gives to a call, `call` ending with the quote, is known. */
+/* Checks that every word which the source passes to a call is known. `call` ends with the quote. */
 static size_t expect_known(const char *path, const char *source, const char *call)
 {
     char word[64];
@@ -107,7 +107,7 @@ static size_t expect_known(const char *path, const char *source, const char *cal
     return n;
 }
 
-/* The whole source of the daemon, one file behind the other, has every known event as a word. */
+/* The whole source of the daemon, all files in a row. Every known event is a word in it. */
 static void the_daemon_records_the_events_that_are_known(void **state)
 {
     static const char *const calls[] = {
@@ -141,7 +141,7 @@ static void the_daemon_records_the_events_that_are_known(void **state)
     assert_true(n >= 30);
 }
 
-/* Both list the events between blanks, commas or quotes. */
+/* Both texts list the events between blanks, commas or quotes. */
 static void manual_and_completion_have_every_event(void **state)
 {
     static const struct {

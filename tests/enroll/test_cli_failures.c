@@ -1,4 +1,4 @@
-/* How every command fails, and what needs no daemon: help and version. */
+/* How every command fails, and the commands that need no daemon: help and version. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,7 +16,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-/* Every command, as it is typed, without options. */
+/* Every command as a user types it, without options. */
 static const char *const commands[] = {
     "enroll anna", "identify", "verify anna",          "list",           "remove anna", "status",
     "log",         "aim",      "validity anna --none", "rename anna eve"};
@@ -132,7 +132,7 @@ static void help_and_version_need_no_daemon(void **state)
     assert_non_null(strstr(result.out, "--allow-duplicate"));
 }
 
-/* A unit without its configuration does not start; what helps is setup. */
+/* Without its configuration a unit does not start. The remedy is `isotherm setup`. */
 static void a_daemon_that_is_not_configured_is_told_of(void **state)
 {
     static const char *const words[] = {"status", "list", "log", "identify", "doctor"};
@@ -148,11 +148,11 @@ static void a_daemon_that_is_not_configured_is_told_of(void **state)
             fail_msg("%s says: %s%s", words[i], result.out, result.err);
         }
     }
-    /* The configuration of the installed daemon says nothing about another bus. */
+    /* The configuration of the installed daemon does not apply to another bus. */
     assert_non_null(strstr(cli_run(NULL, "status").err, "systemctl start isothermd"));
 }
 
-/* --help, -h and the word help are the same, of the program and of a command. */
+/* --help, -h and the word help do the same, for the program and for a command. */
 static void help_is_shown_however_it_is_asked_for(void **state)
 {
     static const char *const same[][3] = {

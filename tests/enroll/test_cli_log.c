@@ -1,4 +1,4 @@
-/* log, and what its options choose, against a scripted daemon. */
+/* isotherm log and its options, against a scripted daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-/* The numbers of the records that a document holds, first and last. */
+/* The numbers of the first and the last record of a document. */
 static void expect_records_of(const struct fake_script *script, const char *words, size_t n,
                               json_int_t first, json_int_t last)
 {
@@ -36,8 +36,8 @@ static void expect_records(const char *words, size_t n, json_int_t first, json_i
     expect_records_of(&script, words, n, first, last);
 }
 
-/* Records come with every call: those that there were when it began are shown, and that has an end.
- * Some go: those that are left are. */
+/* New records come with every call. The program shows the records that existed when it began, and
+ * then ends. Old records are removed; the program shows those that are left. */
 static void log_of_a_busy_door_has_an_end(void **state)
 {
     const struct fake_script comes = {.n_records = 300, .records_come = 70};
@@ -51,7 +51,7 @@ static void log_of_a_busy_door_has_an_end(void **state)
     expect_records_of(&goes, "log --json --from 1", 20, 31, 50);
 }
 
-/* A long log takes more calls than a client has at once. */
+/* A long log takes more calls than a client may make at once. */
 static void log_waits_until_it_may_call_again(void **state)
 {
     const struct fake_script script = {.n_records = 30, .refused = 2};
@@ -72,7 +72,7 @@ static void log_shows_the_last_or_those_from_a_number_on(void **state)
     expect_records("log --json --from 1", 20, 1, 20);
 }
 
-/* Local time, two digits of a score, nothing that only programs want. */
+/* Local time, two digits of a score, and no member that only programs need. */
 static void log_is_one_line_a_record(void **state)
 {
     const struct fake_script script = {.n_records = 2};
@@ -134,7 +134,8 @@ static void log_as_csv(void **state)
     cli_expect_error(&result, 2, "usage");
 }
 
-/* What the door did for a visitor, and what an administrator changed, stand in every form. */
+/* The door's result for a visitor, and the change of an administrator, are in every form of the
+ * output. */
 static void log_shows_every_member(void **state)
 {
     const struct fake_script visit = {
@@ -158,8 +159,8 @@ static void log_shows_every_member(void **state)
                            ",rename,,anna,,,,,,,,,,anna,Anna Ek,,,1234567\n"));
 }
 
-/* A name is found in any spelling that the daemon takes for the same: in another case, of other
- * characters of the same letters; and who was renamed, by both names. */
+/* A name is found in any spelling that the daemon treats as equal: in another case, or with other
+ * characters for the same letters. A renamed person is found by both names. */
 static void log_finds_a_person_by_any_spelling(void **state)
 {
     const struct fake_script visits = {.n_records = 4};

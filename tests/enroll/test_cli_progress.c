@@ -1,4 +1,4 @@
-/* What isotherm says of how far the daemon is with a call that takes long. */
+/* isotherm's output about the progress of a long call. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,7 +16,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-/* Nobody says how much time is left before a second has passed. */
+/* The remaining time is not printed before a second has passed. */
 static const struct fake_progress half = {50, 100, 0};
 static const struct fake_script half_way = {.progress = &half, .n_progress = 1, .answer_ms = 2500};
 
@@ -27,7 +27,7 @@ static void expect(const struct cli_result *result, const char *text)
     }
 }
 
-/* The words on a terminal: what is done, how far it is, how long it takes yet, and the answer. */
+/* The words on a terminal: the action, the progress, the remaining time, and the answer. */
 static void expect_bar(const char *words, const char *what, const char *answer)
 {
     char bar[64];
@@ -57,7 +57,7 @@ static void a_terminal_shows_share_and_time_left(void **state)
     expect_bar(words, "importing people", "2 people added");
 }
 
-/* The daemon needs more than the 10 s that other calls have. */
+/* The daemon takes longer than the 10 s that other calls may take. */
 static void a_pipe_gets_plain_lines(void **state)
 {
     static const struct fake_progress slow[] = {{20, 100, 1500}, {60, 100, 4500}};
@@ -76,8 +76,8 @@ static void a_pipe_gets_plain_lines(void **state)
     assert_non_null(strstr(result.err, "isotherm: verifying the log: ended after 1"));
 }
 
-/* All records are sealed, and the daemon writes them to the disk: for longer than other calls
- * have. */
+/* All records are sealed, and the daemon writes them to the disk. This takes longer than other
+ * calls may take. */
 static void a_rotation_may_be_silent_for_more_than_ten_seconds(void **state)
 {
     static const struct fake_progress sealed = {100, 100, 0};
@@ -89,7 +89,7 @@ static void a_rotation_may_be_silent_for_more_than_ten_seconds(void **state)
     expect(&result, "sealed with new keys.");
 }
 
-/* Numbers that cannot be do no harm. */
+/* Impossible numbers do no harm. */
 static void nonsense_is_no_fault(void **state)
 {
     static const struct fake_progress wrong[] = {{9, 0, 0}, {101, 100, 0}, {UINT64_MAX, 1, 300}};

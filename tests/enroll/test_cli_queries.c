@@ -1,5 +1,5 @@
-/* What is asked and changed without a camera: list, remove, validity, rename, status and import,
- * against a scripted daemon. */
+/* The commands that need no camera: list, remove, validity, rename, status and import, against a
+ * scripted daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -30,7 +30,8 @@ static void list_shows_everybody(void **state)
                                        "22:26  -                 1\n"));
 }
 
-/* Chinese letters take two columns, a combining accent none: the dates stand below each other. */
+/* Chinese letters take two columns, and a combining accent takes none, so that the dates are in one
+ * column. */
 static void list_aligns_wide_letters(void **state)
 {
     static const struct fake_person abroad[] = {
@@ -47,7 +48,8 @@ static void list_aligns_wide_letters(void **state)
     assert_non_null(strstr(result.out, "\nAnna Margareta Wilhelmina Ek 2026-11-21"));
 }
 
-/* A gallery of an earlier version: they are named in a way that can be typed again. */
+/* A gallery of an earlier version. The program prints the names in a form that a user can type
+ * again. */
 static void list_names_those_who_look_the_same(void **state)
 {
     static const struct fake_person twins[] = {
@@ -144,7 +146,7 @@ static void validity_says_what_is_stored(void **state)
     result = cli_run(&cli_two_people, "validity anna --from none");
     assert_string_equal(result.calls, "SetValidity anna valid-from=0");
     result = cli_run(&cli_two_people, "validity \"Bo Ek\" --none --json");
-    cli_expect_error(&result, 2, "usage"); /* the shell is not asked: two words */
+    cli_expect_error(&result, 2, "usage"); /* no shell reads the line: these are two words */
     result = cli_run(&cli_two_people, "validity anna --none --json");
     json_t *document = cli_json(&result);
     assert_string_equal(json_string_value(json_object_get(document, "person")), "anna");
@@ -190,7 +192,7 @@ static void status_keeps_names_and_types(void **state)
     json_decref(document);
 }
 
-/* In sections, with plain names and units; the names of the bus are for programs. */
+/* The status has sections with plain names and units. The names of the bus are for programs. */
 static void status_is_for_people(void **state)
 {
     const struct cli_result result = cli_run(&cli_two_people, "status");
@@ -208,7 +210,8 @@ static void status_is_for_people(void **state)
     }
 }
 
-/* What is no file is refused before the daemon gets it: nobody waits for the writer of a FIFO. */
+/* An object that is no file is refused before the daemon gets it, so that the program does not wait
+ * for the writer of a FIFO. */
 static void import_reads_files_alone(void **state)
 {
     static const char *const said[] = {"is a FIFO, not a file", "is a symbolic link, not a file",
@@ -226,7 +229,7 @@ static void import_reads_files_alone(void **state)
     }
 }
 
-/* With --replace nobody stays as is. A file for an appliance needs no passphrase. */
+/* With --replace no known person stays unchanged. A file for an appliance needs no passphrase. */
 static void import_says_whether_people_were_replaced(void **state)
 {
     static const char sealed[32] = ISO_CONTRACT_PEOPLE_MAGIC "\002";

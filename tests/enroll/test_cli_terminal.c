@@ -1,4 +1,4 @@
-/* What isotherm shows on a terminal and nowhere else: colours and progress. */
+/* isotherm's output that is only for terminals: colours and progress. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,7 @@
 static const struct fake_person people[] = {{"anna", 1795248000, 0, 0, 2}};
 static const struct fake_script healthy = {.people = people, .n_people = 1, .n_records = 2};
 
-/* Runs the words on a terminal; the text has to be there, or (absent) must not be. */
+/* Runs the words on a terminal. The text has to be in the output, or (absent) must not be. */
 static void expect(const struct fake_script *script, const char *words, const char *environment,
                    const char *text, bool absent)
 {

@@ -1,4 +1,4 @@
-/* Every code of a fault: it has a name, a meaning and a remedy, and something raises it. */
+/* Every code of a fault has a name, a meaning and a remedy, and some source raises it. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -27,7 +27,7 @@ static void every_code_has_a_name_of_its_own(void **state)
         assert_true(strlen(name) > 3 && strlen(name) + 4 <= ISO_FAULT_TAG_SIZE);
         assert_int_equal(strspn(name, "abcdefghijklmnopqrstuvwxyz-"), strlen(name));
         assert_true(iso_fault_code_find(name, &found));
-        assert_int_equal(found, code); /* and nobody else has it */
+        assert_int_equal(found, code); /* and no other code has this name */
     }
     enum iso_fault_code untouched = ISO_FAULT_DISK_FULL;
     assert_false(iso_fault_code_find("no-such-code", &untouched));
@@ -43,7 +43,7 @@ static void every_code_has_a_meaning_and_a_remedy(void **state)
         if (!meaning || meaning[strlen(meaning) - 1] != '.') {
             fail_msg("%s has no meaning that is a sentence", iso_fault_code_name(code));
         }
-        /* Of a fault without a code nothing is known but its sentence. */
+        /* A fault without a code has only its sentence. */
         if ((remedy && *remedy) != (code != ISO_FAULT_NONE)) {
             fail_msg("the remedy of %s: %s", iso_fault_code_name(code), remedy ? remedy : "none");
         }
@@ -61,7 +61,7 @@ static void a_fault_carries_its_code(void **state)
     assert_int_equal(fault.code, ISO_FAULT_DISK_FULL);
     (void)iso_fault_set_code(&outer, fault.code, -28, "store: %s", fault.text);
     assert_int_equal(outer.code, ISO_FAULT_DISK_FULL);
-    (void)iso_fault_set(&fault, -5, "another one"); /* the old code does not stay */
+    (void)iso_fault_set(&fault, -5, "another one"); /* the old code is removed */
     assert_int_equal(fault.code, ISO_FAULT_NONE);
     assert_int_equal(iso_fault_code_default(&fault, ISO_FAULT_DISK_FAILED, -5), -5);
     assert_int_equal(iso_fault_code_default(&fault, ISO_FAULT_DISK_FULL, -5), -5);
@@ -83,11 +83,11 @@ static void a_line_of_the_log_ends_with_the_code(void **state)
     assert_string_equal(iso_fault_word(ISO_FAULT_NONE), "");
 }
 
-/* ---- what raises them ---- */
+/* ---- the sources that raise them ---- */
 
 static bool raised[ISO_FAULT_CODES];
 
-/* "ISO_FAULT_DISK_FULL" of "disk-full". */
+/* Makes "ISO_FAULT_DISK_FULL" of "disk-full". */
 static void spell(enum iso_fault_code code, char text[64])
 {
     (void)snprintf(text, 64, "ISO_FAULT_%s", iso_fault_code_name(code));
@@ -107,7 +107,7 @@ static bool has_word(const char *text, const char *word)
     return false;
 }
 
-/* Where a call ends: behind its last bracket. */
+/* Returns the end of a call, after its last bracket. */
 static const char *end_of_call(const char *at)
 {
     int depth = 0;
@@ -122,7 +122,8 @@ static const char *end_of_call(const char *at)
     return at;
 }
 
-/* A fault that is made of another one's text has its code, too: iso_fault_set() would lose it. */
+/* A fault made of another fault's text has that fault's code, too. iso_fault_set() would lose it.
+ */
 static void expect_codes_passed_on(const char *path, const char *text)
 {
     for (const char *at = text; (at = strstr(at, "iso_fault_set(")); at++) {
@@ -136,7 +137,7 @@ static void expect_codes_passed_on(const char *path, const char *text)
     }
 }
 
-/* The list of codes and the table of remedies name all of them and raise none. */
+/* The list of codes and the table of remedies name all codes and raise none. */
 static int look_into(const char *path, const struct stat *status, int kind, struct FTW *walk)
 {
     const char *base = path + walk->base, *ending = strrchr(base, '.');

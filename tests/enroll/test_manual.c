@@ -1,5 +1,5 @@
-/* The manuals name every option of the command line, every word and code that the programs print,
- * and every fault with its remedy. */
+/* The manuals describe every option of the command line, every word and code that the programs
+ * print, and every fault with its remedy. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +20,7 @@
 
 #define MANUAL ISOTHERM_SOURCE_DIR "/enroll/man/"
 
-/* The help of a command, to be freed. */
+/* Returns the help of a command, to be freed. */
 static char *help_of(enum cli_verb verb)
 {
     char *text = NULL;
@@ -115,8 +115,8 @@ static void add_words(char *to, size_t size, const char *from)
     to[used] = '\0';
 }
 
-/* The table of section FAULTS has every code in the order of the list, what it means and its
- * remedy, and no others. */
+/* The table of the section FAULTS has every code with its meaning and its remedy, in the order of
+ * the list, and no others. */
 static void every_fault_stands_in_the_manual_with_its_remedy(void **state)
 {
     char *manual = read_text(MANUAL "isothermd.8");
@@ -174,12 +174,13 @@ static void expect_in_json_section(const char *word, size_t length, const char *
     fail_msg("isotherm(1), JSON, does not have '%.*s' of %s", (int)length, word, source);
 }
 
-/* The code of every fault that a source sets: the first text in the call. */
+/* The code of every fault that a source sets is the first text in the call. */
 static void look_for_codes(const char *text, const char *source)
 {
     for (const char *at = text; (at = strstr(at, "cli_fault_set(")); at++) {
         const char *end = strchr(at, ';'), *code = strchr(at, '"');
-        if (end && code && code < end && code[1] != '%') { /* else it comes from a table */
+        if (end && code && code < end &&
+            code[1] != '%') { /* otherwise the code comes from a table */
             expect_in_json_section(code + 1, strcspn(code + 1, "\""), source);
         }
     }

@@ -1,5 +1,5 @@
-/* isotherm.conf(5) has every key of the configuration and every option of a back end, with its
- * standard value and range, and no others. */
+/* isotherm.conf(5) describes every key of the configuration and every option of a back end, with
+ * its default and range, and no others. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -28,7 +28,7 @@ static size_t count_of(const char *text, const char *part)
     return count;
 }
 
-/* The text of a section of isotherm.conf(5), to be freed. */
+/* Returns the text of a section of isotherm.conf(5), to be freed. */
 static char *section_of(const char *manual, const char *section)
 {
     char heading[64];
@@ -43,7 +43,8 @@ static char *section_of(const char *manual, const char *section)
     return strndup(start, (size_t)(end - start));
 }
 
-/* The text of an item of a section, up to the next one, to be freed. Fails without one. */
+/* Returns the text of an item of a section, up to the next item, to be freed. Fails if there is no
+ * such item. */
 static char *item_of(const char *section_name, const char *section, const char *name,
                      const char *standard)
 {
@@ -160,7 +161,7 @@ static void every_option_of_a_back_end_stands_in_the_manual(void **state)
         }
         free(section);
     }
-    assert_true(n_options >= 5); /* those of replay and null are always there */
+    assert_true(n_options >= 5); /* replay and null exist in every build */
     free(manual);
 }
 
@@ -193,7 +194,7 @@ static bool is_key(const char *section, const char *key)
     return false;
 }
 
-/* A build that lacks a back end does not know its options. */
+/* A build without a back end does not know the options of this back end. */
 static bool has_every_back_end(void)
 {
     return iso_sensor_options("v4l2") && iso_sensor_options("v4l2-stereo") &&

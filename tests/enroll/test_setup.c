@@ -1,5 +1,5 @@
-/* `isotherm setup` as a whole: what it writes, starts and shows, and that a fault leaves all as it
- * was. */
+/* `isotherm setup` as a whole: the files that it writes, the service that it starts, its output,
+ * and that a fault leaves everything unchanged. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -75,7 +75,7 @@ static void an_old_file_is_kept_and_what_is_the_same_is_not_written(void **state
     assert_int_equal(size, strlen(setup_rig_old_text));
     assert_memory_equal(text, setup_rig_old_text, size);
     free(text);
-    /* Once more: nothing to write, but the service is started again. */
+    /* A second run writes nothing, but it starts the service again. */
     assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
     setup_rig_expect_in(rig->said, "stays as it is");
     setup_rig_expect_in(rig->calls, "RestartUnit");
@@ -139,7 +139,8 @@ static void a_wrong_wish_is_named_and_changes_nothing(void **state)
     }
 }
 
-/* Each failure of the start, on a machine whose daemon ran before, and on one that had none. */
+/* Each failure of the start, on a machine whose daemon ran before, and on a machine without a
+ * configuration. */
 static void a_start_that_fails_is_undone(void **state)
 {
     static const struct {
@@ -262,7 +263,7 @@ static size_t count_calls(const char *calls, const char *method)
     return n;
 }
 
-/* The daemon has waited for a frame itself, and each question is on record. */
+/* The daemon itself has waited for a frame, and each question is on record. */
 static void a_camera_that_shows_nothing_is_asked_once(void **state)
 {
     const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
@@ -279,7 +280,7 @@ static void a_camera_that_shows_nothing_is_asked_once(void **state)
     assert_int_equal(count_calls(rig->daemon_calls, "Picture"), 1);
 }
 
-/* Another program gives the camera back, perhaps. */
+/* Another program may release the camera meanwhile. */
 static void a_camera_in_use_is_asked_for_again(void **state)
 {
     const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};

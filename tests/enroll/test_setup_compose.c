@@ -1,5 +1,5 @@
-/* What `isotherm setup` writes: the word of a sensor, the file that is composed of it and of the
- * board, and how a change of it is shown. */
+/* The configuration that `isotherm setup` writes: the name of a sensor, the file that is composed
+ * from this name and the board, and how a change of the file is shown. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -141,7 +141,7 @@ static void what_concerns_neither_sensor_nor_door_stays(void **state)
                           "# Strict.\nlevel = strict\n\n[log]\nmax_mib = 9\n");
 }
 
-/* Every board with every kind of sensor, twice: the second time nothing changes. */
+/* Every board with every kind of sensor, twice. The second time nothing changes. */
 static void every_composition_is_sound(void **state)
 {
     static const char *const sensors[] = {

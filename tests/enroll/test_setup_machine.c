@@ -1,4 +1,4 @@
-/* What `isotherm setup` finds on a machine, and the files and programs that it uses. */
+/* The devices that `isotherm setup` finds on a machine, and the files and programs that it uses. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -60,7 +60,7 @@ static void a_file_is_replaced_as_a_whole_and_can_be_put_back(void **state)
     }
     expect_text(path, "old\n");
     assert_int_equal(unlink(path), 0);
-    assert_int_equal(rmdir(scratch_path(*state, "etc")), 0); /* nothing else is left */
+    assert_int_equal(rmdir(scratch_path(*state, "etc")), 0); /* no other file is left */
 }
 
 static void a_file_that_cannot_be_written_is_named(void **state)
@@ -93,7 +93,7 @@ static void a_programs_words_are_kept(void **state)
     assert_non_null(strstr(fault.text, "/nonexistent"));
 }
 
-/* ---- what there is ---- */
+/* ---- the state of the machine ---- */
 
 static void put_file(const char *root, const char *path, const char *text)
 {
@@ -110,7 +110,7 @@ static void put_file(const char *root, const char *path, const char *text)
     scratch_write_text(copy, text);
 }
 
-/* A machine with a D435 as video4, whose link has a name that lasts. */
+/* A machine with a D435 as video4. A link with a permanent name leads to it. */
 static struct cli_setup_places make_machine(const char *root)
 {
     const struct cli_setup_places places = {
@@ -209,7 +209,7 @@ static void only_depth_cameras_are_candidates(void **state)
     cli_candidates_find(&places, &devices, "[sensor]\nbackend = libcamera-stereo\n", &candidates);
     assert_int_equal(candidates.n, 3);
     assert_string_equal(candidates.items[2].sensor.backend, "libcamera-stereo");
-    /* Names that the board's udev rules give go before others. */
+    /* Names from the board's udev rules are preferred to other names. */
     assert_int_equal(symlink("video4", scratch_path(*state, "dev/isotherm-depth")), 0);
     assert_int_equal(symlink("video6", scratch_path(*state, "dev/isotherm-ir")), 0);
     cli_candidates_find(&places, &devices, "", &candidates);

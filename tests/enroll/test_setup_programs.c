@@ -1,4 +1,4 @@
-/* `isotherm setup` for programs, and with the real daemon. */
+/* `isotherm setup` when a program calls it, and with the real daemon. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -47,7 +47,7 @@ static void with_json_there_is_one_document(void **state)
     json_decref(document);
 }
 
-/* The daemon that this would start, already there, on stored frames. */
+/* A daemon with stored frames, which runs already, in place of the one that would be started. */
 static void start_real_daemon(const struct setup_rig *rig, struct run *run)
 {
     static char text[2048];
@@ -89,7 +89,7 @@ static void the_real_daemon_sends_a_picture_of_what_it_sees(void **state)
     free(png);
 }
 
-/* The real program: what it finds depends on the machine, but not that it is one object a line. */
+/* Runs the real program. Its findings depend on the machine, but each line must have one object. */
 static void the_daemon_lists_devices_one_object_a_line(void **state)
 {
     const char *const argv[] = {ISOTHERM_BINARY_DIR "/firmware/isothermd", "--list-devices", NULL};

@@ -1,4 +1,4 @@
-/* `isotherm setup` at a terminal: what it asks, and what an interrupt changes. */
+/* `isotherm setup` at a terminal: its questions, and the effect of an interrupt. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -28,7 +28,7 @@ static void a_person_is_asked_what_is_not_known(void **state)
     setup_rig_set_devices(setup_rig_one_camera);
     setup_rig_begin(rig, &manager, &daemon);
     setup_rig_open(rig, &wish, &terminal);
-    setup_rig_answer(&terminal, "Board [1]", "seven\n"); /* generic: nothing is recognised */
+    setup_rig_answer(&terminal, "Board [1]", "seven\n"); /* generic: no board is recognised */
     setup_rig_answer(&terminal, "a number from 1 to 5", "2\n");
     setup_rig_answer(&terminal, "Camera [1]", "\n");
     setup_rig_answer(&terminal, "start the service? [Y/n]", "perhaps\n");

@@ -1,5 +1,5 @@
-/* The SYNOPSIS of each manual names every command and option that the program has, and no others:
- * what a program has, its --help prints from the tables that it reads its options by. */
+/* The SYNOPSIS of each manual has every command and option of the program, and no others. The
+ * --help of a program prints them from the tables with which the program reads its options. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,10 +23,10 @@ static const char isotherm[] = ISOTHERM_BINARY_DIR "/enroll/isotherm";
 static const char isothermd[] = ISOTHERM_BINARY_DIR "/firmware/isothermd";
 static const char simulator[] = ISOTHERM_BINARY_DIR "/sim/isotherm-sim";
 
-/* The SYNOPSIS of the manual that is looked at, and the part of it that is about one command. */
+/* The SYNOPSIS of the present manual, and the part of it about one command. */
 static char synopsis[SYNOPSIS_SIZE], part[SYNOPSIS_SIZE];
 
-/* What the program says of itself, or of a command ("", "eval", "shapes eval"); to be freed. */
+/* Returns the help of the program, or of a command ("", "eval", "shapes eval"), to be freed. */
 static char *help_of(const char *program, const char *command)
 {
     char words[NAME_SIZE];
@@ -63,7 +63,7 @@ static void read_synopsis(const char *manual)
     free(text);
 }
 
-/* Whether the form of use that begins here is one of the command. */
+/* Whether the form of use that begins here belongs to the command. */
 static bool is_of(const char *form, const char *command)
 {
     const char *line = strchr(form + 1, '\n');
@@ -78,7 +78,7 @@ static bool is_of(const char *form, const char *command)
            *after != '\0';
 }
 
-/* Collects all forms of use of the command ("": those without one) in `part`. */
+/* Collects all forms of use of the command ("": those without a command) in `part`. */
 static void collect_forms(const char *command)
 {
     size_t length = 0;
@@ -97,7 +97,7 @@ static void collect_forms(const char *command)
     }
 }
 
-/* Whether a text has an option, `before` it and a blank or a line end behind it. */
+/* Whether a text has an option with `before` in front of it, and a blank or a line end after it. */
 static bool has_option(const char *text, const char *before, const char *name)
 {
     char item[2 * NAME_SIZE];
@@ -111,7 +111,7 @@ static bool has_option(const char *text, const char *before, const char *name)
     return false;
 }
 
-/* The name that stands here, up to a blank or a line end. */
+/* Reads the name that begins here, up to a blank or a line end. */
 static const char *name_at(const char *at)
 {
     static char name[NAME_SIZE];
@@ -120,8 +120,8 @@ static const char *name_at(const char *at)
     return name;
 }
 
-/* Every option of `help`, but for those that `common` has, stands in the forms of the command; and
- * every option that stands there is one of `help`. Returns how many there are. */
+/* Every option of `help`, except those in `common`, is in the forms of the command. Every option in
+ * the forms is one of `help`. Returns how many options there are. */
 static size_t compare_pages(const char *command, const char *help, const char *common)
 {
     size_t count = 0;
@@ -147,7 +147,7 @@ static size_t compare_pages(const char *command, const char *help, const char *c
     return count;
 }
 
-/* Calls `look` with every command of a help, "  name ..." below "Commands:". */
+/* Calls `look` for every command of a help, " name ..." below "Commands:". */
 static size_t for_each_command(const char *program, const char *common,
                                size_t (*look)(const char *program, const char *command,
                                               const char *common))
@@ -184,7 +184,8 @@ static void the_synopsis_of_isotherm_is_complete(void **state)
     free(common);
 }
 
-/* A command, or each of a group: "Usage: isotherm-sim train head|cohort|metric [OPTION...]". */
+/* One command, or each command of a group: "Usage: isotherm-sim train head|cohort|metric
+ * [OPTION...]". */
 static size_t look_at_simulator(const char *program, const char *command, const char *common)
 {
     char *help = help_of(program, command), usage[NAME_SIZE], own[2 * NAME_SIZE];
@@ -227,7 +228,7 @@ static void the_synopsis_of_the_daemon_is_complete(void **state)
     free(help);
 }
 
-/* Where the configuration lies stands where people look for it. */
+/* The manual names the path of the configuration in the section where readers look for it. */
 static void the_manual_of_the_configuration_says_where_it_lies(void **state)
 {
     size_t size;

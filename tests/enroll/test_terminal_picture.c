@@ -1,4 +1,4 @@
-/* Pictures in a terminal, to the byte. */
+/* Pictures in a terminal, compared byte by byte. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -67,7 +67,7 @@ static size_t count_of(const char *text, const char *part)
     return n;
 }
 
-/* 320 x 240 in 80 columns are 30 lines; in 10 lines 26 columns. */
+/* 320 x 240 pixels in 80 columns take 30 lines; in 10 lines they take 26 columns. */
 static void a_large_picture_is_made_to_fit(void **state)
 {
     struct cli_pixels pixels = {320, 240, calloc(3, (size_t)320 * 240)};
@@ -89,7 +89,7 @@ static void a_large_picture_is_made_to_fit(void **state)
 
 static void sixels_are_bands_of_six_by_shade(void **state)
 {
-    uint8_t rgb[5 * 7 * 3] = {0}; /* 5 wide, 7 high, black but for one white pixel */
+    uint8_t rgb[5 * 7 * 3] = {0}; /* 5 wide, 7 high, black with one white pixel */
     const struct cli_pixels pixels = {5, 7, rgb};
     char *text = NULL;
     size_t size;
@@ -106,7 +106,7 @@ static void sixels_are_bands_of_six_by_shade(void **state)
     free(text);
 }
 
-/* A terminal that answers the question for its attributes with this text, or not at all. */
+/* A terminal that answers the question for its attributes with this text, or does not answer. */
 static bool ask_terminal(const char *answer)
 {
     int master, slave, status;

@@ -1,4 +1,4 @@
-/* Hints, points in time, and the command line, as functions. */
+/* Functions for hints, points in time, and the command line. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -100,7 +100,7 @@ static void what_is_no_date_is_refused(void **state)
     }
 }
 
-/* An hour east of Greenwich: the day begins an hour before it does there. */
+/* An hour east of Greenwich the day begins an hour earlier. */
 static void days_are_read(void **state)
 {
     static const struct {
@@ -142,7 +142,7 @@ static void dates_are_written(void **state)
     assert_string_equal(text, "-");
 }
 
-/* Parses a line of words; the program's name is put before them. */
+/* Parses a line of words. The program's name is put before them. */
 static enum cli_exit parse_line(const char *line, struct cli_arguments *out,
                                 struct cli_fault *fault)
 {
@@ -184,7 +184,7 @@ static void options_stand_anywhere(void **state)
     assert_false(arguments.json);
 }
 
-/* A command line that is wrong, and a part of the fault. */
+/* A wrong command line, and a part of the fault. */
 static const struct {
     const char *line, *text;
 } wrong_lines[] = {
@@ -249,8 +249,8 @@ static void what_is_wrong_on_the_command_line_is_named(void **state)
     }
 }
 
-/* The help of every command, and of the program, fits a terminal; and the help of an option speaks
- * of this command only. */
+/* The help of every command, and of the program, fits on a terminal. The help of an option
+ * describes this command only. */
 static void help_fits_a_terminal(void **state)
 {
     (void)state;
@@ -275,8 +275,8 @@ static void help_fits_a_terminal(void **state)
     }
 }
 
-/* Numbers and tables are written apart: no row is missing, and each option has a help for each of
- * its commands. */
+/* Numbers and tables are written separately. No row is missing, and each option has a help text for
+ * each of its commands. */
 static void every_command_and_option_has_its_row(void **state)
 {
     (void)state;

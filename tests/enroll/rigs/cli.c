@@ -26,11 +26,11 @@ const struct fake_script cli_two_people = {.people = people, .n_people = 2};
 
 static struct private_bus bus;
 static struct run last;
-static const char *out_path; /* of the next run; NULL: a pipe */
+static const char *out_path; /* standard output of the next run; NULL: a pipe */
 
 enum { WORDS_MAX = 24 };
 
-/* isotherm --bus ADDRESS WORDS; valid until the next call. */
+/* Runs isotherm --bus ADDRESS WORDS. The result is valid until the next call. */
 static void make_argv(const char *words, const char *argv[WORDS_MAX])
 {
     static char copy[512];
@@ -91,7 +91,7 @@ struct cli_result cli_run_on_system_bus(const char *words)
     const char *argv[WORDS_MAX];
 
     make_argv(words, argv);
-    memmove(argv + 1, argv + 3, (WORDS_MAX - 3) * sizeof *argv); /* without --bus ADDRESS */
+    memmove(argv + 1, argv + 3, (WORDS_MAX - 3) * sizeof *argv); /* removes --bus ADDRESS */
     run_free(&last);
     setenv("DBUS_SYSTEM_BUS_ADDRESS", bus.address, 1);
     run_start(&last, argv);

@@ -1,4 +1,5 @@
-/* Actions in front of the camera: claims, starts, the statuses of the script, and pictures. */
+/* Actions in front of the camera: claims, starts, the status signals of the script, and pictures.
+ */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -34,7 +35,7 @@ int fake_on_release(sd_bus_message *call, void *context, sd_bus_error *error)
     return sd_bus_reply_method_return(call, NULL);
 }
 
-/* To the claimant only, as the daemon does. */
+/* Sends it only to the client that has the claim, as the daemon does. */
 static int send_status(sd_bus *bus, const struct fake_service *service,
                        const struct fake_status *status)
 {
@@ -71,7 +72,7 @@ static void send_strange_status(const struct fake_service *service)
     sd_bus_flush_close_unref(bus);
 }
 
-/* The answer to a Start method; that of an enrolment says who has the name. */
+/* The answer to a Start method. The answer of an enrolment says who has the name. */
 static int answer_start(const struct fake_service *service, sd_bus_message *call,
                         const char *enrolled)
 {
@@ -87,7 +88,7 @@ static int answer_start(const struct fake_service *service, sd_bus_message *call
                     : sd_bus_reply_method_return(call, NULL);
 }
 
-/* `enrolled`: who is to be, NULL for the other actions. */
+/* `enrolled`: the person to enrol; NULL for the other actions. */
 static int start_action(struct fake_service *service, sd_bus_message *call, const char *action,
                         const char *enrolled)
 {

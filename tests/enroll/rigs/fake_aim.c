@@ -1,4 +1,4 @@
-/* Aiming: the views of the script. */
+/* Aiming: the View signals of the script. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -52,7 +52,7 @@ int fake_on_aim_start(sd_bus_message *call, void *context, sd_bus_error *error)
     return r;
 }
 
-/* Needs no claim, but a start. */
+/* It needs no claim, but a start. */
 int fake_on_aim_stop(sd_bus_message *call, void *context, sd_bus_error *error)
 {
     struct fake_service *service = context;

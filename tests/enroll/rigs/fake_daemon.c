@@ -26,7 +26,8 @@ void fake_trace(const struct fake_service *service, const char *text)
     (void)!write(service->trace_fd, text, strlen(text));
 }
 
-/* Notes the call and answers it with the scripted error, if it is the one to fail. */
+/* Notes the call. If the script lets this method fail, answers it with the scripted error and
+ * returns true. */
 bool fake_fails(const struct fake_service *service, sd_bus_message *call, sd_bus_error *error)
 {
     const char *method = sd_bus_message_get_member(call);
@@ -83,7 +84,7 @@ static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
     return r;
 }
 
-/* The methods that take long; the daemon, too, does nothing else meanwhile. */
+/* The methods that take long. The daemon, too, does nothing else meanwhile. */
 static int on_work(sd_bus_message *call, void *context, sd_bus_error *error)
 {
     const struct fake_service *service = context;

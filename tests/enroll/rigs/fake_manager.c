@@ -27,7 +27,7 @@ struct service {
     unsigned n_jobs;
 };
 
-/* What has been read of the trace so far. */
+/* The part of the trace that was read so far. */
 static char calls[64 * 1024];
 static size_t n_calls;
 
@@ -95,7 +95,7 @@ static void trace_file(const struct service *service)
     trace_call(service, ">;");
 }
 
-/* Only the first start goes as the script says: what follows is how things are put back. */
+/* Only the first start follows the script. The later starts restore the previous state. */
 static int on_job(sd_bus_message *call, void *context, sd_bus_error *error)
 {
     struct service *service = context;

@@ -7,7 +7,7 @@
 #include "firmware/contract/contract.h"
 #include "tests/enroll/rigs/fake_service.h"
 
-/* NULL if nobody has this name. */
+/* Returns NULL if no person has this name. */
 const struct fake_person *fake_find_person(const struct fake_service *service, const char *name)
 {
     for (size_t i = 0; i < service->script->n_people; i++) {

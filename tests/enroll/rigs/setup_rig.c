@@ -54,7 +54,7 @@ void setup_rig_set_devices(const char *lines)
     scratch_write_text(setup_rig_path("devices"), lines);
 }
 
-/* The real program, but with the devices of the rig. */
+/* The real program, with the devices of the rig. */
 static void write_daemon(void)
 {
     char text[2048];
@@ -108,7 +108,8 @@ int setup_rig_teardown(void **state)
 void setup_rig_begin(struct setup_rig *at, const struct fake_manager_script *manager,
                      const struct fake_script *daemon)
 {
-    /* A run before has taken these signals for itself; the processes that begin here end by one. */
+    /* An earlier run has installed handlers for these signals. The processes that start here must
+     * end at them. */
     (void)signal(SIGTERM, SIG_DFL);
     (void)signal(SIGINT, SIG_DFL);
     if (manager) {
@@ -179,7 +180,7 @@ void setup_rig_open(struct setup_rig *at, const struct cli_setup_wish *wish,
     }
 }
 
-/* False at the end. */
+/* Returns false at the end. */
 static bool take_output(struct setup_terminal *terminal)
 {
     struct pollfd waiting = {.fd = terminal->fd, .events = POLLIN};
@@ -216,7 +217,7 @@ int setup_rig_close(struct setup_terminal *terminal)
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
 }
 
-/* ---- what there is ---- */
+/* ---- the state of the machine ---- */
 
 const char *setup_rig_png(size_t *size)
 {
@@ -259,7 +260,7 @@ void setup_rig_expect_config(const char *text)
     free(found);
 }
 
-/* ---- what tests have in common ---- */
+/* ---- shared by the tests ---- */
 
 const char setup_rig_old_text[] = "# By hand.\n[sensor]\nbackend = openni2\n[decision]\n"
                                   "level = strict\n";

@@ -117,7 +117,7 @@ static void expect_ring(const char *directory, const char *credentials, int erro
     }
 }
 
-/* A key that a ring holds, by value. */
+/* Copies a key that a ring holds. */
 static struct iso_seal_key key_of(const struct iso_key_ring *ring, enum iso_key_use use)
 {
     const struct iso_seal_key *key = iso_key_ring_find(ring, use, iso_key_ring_newest(ring, use));
@@ -211,8 +211,8 @@ static void refuses_what_is_not_its_key(void **state)
     free(key);
 }
 
-/* As a kill leaves it: the new key beside the old one, before the ring is sealed with it and after.
- */
+/* The states after a kill: the new key is beside the old one, before or after the ring was sealed
+ * with it. */
 static void a_change_of_key_survives_kills(void **state)
 {
     struct iso_key_ring *ring = ring_of(*state, NULL);
@@ -224,7 +224,7 @@ static void a_change_of_key_survives_kills(void **state)
     void *new = scratch_read(scratch_path(*state, "key"), &size);
     assert_memory_not_equal(old, new, size);
 
-    /* After: the ring is sealed with the new one, which has not its place yet. */
+    /* After: the ring is sealed with the new key, which is not in its place yet. */
     scratch_write(scratch_path(*state, "key"), old, size);
     scratch_write(scratch_path(*state, "key.new"), new, size);
     assert_int_equal(chmod(scratch_path(*state, "key.new"), 0600), 0);
@@ -233,7 +233,7 @@ static void a_change_of_key_survives_kills(void **state)
     iso_key_ring_close(ring);
     assert_false(scratch_exists(scratch_path(*state, "key.new")));
 
-    /* Before: a new one that seals nothing, whole or not, is forgotten. */
+    /* Before: a new key that seals nothing, complete or not, is removed. */
     scratch_write(scratch_path(*state, "key.new"), old, size);
     iso_key_ring_close(ring_of(*state, NULL));
     assert_false(scratch_exists(scratch_path(*state, "key.new")));
@@ -258,7 +258,7 @@ static void takes_its_key_from_the_service_manager(void **state)
     assert_false(scratch_exists(scratch_path(*state, "key")));
     assert_int_equal(iso_key_ring_change_key(ring, NULL), -EPERM);
     iso_key_ring_close(ring);
-    /* Another one, with the old one beside it for one start. */
+    /* Another ring, with the old one beside it for one start. */
     scratch_write(given, b, sizeof b);
     expect_ring(*state, *state, -EKEYREJECTED, "sealed with another key");
     scratch_write(before, a, sizeof a);
@@ -308,7 +308,7 @@ static void an_anchor_holds_its_value(void **state)
     iso_key_ring_close(ring);
 }
 
-/* One slot that was cut short leaves the value before; never another one. */
+/* A slot that was cut short leaves the previous value, and never another one. */
 static void an_anchor_that_was_cut_short_is_one_behind(void **state)
 {
     struct iso_key_ring *ring = ring_of(*state, NULL);
@@ -327,7 +327,7 @@ static void an_anchor_that_was_cut_short_is_one_behind(void **state)
         for (size_t at = 0; at < 100; at += 9) {
             whole[slot * 4096 + at] ^= 2;
             scratch_write(path, whole, size);
-            expect_anchor(*state, ring, slot == 0 ? 8 : 7); /* 8 is in the second one */
+            expect_anchor(*state, ring, slot == 0 ? 8 : 7); /* the second slot has 8 */
             whole[slot * 4096 + at] ^= 2;
         }
     }

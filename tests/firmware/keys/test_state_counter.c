@@ -1,5 +1,6 @@
-/* A whole state directory of an earlier time is refused, by a counter, and what the counter can do
- * to the appliance. Once with a counter of the test's, and once with a TPM. */
+/* The counter makes the daemon refuse a complete state directory of an earlier time. The tests also
+ * check the effects of the counter on the appliance. They run once with a counter of the test, and
+ * once with a TPM. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,7 +54,7 @@ static void a_whole_directory_of_an_earlier_time_is_refused(void **state)
     }
 }
 
-/* A start is enough: nothing else need have happened since. */
+/* A start alone is enough, without any other change since then. */
 static void a_copy_from_before_the_last_start_is_refused(void **state)
 {
     const struct world *world = *state;
@@ -75,7 +76,7 @@ static void every_mixture_is_still_refused(void **state)
     state_rig_play(world->state, "everything", &after);
     const size_t n = mix_differing(&world->before, &after, names);
     assert_true(n >= 8);
-    for (unsigned mask = 0; mask < (1u << n) - 1; mask++) { /* 0: all files are of before */
+    for (unsigned mask = 0; mask < (1u << n) - 1; mask++) { /* 0: all files are earlier ones */
         mix_states(&world->before, &after, names, n, mask, &mixed);
         struct iso_fault fault = {.text = ""};
         mix_put_back(world->state, &mixed);
@@ -109,7 +110,7 @@ static void an_administrator_accepts_an_earlier_directory(void **state)
     assert_int_equal(n, 2);
     state_rig_close(components);
     counter_rig_expect_open(world);
-    mix_put_back(world->state, &after); /* what was not chosen is of an earlier time now */
+    mix_put_back(world->state, &after); /* the other files become earlier ones */
     counter_rig_expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "is of an earlier time");
     mix_let_go(&after);
 }
@@ -139,9 +140,9 @@ static void a_kill_before_the_increment_is_caught_up(void **state)
     state_rig_close(components);
     counter_rig_killed = false;
     mix_take(world->state, &ahead);
-    assert_int_equal(counter_rig_value(), value + 1); /* of the start alone */
-    counter_rig_expect_open(world);                   /* one ahead */
-    state_rig_close(state_rig_open(world->state));    /* it is caught up, and the end counts, too */
+    assert_int_equal(counter_rig_value(), value + 1); /* from the start alone */
+    counter_rig_expect_open(world);                   /* the counter is one ahead */
+    state_rig_close(state_rig_open(world->state));    /* the end counts, too */
     assert_int_equal(counter_rig_value(), value + 3);
     counter_rig_expect_open(world);
     mix_put_back(world->state, &ahead);
@@ -185,7 +186,7 @@ static void a_counter_that_is_behind_is_another_one(void **state)
     mix_take(world->state, &old);
     mix_put_back(world->state, &empty);
     state_rig_counter = counter_rig_open;
-    state_rig_close(state_rig_open(world->state)); /* begins to count */
+    state_rig_close(state_rig_open(world->state)); /* begins to use the counter */
     mix_put_back(world->state, &old);
     counter_rig_expect_refusal(world, -ESTALE, ISO_FAULT_COUNTER_OTHER,
                                "belongs to another counter");
@@ -219,7 +220,7 @@ static void a_state_without_a_number_gets_one(void **state)
     state_rig_counter = counter_rig_open;
     counter_rig_expect_open(world);
     state_rig_close(state_rig_open(world->state));
-    assert_int_equal(counter_rig_value(), 3); /* made, the start, the end */
+    assert_int_equal(counter_rig_value(), 3); /* the creation, the start, the end */
     mix_put_back(world->state, &after);
     counter_rig_expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "has no counter");
     mix_let_go(&after);
@@ -247,7 +248,7 @@ static void a_thread_counts(void **state)
     const uint32_t number = iso_state_counter_next(components->counter);
     state_rig_append(components, "lockdown");
     wait_for_value(components->counter, number + 1);
-    counter_rig_killed = true; /* tried again by the thread alone */
+    counter_rig_killed = true; /* only the thread tries again */
     state_rig_append(components, "lockdown");
     (void)usleep(50000);
     assert_false(iso_state_counter_is_due(components->counter));

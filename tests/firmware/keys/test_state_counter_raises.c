@@ -1,4 +1,4 @@
-/* When the counter of the state is raised, and what comes of a device that fails. */
+/* When the counter of the state is raised, and the effects of a device that fails. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,7 +41,7 @@ static void changes_raise_it_at_once(void **state)
     struct iso_components *components = state_rig_open(world->state);
     state_rig_append(components, "gallery"); /* its keys were rotated */
     int expected = counter_rig_puppet.increments;
-    state_rig_append(components, "gallery"); /* as it was */
+    state_rig_append(components, "gallery"); /* it is unchanged */
     assert_int_equal(counter_rig_puppet.increments, expected);
     for (size_t i = 0; i < sizeof events / sizeof *events; i++) {
         state_rig_append(components, events[i]);
@@ -52,7 +52,7 @@ static void changes_raise_it_at_once(void **state)
     state_rig_close(components);
 }
 
-/* Whoever provokes lock-outs does not wear out the TPM. */
+/* Provoked lock-outs do not wear out the TPM. */
 static void a_lock_out_raises_it_once_in_half_an_hour(void **state)
 {
     const struct world *world = *state;
@@ -61,7 +61,7 @@ static void a_lock_out_raises_it_once_in_half_an_hour(void **state)
     state_rig_append(components, "lockout");
     state_rig_now_ns += 1799 * ISO_NS_PER_S;
     assert_false(iso_state_counter_is_due(components->counter));
-    state_rig_append(components, "visit"); /* which might wait for longer */
+    state_rig_append(components, "visit"); /* it might wait for longer */
     assert_int_equal(counter_rig_puppet.increments, start);
     state_rig_now_ns += ISO_NS_PER_S;
     assert_true(iso_state_counter_is_due(components->counter));
@@ -72,7 +72,8 @@ static void a_lock_out_raises_it_once_in_half_an_hour(void **state)
     state_rig_close(components);
 }
 
-/* The increment fails; the number stands still until it succeeds, and then rises again. */
+/* The increment fails. The number does not change until an increment succeeds, and then rises
+ * again. */
 static void a_failure_is_told_and_tried_again(void **state)
 {
     const struct world *world = *state;
@@ -87,14 +88,14 @@ static void a_failure_is_told_and_tried_again(void **state)
     assert_true(iso_state_counter_take_news(components->counter, &error, &fault));
     assert_int_equal(error, -EIO);
     assert_non_null(strstr(fault.text, "the puppet"));
-    assert_false(iso_state_counter_take_news(components->counter, &error, &fault)); /* told once */
+    assert_false(iso_state_counter_take_news(components->counter, &error, &fault)); /* once */
     assert_int_equal(counter_rig_puppet.value, value);
     counter_rig_puppet.error = 0;
     state_rig_append(components, "visit"); /* with any anchor */
     assert_int_equal(counter_rig_puppet.value, value + 1);
     assert_true(iso_state_counter_take_news(components->counter, &error, &fault));
     assert_int_equal(error, 0);
-    state_rig_append(components, "visit"); /* what changed during the failure is owed still */
+    state_rig_append(components, "visit"); /* changes during the failure still count */
     assert_int_equal(counter_rig_puppet.value, value + 2);
     state_rig_close(components);
     counter_rig_expect_open(world);
@@ -108,7 +109,7 @@ static void an_answer_that_is_lost_does_not_count_twice(void **state)
     counter_rig_puppet.loses_answer = true;
     state_rig_append(components, "lockdown");
     assert_int_equal(counter_rig_puppet.value, value + 1);
-    state_rig_append(components, "visit"); /* asks anew */
+    state_rig_append(components, "visit"); /* asks again */
     assert_int_equal(counter_rig_puppet.value, value + 1);
     counter_rig_puppet.loses_answer = false;
     state_rig_append(components, "lockdown");
@@ -117,7 +118,8 @@ static void an_answer_that_is_lost_does_not_count_twice(void **state)
     counter_rig_expect_open(world);
 }
 
-/* Whoever may use the TPM can count: that is not to lock the appliance out for good. */
+/* Anyone who may use the TPM can increment the counter. This must not lock the appliance out for
+ * ever. */
 static void somebody_else_who_counts_is_followed(void **state)
 {
     const struct world *world = *state;
@@ -127,7 +129,7 @@ static void somebody_else_who_counts_is_followed(void **state)
     state_rig_append(components, "visit");
     state_rig_close(components);
     counter_rig_expect_open(world);
-    counter_rig_puppet.value += 5; /* while nobody was there to follow */
+    counter_rig_puppet.value += 5; /* while no daemon ran */
     counter_rig_expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "is of an earlier time");
 }
 

@@ -1,5 +1,5 @@
-/* Faces of which a part is hidden, through the whole pipeline: none is enrolled, whether it is the
- * extraction that refuses it or the enrolment's own gate. */
+/* Faces with a hidden part go through the whole pipeline. None of them is enrolled: either the
+ * extraction refuses it, or the enrolment's own gate does. */
 #include <stdio.h>
 #include <string.h>
 
@@ -12,8 +12,8 @@
 
 enum { FACES = 4 };
 
-/* What is hidden, as a rectangle about the nose tip in millimetres of the image; and the word that
- * would send somebody the wrong way. The subject's right is on the left of the image. */
+/* The hidden part, as a rectangle about the nose tip in millimetres of the image, and the word that
+ * would be a wrong hint. The subject's right is on the left of the image. */
 static const struct cover {
     const char *name;
     double left, right, above, below;
@@ -51,7 +51,7 @@ static int group_teardown(void **state)
     return 0;
 }
 
-/* What an enrolment says of a frame. */
+/* Returns the enrolment's word for a frame. */
 static enum iso_capture judge(const struct iso_frame *frame, struct iso_extraction *extraction)
 {
     assert_int_equal(pipeline.ops->extract(pipeline.self, frame, "astra", extraction), 0);

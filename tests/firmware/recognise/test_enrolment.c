@@ -1,5 +1,5 @@
-/* One enrolment, with the puppet's faces: two agree if they differ by at most 6, and are duplicates
- * if they differ by at most 4. */
+/* One enrolment with the faces of the puppets. Two faces agree if they differ by at most 6, and
+ * they are duplicates if they differ by at most 4. */
 #include <errno.h>
 #include <math.h>
 #include <string.h>
@@ -31,7 +31,7 @@ static int setup(void **state)
     return 0;
 }
 
-/* A frame of that face; whether it passed. */
+/* Adds a frame of that face. Returns whether it passed. */
 static bool frame(int face)
 {
     const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
@@ -60,7 +60,7 @@ static void leaves_a_misfit_out(void **state)
     (void)state;
     assert_true(frame(50));
     assert_true(frame(56));
-    assert_false(frame(62)); /* like the second, not like the first */
+    assert_false(frame(62)); /* it agrees with the second face, but not with the first */
     assert_true(frame(52));
     assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
     assert_int_equal(enrolment.misfits, 1);
@@ -119,7 +119,8 @@ static void somebody_less_alike_is_no_duplicate(void **state)
     assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
 }
 
-/* More templates for who is known: their own are no duplicates, even behind them another may be. */
+/* More templates for an enrolled person. The person's own templates are no duplicates, but a worse
+ * hit may still be another person. */
 static void adds_to_a_person(void **state)
 {
     const struct iso_template known = puppet_template(51, PUPPET_ALGORITHM);
@@ -187,7 +188,7 @@ static void hands_up_an_error_of_the_search(void **state)
     assert_true(frame(50));
     puppet.search_error = -ENOMEM;
     assert_int_equal(iso_enrolment_frame(&enrolment, &tmpl, &pipeline, &gallery, &passed), -ENOMEM);
-    assert_true(passed); /* untouched */
+    assert_true(passed); /* unchanged */
     assert_int_equal(enrolment.stage, 1);
 }
 

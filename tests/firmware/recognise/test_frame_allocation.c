@@ -1,8 +1,9 @@
-/* Nothing is allocated for a frame once the appliance is warm: neither by us nor by a library that
- * we call, from depths to verdict, with many people enrolled. (Images are not looked at here:
- * OpenCV's detector allocates. What follows a verdict is not either: a record in the log. Nor is
- * what SQLite does when somebody comes into the reranking who was in none before; the frames
- * after that ask it for nothing.) */
+/* After its first frames the appliance allocates nothing for a frame, from depths to verdict, with
+ * many people enrolled. Neither the product nor a library that it calls allocates. (The test does
+ * not cover the check of images, because OpenCV's detector allocates. It does not cover the work
+ * after a verdict, which is a record in the log. It does not cover SQLite's work for a person who
+ * takes part in the reranking for the first time; later frames do not ask SQLite for this person.)
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,7 +20,7 @@
 
 enum { FRAMES = 8, PEOPLE = 2000, ROUNDS = 3 };
 
-/* Frames of somebody enrolled, somebody else, nobody and a photograph, read before. */
+/* Frames that were read before: an enrolled person, another person, nobody, and a photograph. */
 static const char *const recordings[] = {"p01-v1", "x01-v1", "none-nobody1", "none-photo1"};
 enum { RECORDINGS = sizeof recordings / sizeof *recordings };
 
@@ -55,7 +56,7 @@ static void read_frames(const char *name, struct iso_frame **frames, int *n)
     iso_recording_close(recording);
 }
 
-/* Everybody's is the same. */
+/* All people have the same template. */
 static int open_template(void *context, int64_t person, struct iso_template *out, int capacity,
                          int *n, struct iso_fault *fault)
 {
@@ -69,7 +70,7 @@ static int open_template(void *context, int64_t person, struct iso_template *out
     return 0;
 }
 
-/* People of made-up numbers, and number 1: who is on the first frame. */
+/* People with invented numbers, and number 1, who is on the first frame. */
 static void enrol(struct rig *rig)
 {
     const struct iso_metric *metric = rig->pipeline.ops->metric(rig->pipeline.self);
@@ -96,7 +97,7 @@ static void count_verdict(struct rig *rig, bool reached, const struct iso_verdic
     rig->allowed += reached && verdict->allow;
 }
 
-/* As the appliance does it (appliance_frame.c), less the stores and the bus. */
+/* Does the same as the appliance (appliance_frame.c), without the stores and the bus. */
 static void run_frame(struct rig *rig, const struct iso_frame *frame, int64_t t_ns)
 {
     const struct iso_pipeline *pipeline = &rig->pipeline;
@@ -123,7 +124,7 @@ static void run_frame(struct rig *rig, const struct iso_frame *frame, int64_t t_
     count_verdict(rig, iso_decision_face(&rig->decision, &face, &verdict), &verdict);
 }
 
-/* Everything in turn, two seconds between people. */
+/* Shows each frame in turn, with two seconds between people. */
 static void run_all(struct rig *rig, int64_t *t_ns)
 {
     for (int r = 0; r < RECORDINGS; r++) {
@@ -187,7 +188,7 @@ static void a_warm_frame_allocates_nothing(void **state)
     iso_pipeline_close(&rig.pipeline);
 }
 
-/* Else nothing above would mean anything. */
+/* Otherwise the tests above would show nothing. */
 static void the_counter_counts(void **state)
 {
     (void)state;

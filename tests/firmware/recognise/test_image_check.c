@@ -1,4 +1,5 @@
-/* A second opinion from the image: counted for the log, and what off, flag and veto do. */
+/* The check of the image as a second opinion: its counts for the log, and the effects of off, flag
+ * and veto. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,7 +46,7 @@ static void a_visit_is_logged_with_what_its_images_said(void **state)
     rig_run(rig, 200);
     assert_non_null(strstr(rig_record(rig, "visit"),
                            "\"note\":\"image: 0 confirmed, 2 contradicted, 0 unsure\""));
-    /* The next visit begins at nought. */
+    /* The next visit starts at zero. */
     rig_run(rig, 20000);
     rig->puppet.seen = ISO_FACE_CONFIRMED;
     rig_show(rig, 50, 2);
@@ -91,7 +92,7 @@ static struct iso_pipeline open_with(enum iso_image_check image)
     return pipeline;
 }
 
-/* A stored face with room for an image. */
+/* A stored face with space for an image. */
 static struct iso_frame *stored_face(void)
 {
     struct iso_recording *recording = NULL;
@@ -136,8 +137,8 @@ static void off_looks_at_no_image(void **state)
     iso_pipeline_close(&pipeline);
 }
 
-/* What becomes of a face whose image shows it, of one whose image is evenly bright, and of one
- * without an image. */
+/* Returns the outcome for a face: one whose image shows it, one whose image is evenly bright, or
+ * one without an image. */
 static void look(enum iso_image_check image, enum iso_capture of_blank)
 {
     struct iso_pipeline pipeline = open_with(image);
@@ -188,8 +189,8 @@ static void veto_costs_the_frame(void **state)
     look(ISO_IMAGE_VETO, ISO_CAPTURE_NO_FACE_IN_IMAGE);
 }
 
-/* Asked for, the check is there, or said to be absent, and why: no machine refuses to run for lack
- * of it. */
+/* If the configuration asks for the check, the check is there, or the log says that it is missing,
+ * and why. Its absence does not keep an appliance from starting. */
 static void a_machine_without_the_module_runs(void **state)
 {
     struct iso_pipeline pipeline = open_with(ISO_IMAGE_VETO);
@@ -215,7 +216,7 @@ static void a_cascade_that_is_named_must_be_good(void **state)
     assert_null(pipeline.ops);
     wanted.cascade_path = wanted.head_path;
     assert_int_equal(iso_pipeline_open(&wanted, &pipeline, &fault), built_in ? -EBADMSG : -ENOENT);
-    wanted.image = ISO_IMAGE_OFF; /* nobody reads it */
+    wanted.image = ISO_IMAGE_OFF; /* the file is not read */
     assert_int_equal(iso_pipeline_open(&wanted, &pipeline, &fault), 0);
     iso_pipeline_close(&pipeline);
 }

@@ -1,4 +1,5 @@
-/* What the appliance learns at visits, what it does not, and the way back. */
+/* When the appliance learns a template at a visit, when it does not, and how learned templates are
+ * removed. */
 #include <stdio.h>
 #include <string.h>
 
@@ -59,7 +60,7 @@ static unsigned templates_of(const struct rig *rig, const char *name)
     return iso_gallery_find(rig->gallery, name)->templates;
 }
 
-/* The templates of somebody, of whom there are at most two. */
+/* Returns the templates of a person, who has at most two. */
 static const struct iso_template *kept_of(struct rig *rig, const char *name, int *n)
 {
     static struct iso_template own[2];
@@ -73,7 +74,7 @@ static const struct iso_template *kept_of(struct rig *rig, const char *name, int
 static void come(struct rig *rig, int face)
 {
     rig_show(rig, face, 3);
-    rig_run(rig, 20000); /* and goes */
+    rig_run(rig, 20000); /* and leaves */
 }
 
 static void setup_learning(struct rig *rig, int templates)
@@ -117,7 +118,7 @@ static void learns_from_a_sure_visit_and_says_so(void **state)
     assert_int_equal(puppet_face_of(&own[1]), 52);
 }
 
-/* A visit that is let in and no more than that. */
+/* A visit that is allowed with a low score. */
 static void does_not_learn_from_others(void **state)
 {
     struct rig *rig = *state;
@@ -135,7 +136,8 @@ static void does_not_learn_from_others(void **state)
     assert_string_equal(rig_record(rig, "learn"), "");
 }
 
-/* 54 is as like 52, which was learned, as 52 was like the enrolled 50: that does not count. */
+/* 54 is as similar to the learned 52 as 52 was to the enrolled 50. A learned template does not
+ * count. */
 static void does_not_drift(void **state)
 {
     struct rig *rig = *state;
@@ -167,7 +169,7 @@ static void what_cannot_be_logged_is_not_learned(void **state)
     assert_int_equal(templates_of(rig, "anna"), 1);
 }
 
-/* ---- the way back ---- */
+/* ---- removal of learned templates ---- */
 
 static void forgets_when_it_is_switched_off(void **state)
 {
@@ -192,7 +194,7 @@ static void forgets_when_it_is_switched_off(void **state)
     assert_false(own[0].learned);
 }
 
-/* Nothing learned: nothing is written. */
+/* There is no learned template, so nothing is written. */
 static void nothing_to_forget(void **state)
 {
     struct rig *rig = *state;
@@ -205,7 +207,7 @@ static void nothing_to_forget(void **state)
     assert_int_equal(iso_gallery_version(rig->gallery).changes, changes);
 }
 
-/* Many people: the copies move as they grow in number. */
+/* Many people: the copies move in memory as their number grows. */
 static void forgets_of_everybody(void **state)
 {
     enum { MANY = 3 };

@@ -17,7 +17,7 @@
 
 enum { PEOPLE = 3, PROBE = PEOPLE, TEMPLATES = PEOPLE + 1 };
 
-/* Three people as they were enrolled, and the second of them on another day. */
+/* Three people at their enrolment, and the second of them on another day. */
 static const char *const recordings[TEMPLATES] = {"p01-enrol", "p02-enrol", "p04-enrol", "p02-v1"};
 
 struct faces {
@@ -43,7 +43,7 @@ static struct iso_pipeline open_pipeline(enum iso_method method)
     return pipeline;
 }
 
-/* The template of the first usable frame of a recording. */
+/* Returns the template of the first usable frame of a recording. */
 static void read_template(const struct iso_pipeline *pipeline, const char *name,
                           struct iso_template *out)
 {
@@ -90,7 +90,7 @@ struct search {
     int n;
 };
 
-/* Person 1 + i has the template i. */
+/* Person 1 + i has template i. */
 static void open_search(const struct faces *faces, enum iso_method method, struct search *search)
 {
     *search = (struct search){.pipeline = open_pipeline(method)};

@@ -1,6 +1,5 @@
-/* The picture of what the camera sees: how a frame is drawn, who gets it, and when it does not
- * come.
- */
+/* The picture of the camera's view: how a frame is drawn, which client gets it, and when it is not
+ * sent. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -17,7 +16,7 @@
 
 /* ---- drawing ---- */
 
-/* A frame of 640x400 whose depth is at + right * column + down * row. */
+/* Makes a frame of 640x400 pixels whose depth is at + right * column + down * row. */
 static struct iso_frame *plane(double at_mm, double right_mm, double down_mm)
 {
     const struct iso_camera camera = {.projection = ISO_PINHOLE,
@@ -38,7 +37,7 @@ static struct iso_frame *plane(double at_mm, double right_mm, double down_mm)
     return frame;
 }
 
-/* The brightness in the middle of such a picture. */
+/* Returns the brightness in the middle of such a picture. */
 static int middle(double at_mm, double right_mm, double down_mm)
 {
     struct iso_image image = {.width_px = 0};
@@ -54,13 +53,13 @@ static void a_surface_is_lit_from_the_upper_left(void **state)
 {
     (void)state;
     const int flat = middle(800, 0, 0);
-    /* 1 mm a pixel at 800 mm: a slope of 32 degrees. */
+    /* 1 mm per pixel at 800 mm is a slope of 32 degrees. */
     assert_true(middle(480, 1, 0) < flat - 20);   /* faces right */
     assert_true(middle(1120, -1, 0) > flat + 10); /* faces left */
     assert_true(middle(600, 0, 1) < flat - 20);   /* faces down */
     assert_true(middle(1000, 0, -1) > flat + 10); /* faces up */
     assert_true(middle(1800, 0, 0) < flat - 40);  /* farther away */
-    assert_true(middle(9000, 0, 0) > 20);         /* but nothing that is measured is black */
+    assert_true(middle(9000, 0, 0) > 20);         /* but no measured pixel is black */
 }
 
 static void what_is_not_measured_is_black_and_stays_in_its_place(void **state)
@@ -153,20 +152,21 @@ static int on_answer(sd_bus_message *reply, void *context, sd_bus_error *unused)
         (void)snprintf(answer->error, sizeof answer->error, "%s", dot ? dot + 1 : "");
     } else {
         assert_true(sd_bus_message_read(reply, "h", &fd) > 0);
-        answer->fd = fcntl(fd, F_DUPFD_CLOEXEC, 0); /* the reply's own is closed with it */
+        answer->fd = fcntl(fd, F_DUPFD_CLOEXEC,
+                           0); /* the reply's own descriptor is closed with it */
         assert_true(answer->fd >= 0);
     }
     return 0;
 }
 
-/* Lets both ends work off what was sent so far. */
+/* Lets both ends process the messages that were sent so far. */
 static void settle(struct bus_rig *f)
 {
     assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_GET_STATUS, NULL), "");
     assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_GET_STATUS, NULL), "");
 }
 
-/* Asks for a picture; the answer may come later. */
+/* Asks for a picture. The answer may come later. */
 static void ask(struct bus_rig *f, int client, struct answer *answer)
 {
     *answer = (struct answer){.fd = -1};
@@ -195,7 +195,7 @@ static void who_has_the_claim_gets_the_next_frame(void **state)
     assert_int_equal(answer.n, 1);
     assert_true(answer.fd >= 0);
     read_picture(answer.fd, &image);
-    assert_int_equal(image.width_px, 8); /* as the puppet's frames have */
+    assert_int_equal(image.width_px, 8); /* like the frames of the puppet */
     assert_int_equal(image.height_px, 1);
     assert_non_null(strstr(rig_record(f->rig, "picture"), "\"event\":\"picture\""));
     iso_image_done(&image);
@@ -231,7 +231,7 @@ static void one_at_a_time_and_none_during_an_action(void **state)
     expect_error(&second, "ActionInProgress");
 }
 
-/* The daemon answers when the camera shows nothing, and when the claim has ended. */
+/* The daemon also answers if the camera delivers no frame, and if the claim has ended. */
 static void it_is_said_when_there_is_none(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
@@ -247,10 +247,10 @@ static void it_is_said_when_there_is_none(void **state)
     expect_error(&answer, "DeviceFault");
     rig_show(f->rig, 50, 1);
     bus_rig_run(f, 100);
-    assert_int_equal(answer.n, 1); /* nothing comes after it */
+    assert_int_equal(answer.n, 1); /* no second answer comes */
 }
 
-/* A client that asks and leaves: the next one does not get its picture. */
+/* A client asks for a picture and leaves. The next client does not get this picture. */
 static void who_leaves_the_bus_takes_the_request_along(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
@@ -274,7 +274,7 @@ static void who_leaves_the_bus_takes_the_request_along(void **state)
     close(answer.fd);
 }
 
-/* What cannot be put on record is not shown. */
+/* Without a record of it, no picture is sent. */
 static void without_a_record_there_is_no_picture(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);

@@ -1,4 +1,4 @@
-/* The real pipeline: what it is made of, refused when it is not right, and one stored face. */
+/* The real pipeline: its parts, its refusals of parts that are not valid, and one stored face. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -53,7 +53,7 @@ static void names_files_that_are_not_there(void **state)
     expect_refusal(&wanted, -EISDIR, "/: is a directory, not a file");
 }
 
-/* Writes the beginning of a file elsewhere. */
+/* Copies the beginning of a file to another place. */
 static const char *cut(const char *directory, const char *path, size_t bytes_less)
 {
     size_t size = 0;
@@ -115,7 +115,7 @@ static void refuses_options_out_of_range(void **state)
     expect_refusal(&wanted, -EINVAL, "extractor: options out of range");
 }
 
-/* One template is all there is to open. */
+/* A person has only one template to open. */
 static int open_template(void *owner, int64_t person, struct iso_template *out, int capacity,
                          int *n, struct iso_fault *fault)
 {
@@ -127,7 +127,8 @@ static int open_template(void *owner, int64_t person, struct iso_template *out, 
     return 0;
 }
 
-/* Of everybody, of one, and of one who is not in it: the same score as by templates. */
+/* Searches among all people, in one person, and in a person who is not in the index: the scores
+ * equal those of the templates. */
 static void search_an_index(const struct iso_pipeline *pipeline, const struct iso_template *tmpl,
                             double score)
 {

@@ -1,5 +1,5 @@
-/* The reranker: its scores are those of core/match/rerank, and the gallery is asked for nobody
- * whom it was asked for before, unless it has changed. */
+/* The reranker. Its scores are those of core/match/rerank. It asks the gallery for each person only
+ * once, unless the gallery has changed. */
 #include <errno.h>
 #include <math.h>
 #include <string.h>
@@ -10,10 +10,10 @@
 
 enum { PEOPLE = 30 };
 
-/* What the functions under test work in. */
+/* Data that the functions under test use. */
 static struct iso_rerank_workspace work;
 
-/* A slope with a wave that depends on who it is. */
+/* A slope with a wave that depends on the person. */
 static struct iso_upper_face face_of(int who)
 {
     struct iso_upper_face face = {0};
@@ -28,7 +28,7 @@ static struct iso_upper_face face_of(int who)
     return face;
 }
 
-/* Has person p with p % 3 + 1 templates, all alike. */
+/* Person p has p % 3 + 1 templates, all equal. */
 struct owner {
     int opened, error;
 };
@@ -56,7 +56,7 @@ struct rig {
     struct owner owner;
     struct iso_candidate_list among;
     struct iso_reranker *look;
-    struct iso_template probe; /* person 4 */
+    struct iso_template probe; /* of person 4 */
     struct iso_search_hit hits[ISO_RERANK_CANDIDATES + 1];
 };
 
@@ -76,7 +76,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* So many hits from a person on, their scores falling. */
+/* So many hits from a person on, with falling scores. */
 static int look_at(struct rig *rig, int first, int n)
 {
     for (int i = 0; i < n; i++) {
@@ -116,7 +116,8 @@ static void asks_for_nobody_twice(void **state)
     assert_int_equal(look_at(rig, 6, 10), 0);
     assert_int_equal(look_at(rig, 1, 10), 0);
     assert_int_equal(rig->owner.opened, 15);
-    /* There is room for twenty: those seen longest ago give way, and none of the frame itself. */
+    /* There is space for twenty people. Those who were not used for the longest time are replaced,
+     * but nobody of the same frame. */
     for (int first = 1; first + 9 <= PEOPLE; first++) {
         assert_int_equal(look_at(rig, first, 10), 0);
         assert_int_equal(look_at(rig, first, 10), 0);

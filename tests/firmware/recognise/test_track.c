@@ -1,4 +1,4 @@
-/* One face over the frames: the same or another, still or moving. */
+/* One face over several frames: the same one or another one, still or moving. */
 #include <math.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
@@ -24,7 +24,7 @@ static int setup(void **state)
     return 0;
 }
 
-/* A face at a place, turned by so much about its vertical and its line of sight. */
+/* A face at a place, turned by these angles about the vertical and about its line of sight. */
 static struct iso_track_motion pose(int64_t t_ms, double x, double y, double z, double yaw_deg,
                                     double roll_deg)
 {
@@ -53,7 +53,7 @@ static void measures_speed(void **state)
     const struct iso_track_motion motion = pose(140, 13, 16, 712, 5, 0);
     assert_int_equal(motion.track, 1);
     assert_true(motion.known);
-    assert_true(fabs(motion.mm_s - 13 / 0.04) < 1e-9); /* 3, 4, 12: 13 mm */
+    assert_true(fabs(motion.mm_s - 13 / 0.04) < 1e-9); /* (3, 4, 12) is 13 mm long */
     assert_true(fabs(motion.rad_s - 0) < 1e-6);
     assert_true(motion.moving);
 }
@@ -73,7 +73,8 @@ static void measures_turning(void **state)
 
 static void what_a_head_cannot_do_is_another_face(void **state)
 {
-    /* From (0, 0, 700) at 100 ms on. Reach in 30 ms: 20 + 60 = 80 mm, 15 + 24 = 39 degrees. */
+    /* The face was at (0, 0, 700) at 100 ms. Its reach in 30 ms is 20 + 60 = 80 mm and 15 + 24 = 39
+     * degrees. */
     static const struct {
         int64_t t_ms;
         double x, z, yaw_deg;
@@ -96,7 +97,7 @@ static void what_a_head_cannot_do_is_another_face(void **state)
     }
 }
 
-/* Somebody who leans over and back is the one who has left, then. */
+/* A person who leans over and back gets a new track. */
 static void a_track_that_was_left_does_not_come_back(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Keeping a sensor running. */
+/* The supervisor that keeps a sensor running. */
 #include <errno.h>
 #include <string.h>
 
@@ -75,7 +75,7 @@ static void waits_longer_after_each_failure(void **state)
         assert_int_equal(look(), ISO_SENSOR_FLAW);
         assert_string_equal(supervisor.fault.text, "puppet: will not open");
         assert_int_equal(supervisor.error, -ENODEV);
-        assert_int_equal(supervisor.progress, i + 1); /* the program lives, all the same */
+        assert_int_equal(supervisor.progress, i + 1); /* the program is still alive */
     }
     sensor.open_error = 0;
     now_ns = 3800 * MS;
@@ -107,7 +107,7 @@ static void opens_again_what_was_lost(void **state)
     assert_int_equal(look(), ISO_SENSOR_BACK);
 }
 
-/* One that opens and breaks at once is tried less and less often, too. */
+/* A sensor that opens and fails at once is also tried less and less often. */
 static void a_sign_of_life_shortens_the_wait(void **state)
 {
     (void)state;
@@ -160,7 +160,7 @@ static void a_silent_stream_is_broken(void **state)
     const uint64_t progress = supervisor.progress;
     now_ns = 1499 * MS;
     assert_int_equal(look(), ISO_SENSOR_QUIET);
-    assert_int_equal(supervisor.progress, progress); /* silence is no sign of life */
+    assert_int_equal(supervisor.progress, progress); /* silence is no progress */
     now_ns = 1500 * MS;
     assert_int_equal(look(), ISO_SENSOR_FRAME);
     now_ns = 2499 * MS;
@@ -241,13 +241,14 @@ static void opening_again_what_was_lost_is_no_sight_yet(void **state)
     assert_true(supervisor.sees);
 }
 
-/* The caller waited for the disk: what the sensor has is looked at before it is called silent. */
+/* The caller has waited for the disk. The supervisor reads the sensor's frames before it calls the
+ * sensor silent. */
 static void a_caller_that_was_held_up_does_not_blame_the_sensor(void **state)
 {
     (void)state;
     sensor.streams = true;
     puppet_sensor_add(&sensor, 1100 * MS, 42, ISO_CAPTURE_OK);
-    puppet_sensor_add(&sensor, 1150 * MS, 42, ISO_CAPTURE_OK); /* is old when it is looked at */
+    puppet_sensor_add(&sensor, 1150 * MS, 42, ISO_CAPTURE_OK); /* too old when it is read */
     puppet_sensor_add(&sensor, 11200 * MS, 42, ISO_CAPTURE_OK);
     assert_int_equal(look(), ISO_SENSOR_BACK);
     now_ns = 1100 * MS;
@@ -261,8 +262,8 @@ static void a_caller_that_was_held_up_does_not_blame_the_sensor(void **state)
     assert_true(supervisor.sees);
 }
 
-/* What a sensor did not show before the stall and behind it counts together: one that has died is
- * found however often its caller is held up. */
+/* The time without frames before a stall and after it counts together. So the supervisor finds a
+ * dead sensor however often its caller is held up. */
 static void a_dead_sensor_is_found_behind_a_stall(void **state)
 {
     (void)state;
@@ -278,7 +279,7 @@ static void a_dead_sensor_is_found_behind_a_stall(void **state)
         assert_int_equal(look(), ISO_SENSOR_QUIET);
         assert_true(supervisor.sees);
     }
-    now_ns += 100 * MS; /* 400 ms, without the stalls */
+    now_ns += 100 * MS; /* 400 ms without the stalls */
     assert_int_equal(look(), ISO_SENSOR_QUIET);
     assert_false(supervisor.sees);
     now_ns += 600 * MS;
@@ -327,12 +328,12 @@ static void frames_behind_a_frame_are_not_waited_for(void **state)
     assert_int_equal(due_in_ms(), 0);
     assert_int_equal(look(), ISO_SENSOR_QUIET);
     assert_int_equal(due_in_ms(), 50);
-    sensor.wait_error = -EBADMSG; /* one that fails each time is not asked without end */
+    sensor.wait_error = -EBADMSG; /* a sensor that fails each time is not asked for ever */
     assert_int_equal(look(), ISO_SENSOR_FLAW);
     assert_int_equal(due_in_ms(), 50);
 }
 
-/* Pause and silence are found when they are over, although no descriptor tells of them. */
+/* The end of a pause or of a silence is found, although no descriptor signals it. */
 static void what_a_descriptor_does_not_tell_is_due(void **state)
 {
     (void)state;

@@ -19,7 +19,7 @@ int decision_rig_setup(void **state)
     };
     (void)state;
     iso_decision_init(&decision, &options);
-    verdict = (struct iso_verdict){.allow = true, .frames = -1}; /* to see that it is untouched */
+    verdict = (struct iso_verdict){.allow = true, .frames = -1}; /* shows whether it was written */
     return 0;
 }
 

@@ -1,4 +1,4 @@
-/* Attack frames gathered into attempts. */
+/* The tally that groups attack frames into attempts. */
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/base/times.h"
@@ -56,14 +56,15 @@ static void of_two_cues_as_many_the_first_is_told(void **state)
     assert_true(iso_attack_tally_end(&tally, &attempt));
     assert_int_equal(attempt.cue, ISO_CAPTURE_STILL);
     assert_int_equal(attempt.frames, 2);
-    frame(300, ISO_CAPTURE_EYES_CUT); /* nothing is left of the one before */
+    frame(300, ISO_CAPTURE_EYES_CUT); /* nothing is left of the previous attempt */
     assert_true(iso_attack_tally_end(&tally, &attempt));
     assert_int_equal(attempt.cue, ISO_CAPTURE_EYES_CUT);
     assert_int_equal(attempt.frames, 1);
     assert_int_equal(attempt.duration_ns, 0);
 }
 
-/* A picture that hangs there for an hour is a record now and then, not one a frame. */
+/* A picture that hangs there for an hour gives a record from time to time, and not one for each
+ * frame. */
 static void a_long_one_is_told_in_parts(void **state)
 {
     int told = 0, frames = 0;

@@ -52,7 +52,8 @@ static void agreement_need_not_be_in_a_row(void **state)
     assert_int_equal(verdict.frames, 4);
 }
 
-/* A stranger who passes now and then has not passed: further frames are no further chances. */
+/* A stranger whose frames pass now and then is not admitted. More frames do not give more chances.
+ */
 static void half_of_the_frames_have_to_agree(void **state)
 {
     (void)state;
@@ -61,8 +62,8 @@ static void half_of_the_frames_have_to_agree(void **state)
     assert_false(face(133, ANNA, 3, 1, true));
     assert_false(face(166, ANNA, 3, 1, true));
     assert_false(face(200, ANNA, 3, 1, true));
-    assert_false(face(233, ANNA, 6, 1, true)); /* 2 of 5 */
-    assert_true(face(266, ANNA, 5, 1, true));  /* 3 of 6 */
+    assert_false(face(233, ANNA, 6, 1, true)); /* 2 of 5 frames */
+    assert_true(face(266, ANNA, 5, 1, true));  /* 3 of 6 frames */
     assert_true(verdict.allow);
     assert_int_equal(verdict.frames, 6);
 }
@@ -80,7 +81,7 @@ static void two_of_six_are_not_enough(void **state)
     assert_int_equal(verdict.reason, ISO_REASON_UNKNOWN);
 }
 
-/* Frames are judged by the threshold that held when they came. */
+/* The threshold at the time of a frame decides about this frame. */
 static void a_new_threshold_holds_from_the_next_frame_on(void **state)
 {
     (void)state;
@@ -97,7 +98,7 @@ static void denies_without_agreement(void **state)
     for (int i = 0; i < 4; i++) {
         assert_false(face(100 + 33 * i, ANNA, 3.999, 1, true));
     }
-    assert_true(face(300, ANNA, 4, 1, true)); /* one is not two */
+    assert_true(face(300, ANNA, 4, 1, true)); /* one frame is not enough */
     assert_false(verdict.allow);
     assert_int_equal(verdict.reason, ISO_REASON_UNKNOWN);
     assert_int_equal(verdict.person, 0);
@@ -173,7 +174,7 @@ static void denies_who_leaves(void **state)
     assert_true(verdict.score == 6);
     assert_int_equal(decision.state, ISO_DECISION_IDLE);
     assert_int_equal(iso_decision_due_ns(&decision), ISO_NEVER_NS);
-    assert_false(face(5000, ANNA, 6, 1, true)); /* the frame before does not count any more */
+    assert_false(face(5000, ANNA, 6, 1, true)); /* the previous frame does not count any more */
 }
 
 static void says_nothing_twice(void **state)

@@ -1,5 +1,6 @@
-/* The decision against an oracle: random visits, judged a second time from the list of all that was
- * seen, by the sentences of firmware/visit/decision.h and without its counters and states. */
+/* The decision against an oracle. The oracle judges random visits a second time, from the list of
+ * all events, by the rules of firmware/visit/decision.h and without the decision's counters and
+ * states. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,12 +23,12 @@ struct event {
 
 struct oracle {
     struct iso_decision_options options;
-    struct event seen[EVENTS]; /* of the visit that goes on, spent or not; 0: nobody is there */
+    struct event seen[EVENTS]; /* of the present visit, used or not; 0: nobody is there */
     int n;
-    int spent_at; /* seen[] up to here led to a verdict; 0: not spent */
+    int spent_at; /* a verdict has used seen[] up to here; 0: none */
 };
 
-/* The first frame of those whose face is the one seen last: faces of the same track, in a row. */
+/* Returns the first of the frames in a row whose face is on the same track as the last one. */
 static int first_of_face(const struct oracle *o)
 {
     int first = o->n;
@@ -81,7 +82,7 @@ static struct iso_verdict describe(const struct oracle *o, enum iso_reason reaso
     return verdict;
 }
 
-/* Whether somebody who was there is gone by then, and with what verdict. */
+/* Whether the person has left by this time, and with which verdict. */
 static bool oracle_time(struct oracle *o, int64_t t_ns, struct iso_verdict *verdict)
 {
     if (o->n == 0) {
@@ -101,7 +102,8 @@ static bool oracle_time(struct oracle *o, int64_t t_ns, struct iso_verdict *verd
     return told;
 }
 
-/* Another face: what is said of the one before. Faces that went stay forgotten, attacks do not. */
+/* Another face appears: returns the verdict on the previous face. Faces that left stay forgotten,
+ * attacks do not. */
 static bool oracle_track(struct oracle *o, uint64_t track, struct iso_verdict *verdict)
 {
     const int first = first_of_face(o);
@@ -115,7 +117,7 @@ static bool oracle_track(struct oracle *o, uint64_t track, struct iso_verdict *v
             o->seen[kept++] = o->seen[i];
         }
     }
-    if (kept > 0) { /* somebody was there until just now */
+    if (kept > 0) { /* a person was there until just now */
         o->seen[kept] = o->seen[o->n - 1];
         o->seen[kept].kind = NOTHING;
         kept++;
@@ -262,7 +264,7 @@ static void agrees_with_the_oracle(void **state)
     for (int i = ISO_REASON_MATCH; i < ISO_REASONS; i++) {
         print_message("%-9s %d\n", iso_reason_name((enum iso_reason)i), verdicts[i]);
         assert_true(i == ISO_REASON_UNLOGGED || i >= ISO_REASON_LOCKED_OUT ||
-                    verdicts[i] > 1000); /* each was put to the test */
+                    verdicts[i] > 1000); /* each verdict was tested often */
     }
 }
 

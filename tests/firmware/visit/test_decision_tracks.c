@@ -1,4 +1,4 @@
-/* Verdicts when there are cues of an attack, or more than one face. */
+/* Verdicts with cues of an attack, or with more than one face. */
 #include <math.h>
 #include <string.h>
 
@@ -6,14 +6,14 @@
 
 #include "tests/firmware/visit/decision_rig.h"
 
-/* An old frame is no witness of who is there now, however often the face was seen since. */
+/* An old frame does not show who is there now, however often the face was seen since then. */
 static void a_stale_frame_agrees_with_nobody(void **state)
 {
     (void)state;
     assert_false(face(100, ANNA, 6, 1, true));
-    assert_false(face(600, ANNA, 1, 0, true)); /* hidden for a while */
+    assert_false(face(600, ANNA, 1, 0, true)); /* the face is hidden for a while */
     assert_false(face(1101, ANNA, 5, 1, true));
-    assert_true(face(2101, ANNA, 5.5, 1, true)); /* exactly as old as a frame may be */
+    assert_true(face(2101, ANNA, 5.5, 1, true)); /* the first frame has exactly the greatest age */
     assert_true(verdict.allow);
     assert_int_equal(verdict.since_ns, 1101 * MS);
     assert_true(verdict.score == 5.5);
@@ -51,9 +51,9 @@ static void cues_count_among_usable_frames(void **state)
     assert_int_equal(verdict.frames, 2);
     assert_int_equal(verdict.person, 0);
     assert_true(verdict.score == 6);
-    assert_int_equal(verdict.cue, ISO_CAPTURE_EYES_CUT); /* of two as many, the first of the list */
+    assert_int_equal(verdict.cue, ISO_CAPTURE_EYES_CUT); /* a tie: the first wins */
     for (int t = 233; t < 8000; t += 33) {
-        assert_false(face(t, ANNA, 6, 1, true)); /* whoever takes the mask off waits */
+        assert_false(face(t, ANNA, 6, 1, true)); /* a person who takes a mask off has to wait */
     }
 }
 
@@ -76,7 +76,7 @@ static void a_cue_alone_is_no_visit(void **state)
     assert_false(iso_decision_time(&decision, 1600 * MS, &verdict));
     assert_int_equal(decision.state, ISO_DECISION_IDLE);
     assert_int_equal(verdict.frames, -1);
-    assert_false(attack(1700, ISO_CAPTURE_BENT)); /* the one before is forgotten */
+    assert_false(attack(1700, ISO_CAPTURE_BENT)); /* the previous attempt is forgotten */
 }
 
 static void an_attack_that_stays_is_denied_once(void **state)
@@ -95,7 +95,7 @@ static void an_attack_that_stays_is_denied_once(void **state)
 
 /* ---- tracks ---- */
 
-/* A usable face of a track; the verdict on the face before is in `verdict`. */
+/* Adds a usable face of a track. The verdict on the previous face is in `verdict`. */
 static bool face_of(uint64_t track, int64_t t_ms, int64_t person)
 {
     const struct iso_decision_frame frame = {t_ms * MS, person, 6, 1, true, track};
@@ -123,7 +123,7 @@ static void two_faces_do_not_agree(void **state)
     assert_int_equal(verdict.frames, 2);
 }
 
-/* A caller that tells of no track gets no agreement of two faces out of it. */
+/* If a caller gives no track, two faces never agree. */
 static void two_faces_do_not_agree_untold(void **state)
 {
     const struct iso_decision_frame one = {100 * MS, ANNA, 6, 1, true, 1};

@@ -20,7 +20,7 @@ static int setup(void **state)
     return 0;
 }
 
-/* n frames, 33 ms apart; the hints that were given, each "word " */
+/* Adds n frames, 33 ms apart. Returns the given hints, each as "word ". */
 static const char *show(enum iso_capture capture, int n)
 {
     static char given[512];
@@ -50,7 +50,7 @@ static void a_hint_that_goes_on_is_repeated(void **state)
     assert_string_equal(show(ISO_CAPTURE_TOO_FAR, 28), "");
 }
 
-/* Two words that take turns are one hint a second, whatever the order. */
+/* Two words in turn give one hint a second, in any order. */
 static void does_not_flicker(void **state)
 {
     char all[512] = "";
@@ -72,8 +72,8 @@ static void the_reason_that_holds_most_is_told(void **state)
     assert_string_equal(show(ISO_CAPTURE_TURN_LEFT, 2), "");
     assert_string_equal(show(ISO_CAPTURE_LOOK_UP, 2), "");
     assert_string_equal(show(ISO_CAPTURE_TURN_LEFT, 1), "turn-left ");
-    assert_string_equal(show(ISO_CAPTURE_LOOK_UP, 1), "look-up "); /* 3 to 3: the newest */
-    assert_string_equal(show(ISO_CAPTURE_TOO_FAR, 1), "");         /* what is mended is not told */
+    assert_string_equal(show(ISO_CAPTURE_LOOK_UP, 1), "look-up "); /* 3 to 3: the newest wins */
+    assert_string_equal(show(ISO_CAPTURE_TOO_FAR, 1), ""); /* a corrected fault gives no hint */
     assert_string_equal(show(ISO_CAPTURE_LOOK_UP, 1), "look-up ");
 }
 
@@ -81,7 +81,7 @@ static void while_frames_can_be_used_nothing_is_told(void **state)
 {
     (void)state;
     assert_string_equal(show(ISO_CAPTURE_OK, 5), "");
-    assert_string_equal(show(ISO_CAPTURE_TURN_LEFT, 3), ""); /* 3 of 8 */
+    assert_string_equal(show(ISO_CAPTURE_TURN_LEFT, 3), ""); /* 3 of 8 frames */
     assert_string_equal(show(ISO_CAPTURE_TURN_LEFT, 1), "turn-left ");
 }
 
@@ -104,7 +104,7 @@ static void what_is_new_need_not_wait(void **state)
     assert_string_equal(show(ISO_CAPTURE_TOO_FAR, 3), "");
 }
 
-/* Whatever comes: hints keep their distance, and each has held. */
+/* For all inputs, hints keep their distance in time, and each of them has lasted. */
 static void any_sequence(void **state)
 {
     (void)state;

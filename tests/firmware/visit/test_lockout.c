@@ -1,4 +1,4 @@
-/* The lock-out by itself: counting, locking, forgetting, and what outlasts a restart. */
+/* The lock-out alone: counting, locking, forgetting, and its state after a restart. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -52,7 +52,7 @@ static void locks_after_failures_in_a_row(void **state)
 {
     (void)state;
     assert_false(fails(1));
-    assert_false(verdict(ISO_REASON_MATCH, 2, 2)); /* which has them forgotten */
+    assert_false(verdict(ISO_REASON_MATCH, 2, 2)); /* it resets the failures */
     assert_false(fails(3));
     assert_false(fails(4));
     expect(ISO_REASON_NONE, 0, 4);
@@ -93,7 +93,7 @@ static void counts_who_could_have_been_recognised(void **state)
     }
 }
 
-/* Locks at t_s; returns for how many seconds. */
+/* Locks at t_s. Returns for how many seconds. */
 static int64_t lock_at(int64_t t_s)
 {
     bool locked = false;
@@ -115,7 +115,7 @@ static void each_lock_is_twice_as_long_up_to_the_longest(void **state)
         t_s += lengths_s[i];
         assert_true(iso_lockout_time(&lockout, t_s * S));
     }
-    /* A lock ends at t_s: what is remembered of it is forgotten forget_ns later. */
+    /* A lock ends at t_s. Its memory ends forget_ns later. */
     assert_int_equal(iso_lockout_due_ns(&lockout), (t_s + 100) * S);
     assert_int_equal(lock_at(t_s + 100), 10);
 }
@@ -195,7 +195,7 @@ static void outlasts_a_restart_with_a_clock_of_its_own(void **state)
     iso_lockout_restore(&lockout, &file.record, 3 * S);
     expect(ISO_REASON_LOCKED_OUT, 6, 3);
     assert_true(iso_lockout_time(&lockout, 9 * S));
-    assert_int_equal(lock_at(9), 20); /* the second */
+    assert_int_equal(lock_at(9), 20); /* the second lock */
     assert_int_equal(access(scratch_path(*state, "lockout.new"), F_OK), -1);
 }
 
@@ -286,7 +286,7 @@ static void the_file_of_the_version_before_is_read_until_there_is_a_sealed_one(v
     assert_int_equal(sealed.record.locks, 3);
     assert_int_equal(sealed.record.remaining_ns, file.record.remaining_ns);
     assert_false(sealed.record.lockdown);
-    /* What anyone can write is not taken any more once a store knows of the sealed one. */
+    /* Once a store knows the sealed file, a file that anyone can write is refused. */
     assert_int_equal(iso_key_ring_renew(stores_ring(*state), &fault), 0);
     stores_forget();
     scratch_write_text(path, text_1);
@@ -324,14 +324,14 @@ static void a_file_that_is_gone_or_old_is_missed(void **state)
     char *old = scratch_read(path, &size);
     record.failures = 2;
     assert_int_equal(iso_lockout_save(path, stores_ring(*state), &record, &fault), 0);
-    assert_int_equal(iso_key_ring_renew(stores_ring(*state), &fault), 0); /* which knows both */
+    assert_int_equal(iso_key_ring_renew(stores_ring(*state), &fault), 0); /* it knows both keys */
     stores_forget();
     scratch_write(path, old, size);
     expect_refused(*state, -ESTALE, "earlier time");
     assert_int_equal(unlink(path), 0);
     stores_forget();
     expect_refused(*state, -ESTALE, "is gone");
-    /* The next one is newer than all that are known. */
+    /* The next file is newer than all known ones. */
     assert_int_equal(iso_lockout_save(path, stores_ring(*state), &record, &fault), 0);
     struct iso_lockout_file file;
     assert_int_equal(iso_lockout_load(path, stores_ring(*state), &file, &fault), 0);

@@ -1,6 +1,5 @@
-/* A lock-out file that the disk does not let be read: the door stays shut, and opens by itself when
- * the file can be read again. A file that can be read and is damaged is another matter
- * (test_refusal.c). */
+/* The disk cannot read the lock-out file. The door stays locked, and works again by itself when the
+ * file can be read. A readable but damaged file is another case (test_refusal.c). */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -70,7 +69,7 @@ static const char *visit(struct rig *rig)
     return rig_news(rig);
 }
 
-/* The appliance starts anew, and the file cannot be read. */
+/* The appliance starts again, and the file cannot be read. */
 static void start_unread(struct rig *rig)
 {
     sector_is_bad = true;
@@ -124,7 +123,7 @@ static void what_the_file_says_holds_when_it_can_be_read(void **state)
     assert_string_equal(visit(rig), "visit deny lockdown 6");
 }
 
-/* Nothing replaces the file meanwhile, and what is begun meanwhile is not forgotten. */
+/* Meanwhile the appliance does not replace the file, and it does not forget a new lock. */
 static void a_lockdown_that_begins_meanwhile_goes_on(void **state)
 {
     struct rig *rig = *state;
@@ -144,7 +143,7 @@ static void an_administrator_replaces_what_can_never_be_read(void **state)
     rig_start(rig);
     start_unread(rig);
     assert_int_equal(iso_appliance_lockdown(rig->appliance, false, NULL), 0);
-    sector_is_bad = false; /* of the new file, which stands in another place of the disk */
+    sector_is_bad = false; /* the new file is in another place on the disk */
     (void)rig_news(rig);
     assert_non_null(strstr(visit(rig), "visit allow anna"));
     restart(rig);

@@ -1,9 +1,9 @@
-/* A sensor that repeats its frames is told once, and not at every other frame. */
+/* A sensor that repeats its frames is reported once, and not at every second frame. */
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "firmware/visit/repeat_watch.h"
 
-/* Takes n frames of a kind; how often the state changed. */
+/* Takes n frames of a kind. Returns how often the state changed. */
 static int take(struct iso_repeat_watch *watch, bool repeats, int n)
 {
     int changes = 0;
@@ -39,7 +39,7 @@ static void a_run_of_new_frames_ends_it(void **state)
     assert_false(watch.stuck);
 }
 
-/* Frames in turns: one fault, and no end of it. */
+/* Repeated and new frames in turn give one fault without an end. */
 static void turns_do_not_flap(void **state)
 {
     struct iso_repeat_watch watch = {.stuck = false};

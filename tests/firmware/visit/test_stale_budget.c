@@ -1,4 +1,4 @@
-/* The time that a grant needs, against the time that it has. */
+/* The time that a grant needs, compared with the time that it may take. */
 #include <errno.h>
 #include <string.h>
 
@@ -48,7 +48,7 @@ static void a_slow_camera_has_not(void **state)
                         "refused as stale");
 }
 
-/* One late frame changes little; a machine that stays slow is found. */
+/* One late frame changes little. A machine that stays slow is detected. */
 static void the_working_time_is_a_mean(void **state)
 {
     struct iso_stale_budget budget = budget_of(30, 50);
