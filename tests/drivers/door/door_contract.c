@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-/* Initially every other output is active. */
+/* At first every second output is active. */
 static const struct iso_door_outputs initial = {{true, false, true, false, true}};
 
 static const struct door_back_end *back_ends;
@@ -147,7 +147,7 @@ static void refuses_unknown_options(void **state)
     }
 }
 
-/* ... and leaves them where they were until somebody says otherwise. */
+/* A close leaves the outputs unchanged until they are set again. */
 static void open_again(const struct door_back_end *back_end, struct iso_door_io *io)
 {
     struct iso_door_inputs inputs;
@@ -173,13 +173,13 @@ static void opens_again_after_close(void **state)
     }
 }
 
-/* An input that is active before the lines are opened is active at the first look. */
+/* An input that is active before the lines are opened is active in the first reading. */
 static void sees_what_was_there_before(void **state)
 {
     (void)state;
     for (size_t i = 0; i < n_back_ends; i++) {
         if (!back_ends[i].has_world) {
-            continue; /* its inputs begin to exist when it is opened */
+            continue; /* its inputs exist only while it is open */
         }
         struct iso_door_inputs inputs;
         back_ends[i].prepare();

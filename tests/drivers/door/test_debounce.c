@@ -1,4 +1,4 @@
-/* Switches that bounce, by the times of their edges. */
+/* Bouncing switches, judged by the times of their edges. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,7 +31,7 @@ static void a_level_counts_when_it_has_lasted(void **state)
     assert_true(iso_debounce_take(&debounce)); /* still pressed */
 }
 
-/* Contacts that bounce for 15 ns at both ends of a press. */
+/* The contacts bounce for 15 ns at both ends of a press. */
 static void bounces_are_one_press(void **state)
 {
     static const int64_t edges[] = {1100, 1103, 1105, 1112, 1115, 1300, 1302, 1309, 1311, 1314};
@@ -63,7 +63,7 @@ static void a_spike_has_not_happened(void **state)
     assert_false(iso_debounce_take(&debounce));
 }
 
-/* Nobody looked before it was over. */
+/* The level was not read before the press was over. */
 static void a_press_that_is_over_was_one(void **state)
 {
     (void)state;
@@ -79,10 +79,11 @@ static void edges_that_were_lost_do_no_harm(void **state)
 {
     (void)state;
     iso_debounce_edge(&debounce, true, 1100);
-    iso_debounce_edge(&debounce, true, 1110); /* the one between is missing: it lasts since 1100 */
+    iso_debounce_edge(&debounce, true,
+                      1110); /* an edge between them was lost: pressed since 1100 */
     iso_debounce_advance(&debounce, 1120);
     assert_true(debounce.level);
-    iso_debounce_edge(&debounce, false, 1050); /* from before: now, then */
+    iso_debounce_edge(&debounce, false, 1050); /* earlier than the last edge: counts as now */
     assert_int_equal(iso_debounce_due_ns(&debounce), 1120);
     iso_debounce_advance(&debounce, 1120);
     assert_false(debounce.level);
@@ -96,7 +97,7 @@ static void without_a_window_every_edge_counts(void **state)
     iso_debounce_edge(&debounce, false, 1001);
     iso_debounce_advance(&debounce, 1001);
     assert_false(debounce.level);
-    assert_true(iso_debounce_take(&debounce)); /* it was, after the last time */
+    assert_true(iso_debounce_take(&debounce)); /* it was active after the last call */
     assert_false(iso_debounce_take(&debounce));
     iso_debounce_edge(&debounce, true, 1002);
     iso_debounce_edge(&debounce, false, 1002);

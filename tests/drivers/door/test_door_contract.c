@@ -1,5 +1,5 @@
-/* The contract suite of the door class on every back end that is compiled in: null, and gpiod over
- * lines in memory. tests/vm runs it over lines of the kernel. */
+/* Runs the contract suite of the door class on every back end of this build: null, and gpiod over
+ * simulated lines. tests/vm runs it over lines of the kernel. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -33,7 +33,7 @@ static void move_null_input(struct iso_door_io *io, enum iso_door_input input, b
 
 #ifdef ISOTHERM_WITH_GPIOD
 
-/* By number and by name, active high and active low. */
+/* The lines are given by number and by name, active high and active low. */
 static const struct iso_option wiring[] = {
     {"relay", "fake:0"},      {"led_granted", "fake:1 active-low"},
     {"led_refused", "LINE2"}, {"buzzer", "LINE3 active-low open-drain"},
@@ -71,7 +71,7 @@ static void move_gpiod_input(struct iso_door_io *io, enum iso_door_input input, 
 
 #endif
 
-/* A back end that is registered has to be in the table. */
+/* The table must have every registered back end. */
 static int no_back_end_is_left_out(const struct door_back_end *table, size_t n)
 {
     int missing = 0;

@@ -1,4 +1,4 @@
-/* The back end gpiod over lines in memory: options, order, faults, debouncing. */
+/* The back end gpiod over simulated lines: options, order, faults, debouncing. */
 #include <errno.h>
 #include <poll.h>
 #include <setjmp.h>
@@ -19,7 +19,7 @@
 static int64_t now_ns;
 static const struct iso_door_outputs unpowered;
 
-/* Contact and button active low, the tamper switch active high. */
+/* Contact and button are active low, the tamper switch is active high. */
 static const struct iso_option wiring[] = {
     {"relay", "fake:0 active-low"},
     {"buzzer", "fake:3"},
@@ -96,10 +96,10 @@ static void refuses_bad_options(void **state)
                     "door gpiod: option 'wiegand_d1' is missing");
     refuses_options(no_bits, 2, -EINVAL, ISO_FAULT_OPTION_WRONG,
                     "door gpiod: bad value '37' for 'wiegand_bits' (26|34)");
-    assert_int_equal(fake_gpio_changes(0), 0); /* a wrong file touches no line */
+    assert_int_equal(fake_gpio_changes(0), 0); /* an invalid configuration changes no line */
 }
 
-/* Whichever line cannot be had: nothing stays open. */
+/* If any line cannot be opened, no line stays open. */
 static void says_which_line_cannot_be_had(void **state)
 {
     static const struct {
@@ -123,7 +123,8 @@ static void says_which_line_cannot_be_had(void **state)
     refuses_options(twice, 2, -EBUSY, ISO_FAULT_LINE_BUSY, "door gpiod: tamper: line:");
 }
 
-/* A strike that must stay energised does not drop, and one that must not does not click. */
+/* The opening causes no short pulse: a strike that must stay energised does not drop, and one that
+ * must stay off does not click. */
 static void outputs_have_no_other_level_first(void **state)
 {
     const struct iso_clock clock = manual_clock(&now_ns);
@@ -138,7 +139,7 @@ static void outputs_have_no_other_level_first(void **state)
     assert_int_equal(fake_gpio_changes(0), 2);
     assert_false(fake_gpio_voltage(0));
     iso_door_io_close(io);
-    assert_false(fake_gpio_voltage(0)); /* close sets none */
+    assert_false(fake_gpio_voltage(0)); /* the close does not change the level */
 }
 
 static void what_is_not_wired_is_quiet(void **state)
@@ -172,7 +173,7 @@ static void contacts_bounce(void **state)
 {
     struct iso_door_io *io = open_door();
     (void)state;
-    for (int i = 0; i < 7; i++) { /* 12 ms of bouncing; then it stays open */
+    for (int i = 0; i < 7; i++) { /* 12 ms of bouncing, then the contact stays open */
         fake_gpio_drive(5, i % 2 != 0);
         assert_false(look_at_inputs(io).active[ISO_DOOR_CONTACT]);
         now_ns += 2 * MS;
@@ -184,7 +185,8 @@ static void contacts_bounce(void **state)
     iso_door_io_close(io);
 }
 
-/* The edges tell, although nobody looked for half a second; and a spike is none. */
+/* The edges tell when the contact changed, although the level was not read for half a second. A
+ * short spike does not count. */
 static void a_press_between_two_looks(void **state)
 {
     struct iso_door_io *io = open_door();
@@ -204,7 +206,7 @@ static void a_press_between_two_looks(void **state)
     iso_door_io_close(io);
 }
 
-/* More edges than the kernel keeps: the level itself is asked for. */
+/* There are more edges than the kernel keeps, so the back end reads the level itself. */
 static void edges_beyond_the_kernels_memory(void **state)
 {
     struct iso_door_io *io = open_door();
@@ -226,8 +228,8 @@ static bool is_readable(struct iso_door_io *io, int timeout_ms)
     return poll(&poll_fd, 1, timeout_ms) == 1;
 }
 
-/* The descriptor becomes readable again when the level counts. Its timer is the kernel's, for which
- * the hand of our clock is long past. */
+/* The descriptor becomes readable again when the level counts. Its timer uses the kernel's clock,
+ * by which the due time on the test's clock is long past. */
 static void the_descriptor_tells_when_a_level_counts(void **state)
 {
     struct iso_door_io *io = open_door();
@@ -250,7 +252,7 @@ static void a_chip_that_is_pulled_out(void **state)
     struct iso_fault fault;
     (void)state;
     fake_gpio_pull_out(true);
-    assert_true(is_readable(io, 0)); /* it is told at once */
+    assert_true(is_readable(io, 0)); /* it is readable at once */
     assert_int_equal(iso_door_io_get_inputs(io, &inputs, &fault), -ENODEV);
     assert_string_equal(fault.text, "door gpiod: relay: No such device");
     assert_true(inputs.active[0] && !inputs.active[1] && inputs.active[2]);
@@ -267,7 +269,7 @@ static void a_chip_that_is_pulled_out(void **state)
     iso_door_io_close(io);
 }
 
-/* Without a relay: the controller has one. */
+/* No relay is wired, because the controller has one. */
 static void sends_cards_to_a_controller(void **state)
 {
     const struct iso_option options[] = {{"wiegand_d0", "fake:8 active-low"},
@@ -290,10 +292,11 @@ static void sends_cards_to_a_controller(void **state)
     while (iso_door_io_send_card(io, &card, NULL) == -EBUSY) {
         (void)nanosleep(&code, NULL);
     }
-    /* At least one code has gone: 23 zeros and 3 ones, two changes each, and the second began. */
+    /* At least one code was sent: 23 zeros and 3 ones, two changes each. The second code has begun.
+     */
     assert_true(fake_gpio_changes(8) >= 1 + 2 * 23);
     assert_true(fake_gpio_changes(9) >= 1 + 2 * 3);
-    iso_door_io_close(io); /* in the middle */
+    iso_door_io_close(io); /* while the second code is sent */
     assert_true(fake_gpio_voltage(8) && fake_gpio_voltage(9));
 }
 

@@ -1,4 +1,4 @@
-/* The checked wrapper of the door class, over a back end that does what it is told. */
+/* The checked wrapper of the door class, over a back end that follows the test. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -136,7 +136,7 @@ static void refuses_a_back_end_with_holes(void **state)
     assert_null(io);
 }
 
-/* What the table of options refuses does not come to the back end. */
+/* Options that the table refuses do not reach the back end. */
 static void asks_the_table_of_options_first(void **state)
 {
     static const struct iso_option_spec specs[] = {
@@ -152,7 +152,7 @@ static void asks_the_table_of_options_first(void **state)
     (void)state;
     puppet = (struct puppet){.open_error = -ENODEV};
     assert_int_equal(iso_door_io_open_ops(&ops, &good, 1, &clock, &initial, &io, &fault), -EINVAL);
-    assert_string_equal(fault.text, "door puppet: unknown option 'port'"); /* has no table */
+    assert_string_equal(fault.text, "door puppet: unknown option 'port'"); /* it has no table */
     ops.options = specs;
     assert_int_equal(iso_door_io_open_ops(&ops, &unknown, 1, &clock, &initial, &io, &fault),
                      -EINVAL);
@@ -164,8 +164,8 @@ static void asks_the_table_of_options_first(void **state)
     puppet = (struct puppet){0};
 }
 
-/* The check comes before the device: with a wrong option and without a device, the option is named.
- */
+/* Options are checked before the device is opened: with a wrong option and a missing device, the
+ * fault names the option. */
 static void checks_options_before_it_opens(void **state)
 {
     struct iso_clock clock = manual_clock(&now_ns);
@@ -243,7 +243,7 @@ static void every_fault_has_a_text(void **state)
     puppet.text = "chip 3: short circuit";
     assert_int_equal(iso_door_io_get_inputs(io, &inputs, &fault), -EIO);
     assert_string_equal(fault.text, "chip 3: short circuit");
-    assert_true(inputs.active[ISO_DOOR_CONTACT]); /* untouched */
+    assert_true(inputs.active[ISO_DOOR_CONTACT]); /* unchanged */
     puppet.error = 0;
     assert_int_equal(iso_door_io_get_inputs(io, &inputs, NULL), 0);
     iso_door_io_close(io);
@@ -286,13 +286,14 @@ static void a_lost_device_can_be_opened_anew(void **state)
     puppet.open_error = puppet.error = 0;
     assert_int_equal(iso_door_io_reopen(io, &levels, NULL), 0);
     assert_true(puppet.initial.active[ISO_DOOR_BUZZER]);
-    assert_int_equal(puppet.closes, 1); /* not twice */
+    assert_int_equal(puppet.closes, 1); /* not closed twice */
     assert_int_equal(iso_door_io_set_output(io, ISO_DOOR_RELAY, true, NULL), 0);
     iso_door_io_close(io);
     assert_int_equal(puppet.closes, 2);
 }
 
-/* The options of the first time hold for all times, whatever became of the caller's. */
+/* The options of the first open hold for every reopen, also after the caller has changed its copy.
+ */
 static void begins_lost_if_asked(void **state)
 {
     char value[] = "/nonexistent/inputs";

@@ -1,4 +1,4 @@
-/* The simulated door: its own record and its inputs. */
+/* The simulated door: its record and its inputs. */
 #include <errno.h>
 #include <poll.h>
 #include <setjmp.h>

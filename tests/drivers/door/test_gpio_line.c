@@ -1,5 +1,5 @@
-/* libgpiod on a machine without the lines asked for: every machine can be that. What needs lines is
- * tested with those of a kernel in a virtual machine (tests/vm). */
+/* libgpiod on a machine that lacks the configured lines. Every machine can run this test. Tests
+ * with real lines use those of a kernel in a virtual machine (tests/vm). */
 #include <errno.h>
 #include <fcntl.h>
 #include <setjmp.h>
@@ -51,13 +51,13 @@ static void says_that_there_is_no_such_name(void **state)
     struct iso_fault fault;
     const int error = open_both_ways("a-line-that-nobody-has", &fault);
     (void)state;
-    /* With chips that this user may not look into, it cannot know. */
+    /* If this user may not read some chips, the search cannot know whether the line exists. */
     assert_true(error == -ENODEV || error == -EACCES);
     assert_non_null(strstr(fault.text, "line 'a-line-that-nobody-has': n"));
     iso_gpio_line_close(NULL);
 }
 
-/* As the appliance asks for it. */
+/* The same request as that of the appliance. */
 static void the_door_says_which_line_is_missing(void **state)
 {
     const struct iso_option option = {"relay", "gpiochip4711:17 active-low"};

@@ -1,4 +1,4 @@
-/* GPIO lines as they are written in the configuration. */
+/* Specifications of GPIO lines in the configuration. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -30,7 +30,7 @@ static void reads_chip_and_offset(void **state)
     assert_true(!spec.active_low && !spec.bias && !spec.drive);
     spec = parse("/dev/gpiochip0:3");
     assert_string_equal(spec.chip, "/dev/gpiochip0");
-    spec = parse("platform:fd8a0000.gpio:9"); /* the last colon counts */
+    spec = parse("platform:fd8a0000.gpio:9"); /* the last colon separates the line */
     assert_string_equal(spec.chip, "platform:fd8a0000.gpio");
     assert_int_equal(spec.offset, 9);
 }

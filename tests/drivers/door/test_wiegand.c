@@ -1,4 +1,4 @@
-/* Wiegand: codes bit by bit as they go over the wire, and the sender on lines that are watched. */
+/* Wiegand: the bits of codes on the wire, and the sender on lines that the test records. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,7 +14,7 @@
 
 /* ---- codes ---- */
 
-/* Worked out by hand from the formats' definitions. */
+/* Calculated by hand from the definitions of the formats. */
 static const struct {
     int bits;
     struct iso_wiegand_card card;
@@ -64,7 +64,7 @@ static void refuses_what_does_not_fit(void **state)
     assert_int_equal(iso_wiegand_encode(34, &facility, &code), 0);
 }
 
-/* Whichever bit is read wrongly. */
+/* Tries an error in each bit. */
 static void every_single_error_is_seen(void **state)
 {
     const struct iso_wiegand_card card = {0x5a, 0x1234};
@@ -85,12 +85,12 @@ static void every_single_error_is_seen(void **state)
 /* ---- the sender ---- */
 
 struct wire {
-    char bits[65]; /* as a reader takes them down */
+    char bits[65]; /* the bits that a reader receives */
     int n, fail_at, error;
     bool pulse[2];
     int64_t delay_ns; /* how long a line takes to be switched on */
     int64_t on_ns, shortest_ns;
-    bool strange; /* two lines at a time, or a level twice */
+    bool strange; /* two lines at a time, or the same level twice */
 };
 
 static int64_t clock_ns(void)
@@ -150,7 +150,7 @@ static void sends_what_a_reader_reads(void **state)
     assert_true(!wire.strange && !wire.pulse[0] && !wire.pulse[1]);
     assert_int_equal(report.codes, 2);
     assert_int_equal(report.pulses, 60);
-    /* Never shorter; how much longer is up to the machine. */
+    /* The pulses are never too short. How much longer they are depends on the machine. */
     assert_true(report.pulse_min_ns >= ISO_WIEGAND_PULSE_NS);
     assert_true(report.interval_min_ns >= ISO_WIEGAND_INTERVAL_NS);
     assert_true(report.pulse_max_ns >= report.pulse_min_ns);
@@ -161,7 +161,7 @@ static void sends_what_a_reader_reads(void **state)
                   (double)report.interval_min_ns / 1e3, (double)report.interval_max_ns / 1e3);
 }
 
-/* As when somebody else has the processor just before the line is switched. */
+/* Simulates another process that gets the processor just before the line is switched. */
 static void a_late_pulse_is_no_shorter(void **state)
 {
     struct wire wire = {.delay_ns = 3 * ISO_WIEGAND_PULSE_NS};
@@ -186,7 +186,7 @@ static void tells_of_a_failure_once(void **state)
         (void)nanosleep(&ms, NULL);
     }
     assert_int_equal(error, -ENODEV);
-    assert_int_equal(wire.n, 5); /* cut off */
+    assert_int_equal(wire.n, 5); /* the code was cut off */
     assert_false(wire.pulse[0]);
     assert_int_equal(iso_wiegand_out_flush(out), 0);
     wire.error = 0;

@@ -1,4 +1,5 @@
-/* Opening files: what is no regular file is refused, and nothing waits. */
+/* Functions that open files: they refuse everything that is no regular file, and they never wait.
+ */
 #include <errno.h>
 #include <fcntl.h>
 #include <setjmp.h>
@@ -17,7 +18,7 @@
 #include "drivers/file/file.h"
 #include "tests/support/scratch.h"
 
-/* Each way to open answers with `error` and a line that has `words` in it. */
+/* Each function that opens a file returns `error`, and a line that has `words` in it. */
 static void expect_refusal(const char *path, int error, const char *words)
 {
     struct iso_fault fault = {.text = ""};
@@ -25,7 +26,7 @@ static void expect_refusal(const char *path, int error, const char *words)
     char *bytes = NULL;
     size_t size = 7;
     int fd = -1;
-    (void)alarm(10); /* a FIFO would wait for ever */
+    (void)alarm(10); /* opening a FIFO would wait for ever */
     assert_int_equal(iso_file_check(path, 100, &fault), error);
     assert_non_null(strstr(fault.text, words));
     for (int i = 0; i < 3; i++) {
@@ -95,7 +96,7 @@ static void refuses_a_longer_file(void **state)
     assert_non_null(strstr(fault.text, "/x: longer than 100 bytes"));
     assert_int_equal(iso_file_open(path, O_RDWR, ISO_FILE_ANY_SIZE, &fd, NULL), 0);
     (void)close(fd);
-    /* What was there before does not count for a file that is written anew. */
+    /* A file that is written anew keeps nothing of the earlier file. */
     assert_int_equal(iso_file_open(path, O_WRONLY | O_TRUNC, 100, &fd, NULL), 0);
     (void)close(fd);
 }
@@ -127,8 +128,8 @@ static void makes_files_for_the_owner_alone(void **state)
     (void)close(fd);
 }
 
-/* Directories on the way may be links: /var/lib/isotherm is one to a service with a user of its
- * own. */
+/* Directories on the path may be links: /var/lib/isotherm is a link for a service with a dynamic
+ * user. */
 static void follows_links_to_directories(void **state)
 {
     const char *path = scratch_path(*state, "link/file");
@@ -143,7 +144,7 @@ static void follows_links_to_directories(void **state)
     free(bytes);
 }
 
-/* Their status says that they are empty. */
+/* The status of these files has the size 0. */
 static void reads_files_that_do_not_know_their_size(void **state)
 {
     char *bytes = NULL;
@@ -157,8 +158,7 @@ static void reads_files_that_do_not_know_their_size(void **state)
     assert_null(bytes);
 }
 
-/* Somebody has put a second name of the gallery there, or a file of his own that all may
-           read. */
+/* Another user has put a second name of the gallery there, or a file that everybody may read. */
 static void a_file_that_is_made_anew_is_ours_alone(void **state)
 {
     const char *needed = scratch_path(*state, "needed"), *path = scratch_path(*state, "x.new");
@@ -167,7 +167,7 @@ static void a_file_that_is_made_anew_is_ours_alone(void **state)
     scratch_write_text(needed, "people");
     assert_int_equal(link(needed, path), 0);
     assert_int_equal(chmod(needed, 0666), 0);
-    for (int i = 0; i < 2; i++) { /* over a second name, and over a file of its own */
+    for (int i = 0; i < 2; i++) { /* over a second name, and over a separate file */
         int fd = -1;
         assert_int_equal(
             iso_file_open(path, O_WRONLY | O_CREAT | O_TRUNC, ISO_FILE_ANY_SIZE, &fd, NULL), 0);

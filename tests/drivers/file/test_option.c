@@ -1,4 +1,5 @@
-/* Tables of options: what they accept and refuse, and that those of all back ends are sound. */
+/* Tables of options: the values that they accept and refuse, and the validity of the tables of all
+ * back ends. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -135,12 +136,12 @@ static void the_tables_of_all_back_ends_are_sound(void **state)
             expect_sound(name, table, spec);
         }
     }
-    assert_true(n >= 5); /* of replay and null */
+    assert_true(n >= 5); /* those of replay and null */
     assert_null(iso_sensor_options("kinect9"));
     assert_null(iso_door_io_options("gate"));
 }
 
-/* Values that stand in a table and in code. */
+/* Values that are both in a table and in code. */
 static void standard_values_are_those_of_the_code(void **state)
 {
     const struct iso_option_set stereo = {iso_sensor_options("v4l2-stereo"), NULL, 0};

@@ -1,5 +1,5 @@
-/* The Nth allocation fails, for every N until all goes well: -ENOMEM, outputs untouched, and
- * (seen by the sanitizers) nothing leaks. */
+/* The Nth allocation fails, for every N until the call succeeds. Each failure returns -ENOMEM and
+ * leaves the outputs untouched. The sanitizers check that no memory leaks. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,7 +20,7 @@
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"
 
-enum { MOST = 100 }; /* allocations of anything */
+enum { MOST = 100 }; /* no tested call makes more allocations */
 
 static int setup(void **state)
 {

@@ -1,4 +1,5 @@
-/* PNG files: what is written is read back bit by bit, and everything unsound is refused. */
+/* PNG files: the reader returns exactly the samples that were written, and refuses every invalid
+ * file. */
 #include <errno.h>
 #include <fcntl.h>
 #include <png.h>
@@ -23,7 +24,7 @@ enum { WIDTH = 11, HEIGHT = 6 };
 static const enum iso_pixel kinds[] = {ISO_PIXEL_GREY8, ISO_PIXEL_GREY16, ISO_PIXEL_RGB8,
                                        ISO_PIXEL_RGB16};
 
-/* Samples that no two neighbours share, with bytes of different value in 16 bits. */
+/* Samples of which two neighbours never agree. The two bytes of a 16-bit sample differ, too. */
 static void fill_image(uint8_t *bytes, size_t size)
 {
     uint32_t x = 12345;
@@ -98,7 +99,7 @@ static void refuses_every_truncation(void **state)
     write_sample(path, ISO_PIXEL_GREY16, samples);
     uint8_t *bytes = scratch_read(path, &size);
     for (size_t length = 0; length < size; length++) {
-        /* A copy of exactly this length, so that reading beyond it would be seen. */
+        /* A copy of exactly this length, so that the sanitizer finds a read beyond it. */
         uint8_t *cut = malloc(length + 1);
         assert_non_null(cut);
         memcpy(cut, bytes, length);
@@ -166,7 +167,7 @@ static void refuses_what_was_not_expected(void **state)
     iso_image_done(&image);
 }
 
-/* Writes with libpng itself what ours does not write; returns its bytes. */
+/* Writes with libpng the formats that our writer does not write. Returns the bytes. */
 static uint8_t *write_other(const char *path, int bits, int colour_type, int interlace,
                             const uint8_t *samples, size_t row_bytes, size_t *size)
 {
@@ -228,7 +229,7 @@ static void reads_interlaced_pictures(void **state)
 
 static void refuses_a_giant_without_taking_memory(void **state)
 {
-    /* A header of 8193 x 1 pixels, 8-bit grey, with its right checksum. */
+    /* A header of 8193 x 1 pixels, 8-bit grey, with its correct checksum. */
     static const uint8_t giant[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n', 0,    0,    0,
                                     13,   'I', 'H', 'D', 'R',  0,    0,    0x20, 1,    0,    0,
                                     0,    1,   8,   0,   0,    0,    0,    0xbc, 0xe2, 0x14, 0x82};

@@ -1,4 +1,4 @@
-/* The reader of recordings, on recordings that are written here. */
+/* The reader of recordings, with recordings that the test writes. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,7 @@
 #include "tests/support/scratch.h"
 #include "tests/support/stored_frames.h"
 
-/* The scratch directory holds a recording `r` of three frames. */
+/* Writes a recording `r` of three frames into the scratch directory. */
 static int setup(void **state)
 {
     int error = scratch_setup(state);
@@ -41,7 +41,7 @@ static struct iso_recording *open_recording(void **state)
     return recording;
 }
 
-/* Opening fails with `error` and a line that ends in `end`. */
+/* Asserts that opening fails with `error` and a line that ends in `end`. */
 static void assert_refused(void **state, int error, const char *end)
 {
     struct iso_recording *recording = NULL;
@@ -145,7 +145,8 @@ static void refuses_a_bad_ini_by_name(void **state)
     assert_refused(state, -EBADMSG, "r/recording.ini: not a text file (it holds a NUL byte)");
 }
 
-/* Frame 1 fails with a line that ends in `end`; frames 0 and 2 are still read. */
+/* Asserts that frame 1 fails with a line that ends in `end`, and that frames 0 and 2 can still be
+ * read. */
 static void assert_frame_lost(void **state, int error, const char *end)
 {
     struct iso_recording *recording = open_recording(state);
@@ -224,7 +225,8 @@ static float intensity_of(void **state, size_t index)
 static void matches_infrared_by_time(void **state)
 {
     scratch_mkdir(in_recording(state, "ir"));
-    /* One more than there are depth frames, half a millisecond off, of both depths. */
+    /* There is one more image than there are depth frames. Two images are half a millisecond off,
+     * and the images have both bit depths. */
     scratch_write_text(in_recording(state, "ir.txt"), "9.9 ir/none.png\n10.0005 ir/a.png\n"
                                                       "10.125 ir/b.png\n10.2495 ir/a.png\n");
     stored_plane_write(in_recording(state, "ir/a.png"), STORED_WIDTH, STORED_HEIGHT, 16, 1, 13107);

@@ -1,4 +1,4 @@
-/* recording.ini: what is accepted, and the line that refuses everything else. */
+/* recording.ini: the accepted values, and the fault line for all others. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -41,8 +41,8 @@ static void parses_an_orthographic(void **state)
     assert_true(meta.camera.pitch_mm == 0.32);
 }
 
-/* stored_ini with the line that starts with `key` replaced by `line` ("" removes it, NULL keeps it)
- * and `appended` put at the end; to be freed. */
+/* Returns stored_ini with two changes, to be freed: `line` replaces the line that starts with `key`
+ * ("" removes it, NULL keeps it), and `appended` is put at the end. */
 static char *changed_ini(const char *key, const char *line, const char *appended)
 {
     const char *at = key ? strstr(stored_ini, key) : stored_ini;
@@ -125,7 +125,7 @@ static void refuses_bad_numbers(void **state)
                    "a/recording.ini:3: bad value 'a2345678901234567890123456789012' for sensor");
 }
 
-/* What the camera's own check says is its business: here only that it is asked. */
+/* Other tests cover the checks of the camera. This test only shows that the reader calls them. */
 static void refuses_absurd_cameras(void **state)
 {
     static const char *const lines[][2] = {
@@ -166,7 +166,7 @@ static void checks_what_would_be_written(void **state)
     assert_int_equal(iso_recording_meta_check(&meta, &what), -EINVAL);
     assert_non_null(strstr(what, "unit_mm"));
     meta.unit_mm = 1.0;
-    memset(meta.sensor, 'x', sizeof meta.sensor); /* not even ended */
+    memset(meta.sensor, 'x', sizeof meta.sensor); /* it has no end */
     assert_int_equal(iso_recording_meta_check(&meta, NULL), -EINVAL);
 }
 

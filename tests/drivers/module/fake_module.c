@@ -1,5 +1,5 @@
-/* A shared object that is a module, or nearly: built several times, with one thing wrong each time
- * (tests/drivers/CMakeLists.txt). */
+/* A shared object that is a module, or nearly one. The build makes several variants, each with one
+ * fault (tests/drivers/CMakeLists.txt). */
 #include "tests/drivers/module/fake_module.h"
 
 #ifndef FAKE_ABI

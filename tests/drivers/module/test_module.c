@@ -1,4 +1,4 @@
-/* The loader of modules: a sound one is used, and each way to be wrong is told in one line. */
+/* The loader of modules. It uses a valid module, and reports each kind of fault in one line. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,7 @@
 #include "tests/drivers/module/fake_module.h"
 #include "tests/support/scratch.h"
 
-/* One of those that were built. */
+/* Returns the path of one of the built modules. */
 static const char *built(const char *kind)
 {
     static char path[PATH_MAX];
@@ -103,7 +103,7 @@ static void what_is_another_module_is_refused(void **state)
 
 /* ---- by name ---- */
 
-/* Beside the library that the test runs, whatever the environment says. */
+/* The module is beside the library that the test runs. The environment does not matter. */
 static void lies_beside_the_library(void **state)
 {
     char path[PATH_MAX], real[PATH_MAX], expected[PATH_MAX + 64];
@@ -114,7 +114,8 @@ static void lies_beside_the_library(void **state)
     assert_string_equal(path, expected);
 }
 
-/* What comes later is not loaded any more: the process may be confined by then. */
+/* A module that appears after the first call is not loaded, because the process may be confined by
+ * then. */
 static void the_disk_is_asked_once(void **state)
 {
     struct iso_module_slot slot = {.name = "fake", .size_bytes = sizeof(struct fake_module)};
@@ -131,7 +132,7 @@ static void the_disk_is_asked_once(void **state)
     assert_string_equal(again.text, fault.text);
     assert_null(slot.table);
 
-    assert_int_equal(iso_module_load(&next, NULL), 0); /* another user of it finds it */
+    assert_int_equal(iso_module_load(&next, NULL), 0); /* another user of the module finds it */
     assert_int_equal(unlink(path), 0);
     const struct iso_module *table = next.table;
     assert_int_equal(iso_module_load(&next, NULL), 0);

@@ -1,4 +1,4 @@
-/* Where a program finds the shipped data files, by the place where it lies. */
+/* How a program finds the shipped data files from its own path. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -33,7 +33,7 @@ static void a_build_tree_has_a_link_to_the_source(void **state)
     assert_string_equal(directory_of(root, "build/sim/isotherm-sim"), source);
     assert_string_equal(directory_of(root, "build/tests/sim/test_x"), source);
     assert_string_equal(directory_of(root, "build/tests/sim/deep/test_x"), source);
-    /* A program beside the link, or too far below it, is none of the build's. */
+    /* A program beside the link, or too far below it, does not belong to the build. */
     assert_string_equal(directory_of(root, "build/isotherm-sim"), ISOTHERM_DATA_DIR);
     assert_string_equal(directory_of(root, "build/1/2/3/4/isotherm-sim"), ISOTHERM_DATA_DIR);
     free(source);
@@ -57,7 +57,7 @@ static void any_other_program_takes_the_installed_files(void **state)
     }
 }
 
-/* This test is a program of a build tree. */
+/* This test itself is a program of a build tree. */
 static void a_test_finds_the_files_of_the_source(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The counter in a TPM, on a software one. What only the owner of a TPM can do is done here with
- * the software stack itself. */
+/* The counter in a TPM, tested on a software TPM. The test uses the TPM software stack directly for
+ * actions that only the owner of a TPM may do. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -143,7 +143,7 @@ static void it_is_made_and_counts(void **state)
     }
     iso_counter_close(&counter);
     assert_null(counter.ops);
-    soft_tpm_off(&tpm); /* as by a power cut */
+    soft_tpm_off(&tpm); /* like a power cut */
     soft_tpm_on(&tpm);
     counter = open_counter();
     assert_int_equal(value_of(counter.ops->read, &counter), first + 20);
@@ -167,7 +167,7 @@ static void one_that_is_made_again_is_above_the_one_before(void **state)
     iso_counter_close(&counter);
 }
 
-/* A kill between making it and the first count. */
+/* Simulates a kill between the creation and the first increment. */
 static void one_that_never_counted_is_taken(void **state)
 {
     (void)state;
@@ -182,9 +182,10 @@ static void one_that_never_counted_is_taken(void **state)
 static void another_use_of_the_index_is_refused(void **state)
 {
     static const TPMA_NV others[] = {
-        TPMA_NV_AUTHREAD | TPMA_NV_AUTHWRITE, /* eight bytes that anybody writes */
+        TPMA_NV_AUTHREAD | TPMA_NV_AUTHWRITE, /* eight bytes that anybody may write */
         TPMA_NV_OWNERREAD | TPMA_NV_OWNERWRITE | TPM2_NT_COUNTER << TPMA_NV_TPM2_NT_SHIFT,
-        TPMA_NV_AUTHREAD | TPMA_NV_AUTHWRITE | TPMA_NV_ORDERLY | /* jumps when power is lost */
+        TPMA_NV_AUTHREAD | TPMA_NV_AUTHWRITE |
+            TPMA_NV_ORDERLY | /* its value jumps when power is lost */
             TPM2_NT_COUNTER << TPMA_NV_TPM2_NT_SHIFT,
     };
     (void)state;

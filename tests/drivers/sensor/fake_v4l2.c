@@ -255,7 +255,8 @@ void fake_shoot(struct fake_camera *camera, int64_t stamp_ns, const void *pixels
     if (fate == FAKE_LOST || index == camera->n_buffers) {
         return;
     }
-    memset(camera->memory[index], 0xa5, size_of(camera)); /* padding is no picture */
+    memset(camera->memory[index], 0xa5,
+           size_of(camera)); /* padding has other bytes than the picture */
     for (uint32_t i = 0; i < camera->height_px; i++) {
         memcpy(camera->memory[index] + i * camera->stride_bytes,
                (const uint8_t *)pixels + (size_t)i * row, row);

@@ -32,7 +32,7 @@ void stage_start(struct sensor_set *set)
     }
 }
 
-/* The one that is set up, so that a test that fails leaves nothing behind. */
+/* The stage in use. The tear-down needs it after a failed test. */
 static struct sensor_set current;
 
 int stage_clear_away(void **state)
@@ -51,7 +51,7 @@ int stage_clear_away(void **state)
     return scratch_teardown(&scratch);
 }
 
-/* Runs a test on every stage that `fits` (NULL: on all). */
+/* Runs a test on every stage for which `fits` returns true (NULL: on all). */
 void on_every_stage(void (*test)(struct sensor_set *set),
                     bool (*fits)(const struct sensor_stage *stage))
 {
@@ -90,7 +90,8 @@ void stage_offer(struct sensor_set *set)
     }
 }
 
-/* Waits for what has been offered, or is due by the clock: 0 or an error other than a time-out. */
+/* Waits for a frame that was offered, or that is due by the clock. Returns 0, or an error other
+ * than a time-out. */
 int stage_fetch(struct sensor_set *set, const struct iso_frame **frame, struct iso_fault *fault)
 {
     for (int tries = 0; tries < 1000; tries++) {
@@ -101,7 +102,7 @@ int stage_fetch(struct sensor_set *set, const struct iso_frame **frame, struct i
             return error;
         }
         if (iso_sensor_next_due_ns(set->sensor, &due_ns)) {
-            break; /* it has waited long enough */
+            break; /* the wait was long enough */
         }
         set->scene.now_ns = due_ns > set->scene.now_ns ? due_ns : set->scene.now_ns;
     }
@@ -120,7 +121,7 @@ const struct iso_frame *stage_next(struct sensor_set *set)
     return frame;
 }
 
-/* The frame is number `stored` of the recording, bit by bit. */
+/* Asserts that the frame equals frame number `stored` of the recording bit by bit. */
 void stage_expect_frame(const struct sensor_set *set, const struct iso_frame *frame, int stored)
 {
     const char *flaw = "";
@@ -157,7 +158,7 @@ int64_t stage_real_ns(void)
     return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
 }
 
-/* Opens it as soon as the system has noticed that it is there again. */
+/* Opens the sensor as soon as the system has noticed that the camera is plugged in again. */
 void stage_open_when_there(struct sensor_set *set)
 {
     const int64_t end_ns = stage_real_ns() + 10000 * MS;

@@ -1,4 +1,4 @@
-/* The stages of the sensor contract, and those of the back end replay. */
+/* The stages of the sensor contract, and the stages of the back end replay. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -46,7 +46,7 @@ static void set_up_replay_intensity(struct sensor_scene *scene)
     set_up_recording(scene, 1.0, true);
 }
 
-/* A file that ends too early. */
+/* Cuts a file short. */
 static void damage(struct sensor_scene *scene, int stored)
 {
     char name[64];

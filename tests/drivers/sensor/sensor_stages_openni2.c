@@ -1,5 +1,5 @@
 /* The stages of the back end openni2: the virtual camera behind the unmodified runtime, and a file
- * that the runtime's own recorder made of it. */
+ * of this camera that the runtime's own recorder wrote. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -49,7 +49,7 @@ static void set_up_ir(struct sensor_scene *scene)
 
 static void leave(struct sensor_scene *scene)
 {
-    iso_sensor_openni2_forget(); /* the runtime knows one bench from its start to its end */
+    iso_sensor_openni2_forget(); /* the runtime knows one bench only while it is started */
     camera_bench_leave(scene->shutter_fd);
 }
 
@@ -61,7 +61,7 @@ static void offer(struct sensor_scene *scene)
 
 static void lose(struct sensor_scene *scene, int stored)
 {
-    (void)stored; /* the one whose turn it is */
+    (void)stored; /* loses the next frame */
     camera_bench_lose(scene->shutter_fd);
 }
 
@@ -70,7 +70,8 @@ static void plug(struct sensor_scene *scene, bool in)
     camera_bench_plug(scratch_path(scene->scratch, "bench"), in);
 }
 
-/* Has the camera's frames recorded, each fetched before the next is made: none is lost. */
+/* Records the camera's frames. Each frame is fetched before the next one is made, so that none is
+ * lost. */
 static void record(struct sensor_scene *scene, const char *path)
 {
     struct iso_clock clock = manual_clock(&scene->now_ns);

@@ -1,4 +1,4 @@
-/* The files of board/cameras, by the code with which the daemon reads [sensor] camera. */
+/* The files of board/cameras, read by the code with which the daemon reads [sensor] camera. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -34,7 +34,8 @@ static double degrees_across(double size_px, double focal_px)
     return 2.0 * atan(size_px / 2.0 / focal_px) * 180.0 / M_PI;
 }
 
-/* Figures that a camera for faces can have, and a comment that says where they are from. */
+/* The figures must be possible for a camera that sees faces, and a comment must name their source.
+ */
 static void check_camera(const char *path)
 {
     struct iso_recording_meta meta;
@@ -70,7 +71,7 @@ static void every_camera_is_read(void **state)
     globfree(&files);
 }
 
-/* What a board names it finds where it is installed. */
+/* The file that a board names is in the place where it is installed. */
 static void a_board_names_a_camera_that_there_is(void **state)
 {
     (void)state;

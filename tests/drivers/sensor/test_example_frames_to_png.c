@@ -1,4 +1,5 @@
-/* The example program frames_to_png: pictures of a stored visit, near bright and far dark. */
+/* The example program frames_to_png draws pictures of a stored visit. Near points are bright, far
+ * points are dark. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -37,7 +38,7 @@ static void each_frame_becomes_a_picture(void **state)
         char name[32];
         (void)snprintf(name, sizeof name, "frame%d.png", i);
         assert_int_equal(iso_png_read(scratch_path(*state, name), &grey, &image, NULL), 0);
-        /* The face, half a metre away, is in the middle; the corner has nothing. */
+        /* The face is in the middle, half a metre away. The corner has no measurement. */
         const uint8_t *samples = image.samples;
         assert_in_range(samples[216 * 640 + 320], 200, 230);
         assert_int_equal(samples[0], 0);
@@ -48,7 +49,8 @@ static void each_frame_becomes_a_picture(void **state)
 static void what_goes_wrong_is_told(void **state)
 {
     struct run run;
-    run_program(&run, "4", scratch_path(*state, "frame"), RECORDING); /* one more than there are */
+    run_program(&run, "4", scratch_path(*state, "frame"),
+                RECORDING); /* one more frame than there are */
     run_expect(&run, 1);
     assert_non_null(strstr(run.err, "no frame came\n"));
     run_free(&run);

@@ -1,4 +1,4 @@
-/* Real recordings, where they are at hand: ISOTHERM_SHARED/data/kinect2-faces. */
+/* Reads real recordings, if they are present: ISOTHERM_SHARED/data/kinect2-faces. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -50,8 +50,8 @@ static void every_frame_is_read(void **state)
     assert_int_equal(read, PEOPLE * FRAMES);
 }
 
-/* The marked nose tip lies on the depth measured there: reading, units and the direction of the
- * axes agree with who made the corpus. */
+/* The marked nose tip has the depth that was measured there. So the reader, the units and the
+ * directions of the axes agree with the authors of the corpus. */
 static void marks_lie_on_the_surface(void **state)
 {
     (void)state;

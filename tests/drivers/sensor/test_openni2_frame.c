@@ -1,4 +1,5 @@
-/* OpenNI2's frames to ours: units, mirroring, crops, rows with padding, and frames that lie. */
+/* Converts OpenNI2's frames to ours: units, mirroring, crops, rows with padding, and frames with
+ * wrong sizes. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -13,7 +14,7 @@
 
 enum { WIDTH = 4, HEIGHT = 3 };
 
-/* Sample (column, row) is 100 * row + column + 1; a row has one sample of padding. */
+/* Sample (column, row) is 100 * row + column + 1. A row has one sample of padding. */
 static uint16_t samples[HEIGHT][WIDTH + 1];
 
 static OniFrame frame_of(OniPixelFormat format)
@@ -70,8 +71,7 @@ static void undoes_mirroring(void **state)
     assert_true(iso_frame_depth_at(frame, 3, 1) == 101.0F);
 }
 
-/* A crop of 2 x 2 at (1, 1): the frame says where it lies, and its pixels are those of the image.
- */
+/* A crop of 2 x 2 at (1, 1). The frame has its position, and its pixels are those of the image. */
 static void keeps_a_crop(void **state)
 {
     struct iso_frame *frame = *state;
@@ -106,7 +106,7 @@ static void reads_intensities(void **state)
     assert_true(frame->intensity[2 * WIDTH + 0] == 1.0F);
     assert_true(frame->intensity[2 * WIDTH + 3] == (float)(201.0 / 204.0));
     assert_int_equal(iso__openni2_read_intensity(&in, false, 100.0, frame, &what), 0);
-    assert_true(frame->intensity[2 * WIDTH] == 1.0F); /* over the full scale */
+    assert_true(frame->intensity[2 * WIDTH] == 1.0F); /* beyond full scale */
     colours[1][2][1] = 255;
     in.data = colours;
     in.dataSize = sizeof colours;
@@ -144,7 +144,7 @@ static void refuses_frames_that_lie(void **state)
     in.stride = 2 * WIDTH - 1;
     refuses(*state, &in, "has rows shorter than its width");
     in = good;
-    in.dataSize = (int)sizeof samples - 3; /* one byte of the last row's samples */
+    in.dataSize = (int)sizeof samples - 3; /* one byte of the last row is missing */
     refuses(*state, &in, "is truncated");
     in = good;
     in.dataSize = -1;
@@ -168,7 +168,7 @@ static void refuses_an_intensity_of_other_pixels(void **state)
     assert_string_equal(what, "is not of a grey or colour format");
 }
 
-/* The angle between the outer edges of the outer pixels is the field of view. */
+/* The field of view is the angle between the outer edges of the outer pixels. */
 static void a_field_of_view_is_a_camera(void **state)
 {
     const struct iso_camera camera = iso__openni2_camera(640, 480, 1.0226, 0.7966);

@@ -1,4 +1,4 @@
-/* The checked wrapper of the sensor class, over a back end that does what it is told. */
+/* The checked wrapper of the sensor class, over a back end that follows the test. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,7 +12,7 @@
 #include "drivers/sensor/contract/sensor.h"
 #include "tests/support/devices/manual_clock.h"
 
-/* What the back end answers, and what was asked of it. */
+/* The answers of the back end, and the calls that it received. */
 static struct puppet {
     int check_error, open_error, start_error, wait_error, stop_error;
     const char *wait_text;
@@ -155,8 +155,8 @@ static void refuses_a_back_end_with_holes(void **state)
     assert_null(sensor);
 }
 
-/* The check comes before the device: with a wrong option and without a device, the option is named.
- */
+/* Options are checked before the device is opened: with a wrong option and a missing device, the
+ * fault names the option. */
 static void checks_options_before_it_opens(void **state)
 {
     struct iso_clock clock = manual_clock(&now_ns);
@@ -173,7 +173,7 @@ static void checks_options_before_it_opens(void **state)
     puppet = (struct puppet){0};
 }
 
-/* What the table of options refuses does not come to the back end. */
+/* Options that the table refuses do not reach the back end. */
 static void asks_the_table_of_options_first(void **state)
 {
     static const struct iso_option_spec specs[] = {
@@ -185,7 +185,7 @@ static void asks_the_table_of_options_first(void **state)
     struct iso_fault fault;
     (void)state;
     puppet = (struct puppet){0};
-    assert_int_equal(iso_sensor_check_ops(&ops, &good, 1, &fault), -EINVAL); /* has no table */
+    assert_int_equal(iso_sensor_check_ops(&ops, &good, 1, &fault), -EINVAL); /* it has no table */
     assert_string_equal(fault.text, "sensor puppet: unknown option 'rate'");
     ops.options = specs;
     assert_int_equal(iso_sensor_check_ops(&ops, &unknown, 1, &fault), -EINVAL);
@@ -308,7 +308,7 @@ static void drops_frames_that_lie(void **state)
     assert_int_equal(iso_sensor_wait(sensor, 0, &frame, NULL), 0);
     assert_int_equal(iso_sensor_health(sensor).refused, 4);
     assert_int_equal(iso_sensor_health(sensor).faults, 0);
-    /* A device may count from 0 again when it is started again. */
+    /* A device may count from 0 again after another start. */
     assert_int_equal(iso_sensor_stop(sensor, NULL), 0);
     assert_int_equal(iso_sensor_start(sensor, NULL), 0);
     puppet.frame.sequence = 0;

@@ -1,5 +1,5 @@
-/* What every back end of the sensor class owes its user where there is no device, on a machine as
- * it is: the library or the kernel itself is asked, not a stand-in. */
+/* The contract of the sensor class for a machine without a device. The tests use the real library
+ * or the kernel itself, and no stand-in. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,8 +32,8 @@ static bool is_registered(const char *back_end)
     return false;
 }
 
-/* The library or the kernel is asked in earnest, again and again: nothing is held that would keep
- * it from being asked once more. */
+/* The tests call the real library or the kernel again and again. The back end must not hold a
+ * resource that would prevent the next call. */
 static void ask_in_vain(const char *back_end, const struct iso_option *options, size_t n_options)
 {
     int64_t now_ns = 0;

@@ -1,5 +1,6 @@
-/* What every back end of the sensor class owes its user (drivers/sensor/contract/sensor.h), on
- * every stage (sensor_contract.h). What a stage cannot show is counted and printed. */
+/* The contract of every back end of the sensor class (drivers/sensor/contract/sensor.h), tested on
+ * every stage (sensor_contract.h). The program counts and prints the tests that a stage cannot run.
+ */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -52,7 +53,7 @@ static void delivers_every_frame_bit_by_bit_and_in_order(void **state)
     on_every_stage(deliver_frames, NULL);
 }
 
-/* The camera of a field of view is one of 32 bits. */
+/* The camera that follows from a field of view has 32-bit numbers. */
 static void see_camera(struct sensor_set *set)
 {
     stage_start(set);
@@ -93,8 +94,8 @@ static void uses_its_buffer_again(void **state)
 
 /* ---- waiting ---- */
 
-/* With nothing to come: not a moment of a deadline in the past, all of one in the future by a back
- * end that blocks, and none of it by one that does not. */
+/* No frame comes. A deadline in the past takes no time. A deadline in the future takes the full
+ * time in a back end that blocks, and no time in another one. */
 static void run_out(struct sensor_set *set)
 {
     const struct iso_frame *frame = NULL;
@@ -113,10 +114,10 @@ static void run_out(struct sensor_set *set)
     assert_null(frame);
     assert_int_equal(iso_sensor_health(set->sensor).faults, 0);
     if (blocks) {
-        stage_expect_frame(set, stage_next(set), 0); /* and is none the worse for it */
+        stage_expect_frame(set, stage_next(set), 0); /* the next frame is still good */
     } else {
         assert_int_equal(iso_sensor_next_due_ns(set->sensor, &due_ns), 0);
-        assert_true(due_ns > set->scene.now_ns); /* nobody is kept busy by an end */
+        assert_true(due_ns > set->scene.now_ns); /* the end of the frames keeps no caller busy */
     }
 }
 
@@ -161,7 +162,7 @@ static void stop_and_go(struct sensor_set *set)
         assert_int_equal(iso_sensor_start(set->sensor, NULL), -EBADFD);
         for (int f = 0; f <= i; f++) {
             const struct iso_frame *fresh = stage_next(set);
-            stage_expect_frame(set, fresh, f); /* from the first one at each start */
+            stage_expect_frame(set, fresh, f); /* each start begins with the first frame */
             assert_true((i == 0 && f == 0) || fresh->sequence > sequence);
             assert_true((i == 0 && f == 0) || fresh->t_ns > t_ns);
             sequence = fresh->sequence;
@@ -194,7 +195,7 @@ static void close_streaming(struct sensor_set *set)
 {
     stage_start(set);
     (void)stage_next(set);
-    stage_offer(set); /* and does not fetch it */
+    stage_offer(set); /* and does not fetch the frame */
 }
 
 static void close_stopped(struct sensor_set *set)
@@ -235,7 +236,7 @@ static void lose_one(struct sensor_set *set)
     stage_offer(set);
     struct iso_fault fault = {.text = ""};
     int error = stage_fetch(set, &frame, &fault);
-    if (error) { /* a back end may say that a frame is damaged, once */
+    if (error) { /* a back end may report a damaged frame once */
         assert_int_equal(error, -EBADMSG);
         assert_true(strlen(fault.text) > 0);
         error = stage_fetch(set, &frame, &fault);
@@ -247,7 +248,7 @@ static void lose_one(struct sensor_set *set)
     assert_int_equal(iso_sensor_health(set->sensor).state, ISO_SENSOR_STARTED);
     stage_expect_frame(set, stage_next(set), 4);
     assert_int_equal(iso_sensor_health(set->sensor).lost, 1);
-    /* For longer than a device has buffers, in one of which the lost frame was. */
+    /* More frames than a device has buffers; the lost frame was in one of them. */
     for (uint64_t i = 0; set->stage->offer && i < 2 * (uint64_t)SENSOR_STAGE_FRAMES; i++) {
         frame = stage_next(set);
         stage_expect_frame(set, frame, (int)(i % SENSOR_STAGE_FRAMES));
@@ -307,8 +308,7 @@ static void pull_it_before_the_start(struct sensor_set *set)
     set->stage->plug(&set->scene, false);
     const int64_t end_ns = stage_real_ns() + 10000 * MS;
     int error = iso_sensor_start(set->sensor, NULL);
-    while (error == -EIO &&
-           stage_real_ns() < end_ns) { /* a library may hear of it a little later */
+    while (error == -EIO && stage_real_ns() < end_ns) { /* a library may notice it a little later */
         error = iso_sensor_start(set->sensor, NULL);
     }
     if (!error) {

@@ -1,5 +1,5 @@
-/* The back end libcamera-stereo on a machine without its cameras: the library is started, asked,
- * and let go again. */
+/* The back end libcamera-stereo on a machine without its cameras. The library is started, asked for
+ * cameras, and released again. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,7 +32,7 @@ static void no_such_camera(void **state)
     struct iso_sensor *sensor = NULL;
     struct iso_fault fault = {.text = ""};
     stereo_wall_write_rig(path);
-    for (int i = 0; i < 3; i++) { /* nothing is held that would keep it from starting again */
+    for (int i = 0; i < 3; i++) { /* nothing is held that would prevent the next start */
         assert_int_equal(open_sensor(path, &sensor, &fault), -ENODEV);
         assert_non_null(strstr(fault.text, "sensor libcamera-stereo: libcamera: no camera "
                                            "'no-such-left'; there are: "));

@@ -1,4 +1,4 @@
-/* The back end openni2 beyond the contract: its options, what it sees, files that are looped, and a
+/* Tests of the back end openni2 beyond the contract: its options, its frames, looped files, and a
  * camera that fails. */
 #include <errno.h>
 #include <setjmp.h>
@@ -23,7 +23,7 @@
 static int64_t now_ns;
 static int shutter_fd = -1;
 
-/* A camera of 0.1 mm on a bench, three frames before it. */
+/* A camera with units of 0.1 mm on a bench, and three frames for it. */
 static int setup(void **state)
 {
     void *scratch = NULL;
@@ -40,7 +40,7 @@ static int setup(void **state)
 
 static int teardown(void **state)
 {
-    iso_sensor_openni2_forget(); /* the runtime knows one bench from its start to its end */
+    iso_sensor_openni2_forget(); /* the runtime knows one bench only while it is started */
     camera_bench_leave(shutter_fd);
     return scratch_teardown(state);
 }
@@ -102,7 +102,7 @@ static void finds_a_camera_by_uri_and_by_serial_number(void **state)
     sensor = NULL;
     assert_int_equal(open_with("device", "BENCH-1", &sensor, NULL), 0);
     iso_sensor_close(sensor);
-    assert_refused("device", "BENCH-2", -ENODEV, uri); /* and says what there is */
+    assert_refused("device", "BENCH-2", -ENODEV, uri); /* the fault lists the present devices */
 }
 
 static void note_device(const struct iso_sensor_device *device, void *context)
@@ -144,7 +144,7 @@ static void takes_the_unit_it_is_told(void **state)
     static const struct {
         const char *unit;
         double unit_mm;
-        float depth_mm; /* of count 1001 of 0.1 mm */
+        float depth_mm; /* depth of count 1001 in units of 0.1 mm */
     } cases[] = {{"finest", 0.1, 100.1F}, {"100um", 0.1, 100.1F}, {"1mm", 1.0, 100.0F}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -196,7 +196,7 @@ static void takes_a_camera_file(void **state)
     assert_refused("camera", scratch_path(*state, "none.ini"), -ENOENT, "none.ini: No such file");
 }
 
-/* A camera that reports an error has broken its stream. */
+/* A camera that reports an error has ended its stream. */
 static void tells_of_a_camera_that_fails(void **state)
 {
     struct iso_sensor *sensor = NULL;
@@ -211,7 +211,7 @@ static void tells_of_a_camera_that_fails(void **state)
     assert_non_null(strstr(fault.text, "the device reports an error"));
     assert_string_equal(iso_sensor_health(sensor).device.state, "error");
     assert_int_equal(iso_sensor_stop(sensor, NULL), 0);
-    assert_int_equal(iso_sensor_start(sensor, NULL), 0); /* stop and start helps */
+    assert_int_equal(iso_sensor_start(sensor, NULL), 0); /* stop and start repair it */
     assert_true(iso_frame_depth_at(next(sensor), 1, 0) == 100.1F);
     assert_string_equal(iso_sensor_health(sensor).device.state, "");
     iso_sensor_close(sensor);
@@ -241,7 +241,7 @@ static void plays_a_file_over_and_over_in_time(void **state)
     for (int i = 0; i < 8; i++) {
         const struct iso_frame *frame = NULL;
         int64_t due_ns = 0;
-        if (i > 0) { /* not a moment too early */
+        if (i > 0) { /* not too early */
             assert_int_equal(iso_sensor_wait(sensor, now_ns, &frame, NULL), -ETIMEDOUT);
             assert_int_equal(iso_sensor_next_due_ns(sensor, &due_ns), 0);
             now_ns = due_ns;
@@ -250,7 +250,7 @@ static void plays_a_file_over_and_over_in_time(void **state)
         assert_true(iso_frame_depth_at(frame, 1, 0) == (float)((1001 + 100 * (i % 3)) * 0.1));
         assert_int_equal(frame->sequence, i);
         assert_int_equal(frame->t_ns, now_ns);
-        /* the camera's own clock goes by 33.333 ms a frame */
+        /* the camera's own clock advances by 33.333 ms each frame */
         assert_in_range(frame->t_ns - began_ns, i * 33 * MS, i * 34 * MS);
     }
     iso_sensor_close(sensor);

@@ -20,7 +20,8 @@
 
 static int64_t now_ns;
 
-/* The scratch directory holds recordings `r` (three frames, 125 ms apart) and `one` (one frame). */
+/* Writes the recordings `r` (three frames, 125 ms apart) and `one` (one frame) into the scratch
+ * directory. */
 static int setup(void **state)
 {
     int error = scratch_setup(state);
@@ -49,7 +50,7 @@ static void assert_nothing(struct iso_sensor *sensor)
     assert_null(frame);
 }
 
-/* The next frame is number `stored` of its recording, and is due at t_ns. */
+/* Asserts that the next frame is frame number `stored` of its recording, and is due at t_ns. */
 static void assert_frame(struct iso_sensor *sensor, int stored, uint64_t sequence, int64_t t_ns)
 {
     const struct iso_frame *frame = NULL;
@@ -75,7 +76,7 @@ static int64_t due(struct iso_sensor *sensor)
     return due_ns - now_ns;
 }
 
-/* Points the slot at a recording in one step, as a visitor's program does. */
+/* Points the slot at a recording in one step, as the program for visitors does. */
 static void fill_slot(void **state, const char *recording)
 {
     const char *fresh = scratch_path(*state, "slot.new");
@@ -115,14 +116,14 @@ static void plays_in_real_time(void **state)
     int64_t began_ns = now_ns;
     assert_frame(sensor, 0, 0, began_ns);
     assert_nothing(sensor);
-    assert_int_equal(due(sensor), 50 * MS); /* the slot is looked at meanwhile */
+    assert_int_equal(due(sensor), 50 * MS); /* meanwhile the sensor checks the slot */
     now_ns += 100 * MS;
     assert_int_equal(due(sensor), 25 * MS);
     now_ns += 25 * MS - 1;
     assert_nothing(sensor);
     now_ns += 1;
     assert_frame(sensor, 1, 1, began_ns + 125 * MS);
-    now_ns += 400 * MS; /* fetched late, not dropped */
+    now_ns += 400 * MS; /* fetched late, but not lost */
     assert_frame(sensor, 2, 2, began_ns + 250 * MS);
     assert_nothing(sensor);
     assert_int_equal(due(sensor), 50 * MS);
@@ -134,7 +135,7 @@ static void plays_at_once(void **state)
     struct iso_sensor *sensor = start(scratch_path(*state, "r"), "asap", "no");
     assert_frame(sensor, 0, 0, now_ns);
     assert_true(due(sensor) <= 1);
-    assert_frame(sensor, 1, 1, now_ns + 1); /* time rises though the clock stands still */
+    assert_frame(sensor, 1, 1, now_ns + 1); /* time rises although the clock stands still */
     now_ns += 7 * MS;
     assert_frame(sensor, 2, 2, now_ns);
     assert_nothing(sensor);
@@ -218,7 +219,7 @@ static void visitors_come_and_go(void **state)
     fill_slot(state, "r");
     assert_frame(sensor, 0, 0, now_ns);
     now_ns += 60 * MS;
-    fill_slot(state, "one"); /* the next one before the first was through */
+    fill_slot(state, "one"); /* before the first recording was over */
     assert_frame(sensor, 0, 1, now_ns);
     now_ns += 500 * MS;
     assert_nothing(sensor);
@@ -244,7 +245,7 @@ static void the_same_visitor_comes_again(void **state)
 
 static void a_visitor_is_played_from_where_he_was(void **state)
 {
-    /* The link moves on, but frames of the first recording never mix with the second's. */
+    /* The link changes, but frames of the two recordings never mix. */
     struct iso_sensor *sensor = start(scratch_path(*state, "slot"), "asap", "no");
     stored_plane_write(scratch_path(*state, "one/depth/000000.png"), STORED_WIDTH, STORED_HEIGHT,
                        16, 1, 4321);

@@ -1,5 +1,5 @@
-/* The back ends v4l2 and v4l2-stereo before cameras that are none (fake_v4l2): formats, pairs,
- * times, gaps, damage, loss, and every refusal at opening. */
+/* The back ends v4l2 and v4l2-stereo with simulated cameras (fake_v4l2): formats, pairs, times,
+ * gaps, damage, loss, and every refusal at opening. */
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <math.h>
@@ -26,7 +26,7 @@ static void frames_are_what_the_camera_gave(void **state)
     struct iso_sensor *sensor = v4l2_started(false);
     const struct iso_frame *frame = NULL;
     assert_int_equal(v4l2_look(sensor, &frame, NULL), -ETIMEDOUT);
-    for (int i = 0; i < 12; i++) { /* more than there are buffers */
+    for (int i = 0; i < 12; i++) { /* more pictures than buffers */
         v4l2_at(33 * i + 10);
         v4l2_shoot_depth(i, 33 * i, FAKE_GOOD);
         assert_int_equal(v4l2_look(sensor, &frame, NULL), 0);
@@ -46,7 +46,7 @@ static void frames_are_what_the_camera_gave(void **state)
     iso_sensor_close(sensor);
 }
 
-/* Who reads the status is told whether this camera was measured. */
+/* The status says whether this camera was measured. */
 static void tells_whether_its_intrinsics_are_nominal(void **state)
 {
     static const struct {
@@ -89,8 +89,8 @@ static void lost_and_damaged_pictures_are_gaps(void **state)
     iso_sensor_close(sensor);
 }
 
-/* Numbers as a driver might give them that returns a picture late, or twice: what was handed up
- * stays the newest, and the place of the late ones is a gap. */
+/* The sequence numbers of a driver that returns a picture late, or twice. The last delivered frame
+ * stays the newest one, and the late pictures leave a gap. */
 static void late_pictures_are_dropped(void **state)
 {
     (void)state;
@@ -111,7 +111,7 @@ static void late_pictures_are_dropped(void **state)
     const struct iso_sensor_health health = iso_sensor_health(sensor);
     assert_int_equal(health.frames, 3);
     assert_int_equal(health.lost, 3);
-    assert_int_equal(health.refused, 0); /* the class had nothing to refuse */
+    assert_int_equal(health.refused, 0); /* no frame was left for the class to refuse */
     assert_int_equal(health.device.dropped, 4);
     iso_sensor_close(sensor);
 }
@@ -144,7 +144,7 @@ static void sequence_and_time_go_on_over_a_stop(void **state)
     assert_int_equal(iso_sensor_stop(sensor, NULL), 0);
     v4l2_fake.cameras[0].sequence = 0; /* as drivers do */
     assert_int_equal(iso_sensor_start(sensor, NULL), 0);
-    /* A stamp of the past does not turn time back. */
+    /* An earlier time stamp does not make the time go back. */
     v4l2_shoot_depth(2, 20, FAKE_GOOD);
     assert_int_equal(v4l2_look(sensor, &frame, NULL), 0);
     assert_int_equal(frame->sequence, 1);
@@ -177,7 +177,7 @@ static void an_unplugged_camera_is_lost(void **state)
     assert_int_equal(fault.code, ISO_FAULT_SENSOR_GONE);
     assert_int_equal(iso_sensor_health(sensor).state, ISO_SENSOR_LOST);
     assert_int_equal(v4l2_look(sensor, &frame, &fault), -ENODEV);
-    v4l2_fake.cameras[1].streaming = false; /* it went with the cable */
+    v4l2_fake.cameras[1].streaming = false; /* unplugging has ended the stream */
     iso_sensor_close(sensor);
 }
 
@@ -214,7 +214,7 @@ static void infrared_finds_its_depth(void **state)
     v4l2_shoot_depth(1, 33, FAKE_GOOD);
     assert_int_equal(v4l2_look(sensor, &frame, NULL), 0);
     v4l2_assert_frame(frame, 1, 33);
-    /* Depth 2 finds no partner, depth 3 does. */
+    /* Depth 2 has no partner, depth 3 has one. */
     v4l2_at(110);
     v4l2_shoot_depth(2, 66, FAKE_GOOD);
     v4l2_shoot_ir(2, 67, FAKE_LOST);
@@ -278,7 +278,7 @@ static void a_camera_that_does_not_start_holds_nothing(void **state)
     (void)state;
     struct iso_sensor *sensor = NULL;
     struct iso_fault fault = {.text = ""};
-    v4l2_fake.cameras[1].start_error = -ENOSPC; /* what USB says when the bus is full */
+    v4l2_fake.cameras[1].start_error = -ENOSPC; /* the kernel's error for a full USB bus */
     assert_int_equal(v4l2_open_sensor(true, &sensor, NULL), 0);
     assert_int_equal(iso_sensor_start(sensor, &fault), -EIO);
     assert_non_null(strstr(fault.text, "/dev/ir: does not stream: No space left"));
@@ -320,8 +320,8 @@ static void pairs_are_those_nearest_in_time(void **state)
         {{100}, {0}, 1, 0, ISO_PAIR_WAIT},
         {{100}, {103}, 1, 1, ISO_PAIR_TAKE},
         {{103}, {100}, 1, 1, ISO_PAIR_TAKE},
-        {{100}, {110}, 1, 1, ISO_PAIR_TAKE},       /* just within */
-        {{100}, {111}, 1, 1, ISO_PAIR_DROP_FIRST}, /* just beyond */
+        {{100}, {110}, 1, 1, ISO_PAIR_TAKE},       /* just within the limit */
+        {{100}, {111}, 1, 1, ISO_PAIR_DROP_FIRST}, /* just beyond the limit */
         {{111}, {100}, 1, 1, ISO_PAIR_DROP_SECOND},
         {{100, 107}, {108}, 2, 1, ISO_PAIR_DROP_FIRST}, /* a nearer one follows */
         {{100, 120}, {108}, 2, 1, ISO_PAIR_TAKE},

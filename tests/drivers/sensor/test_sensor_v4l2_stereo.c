@@ -1,6 +1,6 @@
-/* The back end v4l2-stereo before cameras that are none: pixel formats, pairs of cameras with and
- * without a common trigger, and what it refuses. The depths are those of a wall whose disparity is
- * known; how good the matching is otherwise is test_stereo's business. */
+/* The back end v4l2-stereo with simulated cameras: pixel formats, pairs of cameras with and without
+ * a common trigger, and refusals. The frames have the depths of a wall with known disparity;
+ * test_stereo covers the quality of the matching. */
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <math.h>
@@ -85,7 +85,7 @@ static int open_sensor(const char *pair_ms, struct iso_sensor **sensor, struct i
     return iso_sensor_open_ops(&ops, options, 6, &clock, sensor, fault);
 }
 
-/* A pixel of 16 bits with 8 significant ones; the others are not 0. */
+/* A 16-bit pixel with 8 significant bits. The other bits are not 0. */
 static unsigned word_of(uint32_t format, unsigned grey)
 {
     switch (format) {
@@ -161,7 +161,7 @@ static void every_grey_format_is_read(void **state)
     }
 }
 
-/* Cameras that run free, 12 ms apart. */
+/* The cameras run without a common trigger, 12 ms apart. */
 static void cameras_without_a_trigger_need_patience(void **state)
 {
     (void)state;
@@ -200,11 +200,12 @@ static void a_lost_right_picture_is_a_gap(void **state)
     assert_int_equal(iso_sensor_health(sensor).lost, 1);
     fake_unplug(&fake.cameras[1]);
     assert_int_equal(look(sensor, &frame), -ENODEV);
-    fake.cameras[1].streaming = false; /* it went with the cable */
+    fake.cameras[1].streaming = false; /* unplugging has ended the stream */
     iso_sensor_close(sensor);
 }
 
-/* Of the right camera the class sees no number: here it is that nobody gets an old picture. */
+/* The class does not see the sequence numbers of the right camera. This test shows that an old
+ * picture does not become part of a pair. */
 static void a_late_right_picture_has_no_part_in_a_pair(void **state)
 {
     (void)state;
@@ -227,7 +228,8 @@ static void a_late_right_picture_has_no_part_in_a_pair(void **state)
     assert_int_equal(look(sensor, &frame), 0);
     assert_int_equal(frame->sequence, 2);
     assert_int_equal(iso_sensor_health(sensor).lost, 1);
-    assert_int_equal(iso_sensor_health(sensor).device.dropped, 2); /* and its partner */
+    assert_int_equal(iso_sensor_health(sensor).device.dropped,
+                     2); /* and the other picture of its pair */
     iso_sensor_close(sensor);
 }
 

@@ -1,4 +1,5 @@
-/* From a device's count and clock to ours: gaps, delays, drift, and devices that begin anew. */
+/* Converts the count and the clock of a device to ours: gaps, delays, drift, and devices that start
+ * again. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -30,7 +31,7 @@ static void the_least_delay_is_what_counts(void **state)
     assert_int_equal(timeline.t_ns, 1009 * MS);
     iso_timeline_advance(&timeline, 2, 40 * MS, 1040 * MS + 3 * MS); /* 3 ms late */
     assert_int_equal(timeline.t_ns, 1043 * MS);
-    iso_timeline_advance(&timeline, 3, 80 * MS, 1080 * MS + 30 * MS); /* late: not believed */
+    iso_timeline_advance(&timeline, 3, 80 * MS, 1080 * MS + 30 * MS); /* too late: not used */
     assert_true(timeline.t_ns >= 1083 * MS);
     assert_true(timeline.t_ns <= 1083 * MS + 40 * MS * ISO_TIMELINE_DRIFT_PPM / 1000000);
 }
@@ -51,7 +52,7 @@ static void no_frame_lies_in_the_future_and_time_rises(void **state)
     }
 }
 
-/* Two clocks that differ by 100 ppm, for ten hours at 30 Hz. */
+/* Two clocks differ by 100 ppm, for ten hours at 30 Hz. */
 static void follows_a_clock_that_drifts(int64_t ppm)
 {
     struct iso_timeline timeline = {0};
@@ -78,11 +79,11 @@ static void begins_anew(void **state)
     iso_timeline_advance(&timeline, 1, 10 * MS, 50100 * MS); /* the device was reset */
     assert_int_equal(timeline.sequence, 1);
     assert_int_equal(timeline.t_ns, 50100 * MS);
-    iso_timeline_restart(&timeline); /* stopped and started: the count went on meanwhile */
+    iso_timeline_restart(&timeline); /* stopped and started: the device kept counting */
     iso_timeline_advance(&timeline, 200, 7000 * MS, 60000 * MS);
     assert_int_equal(timeline.sequence, 2);
     assert_int_equal(timeline.t_ns, 60000 * MS);
-    iso_timeline_advance(&timeline, 201, 7000 * MS, 60000 * MS); /* and a clock that stands */
+    iso_timeline_advance(&timeline, 201, 7000 * MS, 60000 * MS); /* and a clock that stands still */
     assert_int_equal(timeline.sequence, 3);
     assert_int_equal(timeline.t_ns, 60000 * MS + 1);
 }

@@ -20,7 +20,7 @@
 
 enum { WIDTH = 70, HEIGHT = 48 };
 
-/* The clock that is injected and the kernel's differ, and both move on. */
+/* The injected clock and the kernel's clock differ, and both advance. */
 int64_t v4l2_now_ns;
 struct fake_v4l2 v4l2_fake;
 static struct iso_v4l2_system fake_system;
@@ -37,7 +37,7 @@ static int64_t stamp(int64_t ms)
     return INT64_C(77) * 1000 * MS + ms * MS;
 }
 
-/* The back end on the v4l2_fake, so that the class's own wrapper is before it. */
+/* The back end on v4l2_fake, behind the wrapper of the class. */
 static int open_fake(const struct iso_option *options, size_t n_options,
                      const struct iso_clock *clock, void **self, struct iso_fault *fault)
 {
@@ -79,7 +79,7 @@ int v4l2_tear_down(void **state)
 int v4l2_open_sensor(bool with_ir, struct iso_sensor **sensor, struct iso_fault *fault)
 {
     struct iso_sensor_ops ops = iso_sensor_v4l2_ops;
-    static struct iso_sensor_ops kept; /* the sensor refers to it */
+    static struct iso_sensor_ops kept; /* the sensor keeps a pointer to it */
     struct iso_clock clock = manual_clock(&v4l2_now_ns);
     struct iso_option options[] = {{"device", "/dev/depth"},
                                    {"camera", scratch_path(v4l2_scratch, "camera.ini")},
@@ -129,12 +129,12 @@ void v4l2_assert_frame(const struct iso_frame *frame, int picture, int64_t ms)
             assert_true(frame->intensity[i] == (float)(uint8_t)(3 * i + picture) / 255.0f);
         }
     }
-    /* The picture is as old on the injected clock as it is on the kernel's. */
+    /* The picture has the same age on the injected clock and on the kernel's clock. */
     assert_int_equal(frame->t_ns, INT64_C(5000) * 1000 * MS + ms * MS);
     assert_true(frame->camera.fx_px == 60.5 && frame->camera.fy_px == 61.0);
 }
 
-/* A deadline in the past: only look. */
+/* Fetches a frame with a deadline in the past, so that it does not wait. */
 int v4l2_look(struct iso_sensor *sensor, const struct iso_frame **frame, struct iso_fault *fault)
 {
     return iso_sensor_wait(sensor, v4l2_now_ns, frame, fault);

@@ -1,5 +1,6 @@
-/* What the image says of a face: stored rendered people whose surface is painted, or not, and every
- * reason why nothing can be said. Needs the module `vision`, but for the first and the last. */
+/* The check of a face's image: stored rendered people with and without a painted surface, and every
+ * reason why the check has no result. All tests except the first and the last need the module
+ * `vision`. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -25,7 +26,7 @@ static const char *const visits[] = {"p01-v1", "p02-v1", "p03-v2", "p04-v1", "p0
                                      "x01-v1", "x02-v2", "x03-v1", "x04-v1", "x05-v2"};
 enum { VISITS = sizeof visits / sizeof *visits };
 
-/* Faces that were found in stored frames, each with room for an image. */
+/* Faces that were found in stored frames, each with space for an image. */
 struct faces {
     struct iso_head_model *head;
     struct iso_extractor *extractor;
@@ -92,7 +93,8 @@ static struct iso_face_check *new_check(void)
     return check;
 }
 
-/* The image's opinion of a face whose pose and landmarks are put aside in the face's own frame. */
+/* Returns the check's result for a face whose pose and landmarks are shifted in the face's own
+ * frame. */
 static struct iso_face_checked ask_check(struct iso_face_check *check, int i,
                                          struct iso_vec3 aside_mm)
 {
@@ -146,7 +148,7 @@ static void faces_are_confirmed(void **state)
     iso_face_check_free(check);
 }
 
-/* Landmarks 35 mm beside, above and below where they should be. */
+/* The landmarks are 35 mm beside, above and below their true places. */
 static void wrong_landmarks_are_contradicted(void **state)
 {
     struct iso_face_check *check = new_check();
@@ -178,7 +180,8 @@ static void a_face_without_markings_is_none(void **state)
     iso_face_check_free(check);
 }
 
-/* The picture is made from straight ahead, so that a head that lies on its side is no different. */
+/* The check draws its picture straight from the front, so that a head that lies on its side gives
+ * the same result. */
 static void a_tilted_head_is_confirmed(void **state)
 {
     struct iso_face_check *check = new_check();
@@ -216,7 +219,7 @@ static void a_tilted_head_is_confirmed(void **state)
     iso_face_check_free(check);
 }
 
-/* ---- nothing can be said ---- */
+/* ---- no result ---- */
 
 static void without_an_image(void **state)
 {
@@ -258,7 +261,7 @@ static void of_what_is_not_measured(void **state)
     (void)state;
     assert_true(
         iso_camera_project(&frame->camera, faces.found[2].camera_from_face.translation_mm, &u, &v));
-    for (int row = 0; row < (int)v; row++) { /* all above the nose tip: a cap, the sun */
+    for (int row = 0; row < (int)v; row++) { /* all pixels above the nose tip: a cap, or the sun */
         memset(frame->depth_mm + row * frame->width_px, 0,
                (size_t)frame->width_px * sizeof *frame->depth_mm);
     }

@@ -1,5 +1,5 @@
-/* The stereo path on pictures whose disparities are known in closed form: a random pattern on
- * planes, seen by two ideal cameras. */
+/* The stereo path on pictures with disparities in closed form: two ideal cameras see a random
+ * pattern on planes. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -32,7 +32,8 @@ static struct iso_stereo_calibration rig(void)
         .right_from_left = {iso_mat3_identity(), {-baseline_mm, 0.0, 0.0}}};
 }
 
-/* A sum of plane waves: 8 px and longer in the left picture, nowhere alike. */
+/* A sum of plane waves with lengths of 8 px and more in the left picture. No two places are alike.
+ */
 static double pattern(double x, double y)
 {
     double sum = 0.0;
@@ -46,8 +47,8 @@ static double pattern(double x, double y)
 struct scene {
     double at_px, slope; /* disparity = at + slope * (column - middle) of the left picture */
     int card_from, card_to;
-    double card_px;      /* a card in those columns has this disparity; none if card_to is 0 */
-    bool even;           /* no pattern */
+    double card_px;      /* these columns have a card with this disparity; card_to 0: no card */
+    bool even;           /* the surface has no pattern */
     double gain, offset; /* of the right camera */
 };
 
@@ -67,9 +68,9 @@ static void draw(const struct scene *scene, uint8_t *left, uint8_t *right)
         for (int column = 0; column < WIDTH; column++) {
             size_t i = (size_t)row * WIDTH + (size_t)column;
             bool card = column >= scene->card_from && column < scene->card_to;
-            /* The card has a pattern of its own. */
+            /* The card has its own pattern. */
             left[i] = grey(scene, column, card ? row + 5000.0 : row);
-            /* x - d(x) = column, solved for the left picture's x. */
+            /* x - d(x) = column, solved for the x of the left picture. */
             double x = (column + scene->at_px - 0.5 * WIDTH * scene->slope) / (1.0 - scene->slope);
             double on_card = column + scene->card_px;
             card = on_card >= scene->card_from && on_card < scene->card_to;
@@ -113,7 +114,8 @@ static void done(struct result *result)
     free(result);
 }
 
-/* Root mean square of the disparity's error, and the share of pixels without one, in a window. */
+/* The root mean square of the disparity's error in a window, and the share of its pixels without a
+ * disparity. */
 static void judge(const struct result *result, const struct scene *scene, int from, int to,
                   double *rms_px, double *holes)
 {
@@ -145,7 +147,7 @@ static void planes_come_out_to_a_fraction_of_a_pixel(void **state)
         {.at_px = 30.37, .gain = 1.0},
         {.at_px = 25.5, .slope = 0.06, .gain = 1.0},
         {.at_px = 40.8, .slope = -0.08, .gain = 1.0},
-        {.at_px = 30.37, .gain = 0.8, .offset = 12.0}, /* the right camera is darker and hazier */
+        {.at_px = 30.37, .gain = 0.8, .offset = 12.0}, /* the right picture is darker and hazier */
     };
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         struct result *result = look_at(&scenes[i]);
@@ -159,7 +161,7 @@ static void planes_come_out_to_a_fraction_of_a_pixel(void **state)
     }
 }
 
-/* Left of a card stands what the right camera does not see: 20 px of it. */
+/* On the left of a card there are 20 px that the right camera does not see. */
 static void what_one_camera_sees_alone_is_not_measured(void **state)
 {
     (void)state;
@@ -193,7 +195,7 @@ static void nothing_is_made_up_where_there_is_nothing_to_match(void **state)
 static void different_pictures_do_not_match(void **state)
 {
     (void)state;
-    /* The right camera sees a place 2000 px away. */
+    /* The place is 2000 px away in the right camera. */
     static const struct scene scene = {.at_px = 2000.0, .gain = 1.0};
     struct result *result = look_at(&scene);
     double rms_px, holes;

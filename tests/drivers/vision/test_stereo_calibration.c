@@ -15,7 +15,7 @@
 #include "drivers/stereo/rectification.h"
 #include "tests/support/scratch.h"
 
-/* Every number another, so that swapped keys show. */
+/* All numbers differ, so that the test notices swapped keys. */
 static struct iso_stereo_calibration sample_calibration(void)
 {
     return (struct iso_stereo_calibration){
@@ -67,7 +67,7 @@ static void writes_what_it_reads(void **state)
     }
 }
 
-/* The text of a sound file with one line replaced (or, with NULL, left out). */
+/* The text of a valid file with one line replaced (or, with NULL, removed). */
 static char *with_line(const char *directory, const char *line, const char *instead)
 {
     const char *path = scratch_path(directory, "sound.ini");
@@ -154,8 +154,8 @@ static void writes_no_nonsense(void **state)
     assert_true(scratch_exists("/dev/full"));
 }
 
-/* A point appears in one row of both rectified images, f b / z columns apart (Fusiello, Trucco and
- * Verri 2000), and the maps lead from there to where the cameras see it. */
+/* A point is in the same row of both rectified images, f b / z columns apart (Fusiello, Trucco and
+ * Verri 2000). The maps lead from there to the place where the cameras see it. */
 static void rectified_rows_agree(void **state)
 {
     (void)state;
@@ -174,7 +174,8 @@ static void rectified_rows_agree(void **state)
     int points = 0;
     for (int column = 160; column < 600; column += 55) {
         for (int row = 20; row < 390; row += 37) {
-            /* A whole disparity, so that the right image is hit in a whole pixel too. */
+            /* The disparity is a whole number, so that the right image is hit in a whole pixel,
+             * too. */
             int disparity = 30 + (column + row) % 40;
             double z_mm = r.camera.fx_px * r.baseline_mm / disparity;
             struct iso_vec3 p = iso_camera_back_project(&r.camera, column, row, z_mm);

@@ -1,4 +1,5 @@
-/* What all programs do on a terminal and elsewhere: columns, words, colours, progress. */
+/* The functions that all programs use on a terminal and elsewhere: columns, words, colours,
+ * progress. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +20,7 @@
 
 static const int64_t second_ns = 1000000000;
 
-/* A clock that stands where the test put it. */
+/* A clock that stands still until the test changes it. */
 static int64_t told_ns;
 
 static int64_t tell_ns(void *context)
@@ -151,7 +152,7 @@ static void colours_need_a_terminal_that_wants_them(void **state)
     assert_true(terminal.is_terminal && terminal.colour);
     assert_int_equal(terminal.columns, 132);
     assert_string_equal(iso_terminal_paint(&terminal, ISO_PAINT_BAD), "\033[31m");
-    setenv("NO_COLOR", "", 1); /* empty is as unset: no-color.org */
+    setenv("NO_COLOR", "", 1); /* an empty value counts as unset: no-color.org */
     assert_true(iso_terminal_of(pseudo.slave).colour);
     setenv("NO_COLOR", "1", 1);
     terminal = iso_terminal_of(pseudo.slave);
@@ -181,11 +182,11 @@ static void a_bar_says_how_far_and_how_long(void **state)
     view.elapsed_ns = 20 * second_ns;
     iso_progress_bar(&view, 60, text, sizeof text);
     assert_string_equal(text, "rendering frames  [#####...............]   25 %, 1 min left");
-    iso_progress_bar(&view, 20, text, sizeof text); /* no room for a bar */
+    iso_progress_bar(&view, 20, text, sizeof text); /* there is no space for a bar */
     assert_string_equal(text, " 25 %, 1 min left");
     iso_progress_line(&view, text, sizeof text);
     assert_string_equal(text, "rendering frames: 10 of 40, 1 min left");
-    view.done = 41; /* more than was thought */
+    view.done = 41; /* more than the expected total */
     iso_progress_bar(&view, 60, text, sizeof text);
     assert_string_equal(text, "rendering frames  [##############################]  100 %");
 }
@@ -244,7 +245,7 @@ static void a_pipe_gets_plain_lines_now_and_then(void **state)
     (void)state;
     told_ns = 0;
     progress = iso_progress_start(out, "p", "work", 100, &clock_of_test);
-    for (int i = 0; i < 150; i++) { /* a tenth of a second each */
+    for (int i = 0; i < 150; i++) { /* a tenth of a second for each */
         told_ns += second_ns / 10;
         iso_progress_set(progress, (uint64_t)i / 2, 100);
         iso_progress_tick(progress);
@@ -277,7 +278,7 @@ static void what_is_quick_says_nothing_in_a_pipe(void **state)
     fclose(out);
 }
 
-/* With the system's clock a thread draws; it ends with the progress. */
+/* With the system's clock a thread draws the progress. It ends together with the progress. */
 static void the_thread_of_a_progress_ends(void **state)
 {
     struct pseudo_terminal pseudo;
