@@ -1,5 +1,5 @@
-/* What the simulator shows on a terminal: progress, if main() wants it and one thing at a time, and
- * verdicts in colour. */
+/* The simulator's output on a terminal: progress, if main() enables it and for one task at a time,
+ * and verdicts in colour. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -49,7 +49,7 @@ static void jobs_are_counted(void **state)
     assert_non_null(strstr(what_was_shown(), "\r\033[Kcounting sheep  ["));
 }
 
-/* What is done within something that is counted does not show itself, nor count for it. */
+/* A task within a counted task is not shown, and does not count for it. */
 static void one_thing_at_a_time_is_shown(void **state)
 {
     (void)state;
@@ -69,7 +69,7 @@ static void one_thing_at_a_time_is_shown(void **state)
     pseudo_terminal_close(&pseudo);
 }
 
-/* Who came, and the verdict in its colour. */
+/* The visitor, and the verdict in its colour. */
 static void verdicts_have_colours(void **state)
 {
     const struct sim_corpus_row row = {

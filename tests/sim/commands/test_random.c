@@ -1,4 +1,5 @@
-/* The generator against the reference implementation's numbers and against its distributions. */
+/* The generator of random numbers, compared with the numbers of the reference implementation and
+ * with its distributions. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -65,7 +66,7 @@ static void normal_deviates_have_the_moments(void **state)
         lagged += x * before / N;
         before = x;
     }
-    /* four standard errors each: sqrt(1, 2, 6, 96 / N) and sqrt(1 / N) */
+    /* limits of four standard errors each: sqrt(1, 2, 6, 96 / N) and sqrt(1 / N) */
     assert_true(fabs(sum[1]) < 4.0 * sqrt(1.0 / N));
     assert_true(fabs(sum[2] - 1.0) < 4.0 * sqrt(2.0 / N));
     assert_true(fabs(sum[3]) < 4.0 * sqrt(15.0 / N));

@@ -1,4 +1,4 @@
-/* The rasteriser against the geometry of planes. */
+/* The rasteriser, compared with the geometry of planes. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -36,7 +36,8 @@ static struct iso_raster pinhole(void)
     };
 }
 
-/* Counter-clockwise seen from the camera, over the whole window, on the plane n . p = d. */
+/* Triangles on the plane n . p = d that cover the whole window, counter-clockwise seen from the
+ * camera. */
 static const struct iso_vec3 slanted[3] = {
     {-900, -800, 850}, {-700, 1600, 1330}, {1800, -300, 400}};
 static const uint32_t one[1][3] = {{0, 1, 2}};
@@ -120,7 +121,7 @@ static void the_nearer_wins_in_either_order(void **state)
     size_t middle = WIDTH * (HEIGHT / 2) + WIDTH / 2;
     for (int k = 0; k < 3; k++) {
         corners[k] = slanted[k];
-        corners[k + 3] = iso_scale(0.9, slanted[k]); /* in front of it, seen at the same place */
+        corners[k + 3] = iso_scale(0.9, slanted[k]); /* in front of it, at the same pixels */
     }
     iso_raster_clear(&raster);
     iso_raster_triangles(&raster, corners, both, 2, 0, 10.0, 1);
@@ -132,8 +133,8 @@ static void the_nearer_wins_in_either_order(void **state)
     assert_true(fabsf(depth[middle] - nearer) < 1e-3f);
 }
 
-/* A fan about a point that is not a pixel centre, and about one that is: no pixel between the
- * blades is missed. */
+/* A fan of triangles about a point that is not a pixel centre, and about one that is. No pixel
+ * between two triangles is left out. */
 static void neighbours_leave_no_gap(void **state)
 {
     enum { BLADES = 17 };

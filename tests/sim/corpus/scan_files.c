@@ -50,7 +50,7 @@ void scan_write_abs(FILE *out)
 
 static void put(FILE *out, const void *value, size_t size)
 {
-    assert_int_equal(fwrite(value, 1, size, out), size); /* little endian, as all we run on */
+    assert_int_equal(fwrite(value, 1, size, out), size); /* little endian, like all our machines */
 }
 
 void scan_write_bnt(FILE *out)

@@ -124,7 +124,7 @@ static void the_same_frames_may_serve_twice(void **state)
 
 /* ---- on disk ---------------------------------------------------------------- */
 
-/* The scratch directory is a corpus of recordings `a` and `b`, three frames each. */
+/* Makes the scratch directory a corpus of the recordings `a` and `b`, with three frames each. */
 static int setup(void **state)
 {
     int error = scratch_setup(state);
@@ -225,7 +225,7 @@ static void refuses_to_write_what_cannot_be_read(void **state)
     rows[1].role = SIM_ROLE_PROBE;
     (void)strcpy(rows[1].note, "a,b");
     assert_write_refused(state, rows, 2, "manifest.csv:3: bad note");
-    memset(rows[1].note, 'x', sizeof rows[1].note); /* not ended within itself */
+    memset(rows[1].note, 'x', sizeof rows[1].note); /* the text has no end */
     assert_write_refused(state, rows, 2, "manifest.csv:3: bad note");
     rows[1].note[0] = '\0';
     (void)strcpy(rows[1].recording, ".hidden");

@@ -1,4 +1,4 @@
-/* Import of public databases: what the names of their files say, and range images. */
+/* Import of public databases: the meaning of file names, and range images. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -44,7 +44,7 @@ static const struct sim_corpus_row *row_of(const struct sim_corpus *corpus, cons
     return NULL;
 }
 
-/* Three people of Bosphorus, one file damaged, one of another kind. */
+/* Three people of Bosphorus. One file is damaged, and one is of another kind. */
 static void test_import(void **state)
 {
     scratch_mkdir(scratch_path(*state, "from"));
@@ -71,7 +71,7 @@ static void test_import(void **state)
     assert_string_equal(row->subject, "bs001");
     assert_string_equal(row->expression, "E-HAPPY");
     assert_int_equal(row_of(corpus, "bs001_N_N_0")->role, SIM_ROLE_GALLERY);
-    row = row_of(corpus, "bs000_YR_R10_0"); /* the only one left of the person */
+    row = row_of(corpus, "bs000_YR_R10_0"); /* the only recording of this person */
     assert_int_equal(row->role, SIM_ROLE_GALLERY);
     assert_string_equal(row->pose, "YR-R10");
     assert_int_equal(row_of(corpus, "bs002_O_EYE_0")->role, SIM_ROLE_IMPOSTOR);
@@ -176,7 +176,7 @@ static void test_range_images(void **state)
     assert_int_equal(frame->height_px, 4);
     assert_float_equal(frame->camera.pitch_mm, 0.32, 0.0);
     assert_float_equal(frame->depth_mm[0], 0.0f, 0.0);
-    /* Level 117 in the second row, 138 below the nearest. */
+    /* The second row is level 117, which is 138 below the nearest one. */
     assert_float_equal((double)iso_frame_depth_at(frame, 1, 1), (600.0 + 138 * 0.32), 1e-3);
     iso_frame_free(frame);
     frame = NULL;

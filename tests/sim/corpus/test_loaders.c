@@ -1,4 +1,5 @@
-/* Readers of the scans of public databases, on small files written here in their formats. */
+/* Readers of the scans of public databases, on small files that the test writes in their formats.
+ */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -14,7 +15,8 @@
 #include "sim/corpus/scan_view.h"
 #include "tests/sim/corpus/scan_files.h"
 
-/* Depth at a pixel of the virtual camera where a point of the dome appears; 0: nothing there. */
+/* The depth at the pixel of the virtual camera where a point of the dome appears; 0: no
+ * measurement. */
 static double depth_of(const struct iso_frame *frame, struct iso_vec3 shift, double x, double y)
 {
     double z = 30.0 - 0.02 * ((x - 5.0) * (x - 5.0) + (y + 8.0) * (y + 8.0));
@@ -31,7 +33,7 @@ static const struct kind {
     const char *name;
     scan_writer *write;
     parser *parse;
-    double z_mm; /* that the format adds */
+    double z_mm; /* the z that the format adds */
 } kinds[] = {
     {"f.abs", scan_write_abs, sim_scan_parse_abs, -1500.0},
     {"b.bnt", scan_write_bnt, sim_scan_parse_bnt, 0.0},
@@ -58,7 +60,7 @@ static void test_scans_are_seen(void **state)
         struct iso_frame *frame = NULL;
         assert_int_equal(sim_scan_view(mesh, &frame), 0);
         assert_int_equal(iso_frame_check(frame, NULL), 0);
-        /* How it was shifted shows in a vertex: the last one is the grid's last point. */
+        /* A vertex shows the shift: the last vertex is the last point of the grid. */
         struct iso_vec3 last = mesh->vertices_mm[mesh->n_vertices - 1],
                         known = scan_dome(SCAN_ROWS - 1, SCAN_COLUMNS - 1);
         struct iso_vec3 shift = {known.x - last.x, known.y + last.y, known.z + last.z - 600.0};
@@ -67,7 +69,7 @@ static void test_scans_are_seen(void **state)
                 assert_float_equal(depth_of(frame, shift, x, y), 0.0, 0.35);
             }
         }
-        /* Not measured: the upper left corner. */
+        /* The upper left corner was not measured. */
         assert_true(depth_of(frame, shift, -13.0, 16.0) < -100.0);
         iso_frame_free(frame);
         iso_mesh_free(mesh);
@@ -123,7 +125,7 @@ static void test_damaged_scans(void **state)
     free(bytes);
 }
 
-/* VRML 1.0 calls it Coordinate3; two face sets count their points anew. */
+/* In VRML 1.0 the name is Coordinate3. Each of two face sets numbers its points from 0. */
 static void test_vrml_nodes(void **state)
 {
     (void)state;
@@ -135,7 +137,7 @@ static void test_vrml_nodes(void **state)
     struct iso_mesh *mesh = NULL;
     assert_int_equal(sim_scan_parse_vrml("two", text, sizeof text - 1, &mesh, NULL), 0);
     assert_int_equal(mesh->n_vertices, 7);
-    assert_int_equal(mesh->n_triangles, 3); /* the last face has two corners only */
+    assert_int_equal(mesh->n_triangles, 3); /* the last face has only two corners */
     assert_int_equal(mesh->triangles[2][0], 3);
     assert_int_equal(mesh->triangles[2][1], 6);
     assert_int_equal(mesh->triangles[2][2], 5);

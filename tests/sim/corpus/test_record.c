@@ -1,4 +1,5 @@
-/* isotherm-sim record: what is recorded is what was seen, and the word that names a sensor. */
+/* isotherm-sim record: the recording has the frames of the sensor; and the word that names a
+ * sensor. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -40,7 +41,7 @@ static int setup(void **state)
     return error;
 }
 
-/* Records from the sensor replay, in real time: intensities are found by their time stamps. */
+/* Records from the sensor replay in real time. Intensity images are found by their time stamps. */
 static int record(void **state, size_t frames, struct sim_record_result *result,
                   struct iso_fault *fault)
 {
@@ -82,7 +83,7 @@ static size_t count_made(void **state)
     struct iso_recording *made = NULL;
     assert_int_equal(iso_recording_open(scratch_path(*state, "made"), &made, NULL), 0);
     const size_t n = iso_recording_frames(made);
-    assert_int_equal(iso_recording_t_ns(made, 0), 0); /* time begins with the first frame */
+    assert_int_equal(iso_recording_t_ns(made, 0), 0); /* time starts at the first frame */
     iso_recording_close(made);
     return n;
 }
@@ -135,7 +136,7 @@ static void writes_over_nothing(void **state)
     assert_int_equal(result.frames, 0);
 }
 
-/* A frame that cannot be written is told with a later one, at the end at the latest. */
+/* A frame that cannot be written is reported with a later frame, or at the end. */
 static void a_tape_tells_of_what_cannot_be_written(void **state)
 {
     const struct iso_camera camera = {.projection = ISO_PINHOLE,

@@ -1,4 +1,4 @@
-/* What the writer of recordings refuses, and what it leaves behind then. */
+/* Frames and recordings that the writer refuses, and the files that exist after a refusal. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -33,7 +33,7 @@ static void refuses_bad_landmarks(void **state)
     iso_frame_free(frame);
 }
 
-/* The frame is refused with `expected`, and nothing is left of it. */
+/* Asserts that the frame is refused with `expected`, and that no file of it exists. */
 static void assert_refused(struct sim_recording_writer *writer, const struct iso_frame *frame,
                            int error, const char *expected)
 {

@@ -1,4 +1,4 @@
-/* The writer of recordings, against the reader. */
+/* The writer of recordings, checked by the reader. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -78,7 +78,7 @@ static void numbers_are_short(void **state)
     sim_recording_writer_free(writer);
     char *ini = scratch_read(scratch_path(*state, "r/recording.ini"), &size);
     ini[size] = '\0';
-    assert_non_null(strstr(ini, "\nfx_px = 425.3333333333333\n")); /* as short as is exact */
+    assert_non_null(strstr(ini, "\nfx_px = 425.3333333333333\n")); /* short and exact */
     assert_non_null(strstr(ini, "\nfy_px = 424.7\n"));
     assert_non_null(strstr(ini, "\nunit_mm = 0.1\n"));
     assert_null(strstr(ini, "k2"));
@@ -108,7 +108,7 @@ static void an_orthographic_camera_is_read_back(void **state)
     iso_recording_close(recording);
 }
 
-/* A crop of a large image becomes a small image; points of space stay where they were. */
+/* A crop of a large image becomes a small image. Points in space do not move. */
 static void a_crop_moves_the_principal_point(void **state)
 {
     struct iso_recording_meta meta = written_meta();
@@ -122,7 +122,7 @@ static void a_crop_moves_the_principal_point(void **state)
     meta.camera = sim_recording_camera(written);
     assert_int_equal(meta.camera.width_px, WRITTEN_WIDTH);
     assert_true(meta.camera.cx_px == 19.5 && meta.camera.cy_px == 39.5);
-    /* The reader accepts principal points up to one image away only. */
+    /* The reader accepts principal points that are at most one image away. */
     struct sim_recording_writer *writer = NULL;
     struct iso_fault fault;
     assert_int_equal(

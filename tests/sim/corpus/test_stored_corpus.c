@@ -1,4 +1,5 @@
-/* The corpus that is committed with the project holds what the demo and other tests count on. */
+/* The corpus that is committed with the project has everything that the demo and other tests need.
+ */
 #include <ftw.h>
 #include <setjmp.h>
 #include <stdarg.h>

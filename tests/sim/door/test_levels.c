@@ -1,4 +1,4 @@
-/* What visits come to at each security level, and appliances that share the template of a frame. */
+/* Counts of visits at each security level, and appliances that share the template of a frame. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -29,7 +29,8 @@ static struct sim_visit visit_of(const struct sim_corpus_row *row, const char *l
     return visit;
 }
 
-/* Once herself, once refused, once taken for another; of three strangers one is let in. */
+/* The enrolled person is admitted once, refused once, and taken for another person once. One of
+ * three strangers is admitted. */
 static struct sim_level_counts count(enum sim_level_crowd crowd)
 {
     const struct sim_visit visits[] = {
@@ -73,7 +74,8 @@ static void corpora_add_up(void **state)
     assert_int_equal(counts.strangers.trials, 5);
 }
 
-/* No event in 1,000: at most 0.37 % with 95 % (Clopper and Pearson: 1 - 0.025^(1/1000)). */
+/* No event in 1,000: the rate is at most 0.37 % with 95 % confidence (Clopper and Pearson: 1 -
+ * 0.025^(1/1000)). */
 static void the_table_has_rates_intervals_and_counts(void **state)
 {
     (void)state;
@@ -120,7 +122,7 @@ static void the_file_has_a_line_for_each(void **state)
 
 /* ---- templates that are shared ---- */
 
-/* A pipeline that counts what it is asked. */
+/* A pipeline that counts its calls. */
 struct counter {
     int extracted, searched, error;
 };
@@ -163,7 +165,7 @@ static struct iso_frame frame_of(float depth_mm[WIDTH * HEIGHT], int64_t t_ns)
                               .camera = {.width_px = WIDTH, .height_px = HEIGHT}};
 }
 
-/* What a pipeline says of a frame whose sixth depth is `depth_mm`. */
+/* Returns the pipeline's result for a frame whose sixth depth is `depth_mm`. */
 static double seen_by(const struct iso_pipeline *pipeline, float depth_mm, int64_t t_ns)
 {
     float depths_mm[WIDTH * HEIGHT] = {700, 701, 702, 703, 704, depth_mm};

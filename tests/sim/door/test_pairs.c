@@ -1,5 +1,5 @@
-/* Two people at the door, one enrolled: who stands in front is the visitor. A small one of what
- * `isotherm-sim generate --preset pairs` and `replay` do at length. */
+/* Two people stand at the door, and one of them is enrolled. The person in front is the visitor.
+ * `isotherm-sim generate --preset pairs` and `replay` do the same with more people. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-/* The whole appliance on a virtual clock, over a few stored recordings. */
+/* The whole appliance on a virtual clock, with a few stored recordings. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -45,7 +45,7 @@ static void count_visit(const struct sim_visit *visit, void *context)
     ++*(size_t *)context;
 }
 
-/* Runs with a state directory of that name; returns the error. */
+/* Runs with a state directory of that name. Returns the error. */
 static int rehearse(const char *directory, const char *state, double threshold,
                     struct sim_corpus **corpus, struct sim_visit visits[ROWS])
 {
@@ -81,12 +81,12 @@ static void the_right_people_are_let_in(void **state)
     assert_true(visits[1].verdict.allow && visits[1].unlocked);
     assert_string_equal(visits[1].verdict.person, "p02");
     assert_true(visits[2].verdict.given && !visits[2].verdict.allow && !visits[2].unlocked);
-    assert_true(!visits[3].verdict.allow && !visits[3].unlocked); /* a photograph is nobody */
+    assert_true(!visits[3].verdict.allow && !visits[3].unlocked); /* a photograph is not admitted */
     assert_true(sim_visit_judge(visits, VISITS).good);
     sim_corpus_free(corpus);
 }
 
-/* What stands in the audit log of a run, to be freed. Which gallery it was is drawn by lot. */
+/* Returns the text of a run's audit log, to be freed. The identifier of the gallery is random. */
 static char *log_of(const char *directory, const char *run)
 {
     struct iso_config config = iso_config_default();
@@ -110,7 +110,7 @@ static char *log_of(const char *directory, const char *run)
     return text;
 }
 
-/* Time is virtual, so nothing depends on how fast the machine is. */
+/* The time is virtual, so that no result depends on the speed of the machine. */
 static void two_runs_are_the_same_to_the_bit(void **state)
 {
     struct sim_corpus *corpus[2] = {NULL, NULL};
@@ -146,7 +146,7 @@ static void the_threshold_decides(void **state)
     sim_corpus_free(corpus);
 }
 
-/* Plays the visits at one level, or at all of them side by side. */
+/* Plays the visits at one level, or at all levels side by side. */
 static void rehearse_levels(const char *directory, const char *state, const enum iso_level *level,
                             const struct sim_corpus *corpus, struct sim_visit *visits)
 {
@@ -182,8 +182,8 @@ static void assert_same_visit(const struct sim_visit *a, const struct sim_visit 
     assert_true(a->verdict.threshold == b->verdict.threshold);
 }
 
-/* Three doors that share the templates of what they see decide to the bit as each would alone, and
- * so count the same visits. */
+/* Three doors share the templates of their frames. Each door decides exactly as it would alone, and
+ * so counts the same visits. */
 static void every_level_decides_as_it_would_alone(void **state)
 {
     struct sim_corpus *corpus = NULL;
@@ -204,7 +204,7 @@ static void every_level_decides_as_it_would_alone(void **state)
         assert_int_equal(a.refused.trials, 2);
         assert_int_equal(a.strangers.trials, 2);
     }
-    /* They are of three levels. */
+    /* The doors have three levels. */
     assert_true(together[0].verdict.threshold < together[ROWS].verdict.threshold);
     assert_true(together[ROWS].verdict.threshold < together[2 * ROWS].verdict.threshold);
     sim_corpus_free(corpus);
@@ -212,7 +212,7 @@ static void every_level_decides_as_it_would_alone(void **state)
 
 static void who_cannot_be_enrolled_is_a_fault(void **state)
 {
-    /* The same face under two names. */
+    /* The same face is enrolled under two names. */
     scratch_write_text(scratch_path(*state, "manifest.csv"),
                        STORED_CORPUS_HEADER "p01-enrol,0,5,ada,e,gallery,,,\n"
                                             "p01-v1,0,3,ada,v1,probe,,mild,\n"
@@ -223,7 +223,7 @@ static void who_cannot_be_enrolled_is_a_fault(void **state)
     struct sim_visit visits[ROWS];
     assert_int_equal(rehearse(*state, "twice", NAN, &corpus, visits), -ENOMSG);
 
-    /* ... unless they are to be left out: one face has one name, and the visit is hers. */
+    /* Duplicates can be left out: then one face has one name, and the visit is hers. */
     size_t not_enrolled = 0, n_visits = 0, told = 0;
     const struct sim_rehearsal_options options = {
         .corpus = *state,
@@ -250,7 +250,7 @@ static void the_clock_moves_only_when_told(void **state)
     assert_int_equal(iso_times_now_ns(&times), 0);
     assert_true(iso_wall_is_set(iso_times_wall_ns(&times) / ISO_NS_PER_S));
     sim_virtual_clock_advance(&clock, 5 * ISO_NS_PER_S);
-    sim_virtual_clock_advance(&clock, 2 * ISO_NS_PER_S); /* never back */
+    sim_virtual_clock_advance(&clock, 2 * ISO_NS_PER_S); /* the clock never goes back */
     assert_int_equal(iso_times_now_ns(&times), 5 * ISO_NS_PER_S);
 }
 

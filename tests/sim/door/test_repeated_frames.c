@@ -1,8 +1,8 @@
-/* What the memory of frames takes for repeated (core/presentation/frame_memory.h): nothing of a
- * head that does not move at all, before every sensor model and in stored and real recordings; all
- * of what a stuck camera delivers. The first prints the likenesses that ISO_FINGERPRINT_SAME was
- * chosen by. The rendered heads need the head model's data (ISOTHERM_SHARED/data/ict-face), the
- * real recordings ISOTHERM_SHARED/data/kinect2-faces. */
+/* Frames that the memory of frames takes for repeated (core/presentation/frame_memory.h). It takes
+ * none of a head that does not move at all, before every sensor model and in stored and real
+ * recordings. It takes all frames of a camera that hangs. The first test prints the similarities
+ * from which ISO_FINGERPRINT_SAME was chosen. The rendered heads need the head model's data
+ * (ISOTHERM_SHARED/data/ict-face), the real recordings need ISOTHERM_SHARED/data/kinect2-faces. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -65,7 +65,7 @@ static void studio_close(struct studio *s)
     sim_view_free(s->view);
 }
 
-/* Somebody stands there; what the sensor sees of it changes by its noise only. */
+/* A person stands before the sensor. Only noise changes the frames. */
 static void stand(struct studio *s, double distance_mm, double aside_mm)
 {
     const bool alone = s->sensor->face_only;
@@ -111,7 +111,7 @@ static bool is_slow(const struct sim_sensor *sensor)
     return strncmp(sensor->name, "stereo", strlen("stereo")) == 0;
 }
 
-/* A head that does not move by a micrometre is harder than any that lives. */
+/* A head that does not move by a micrometre is harder than any living head. */
 static void expect_live(struct studio *s, double distance_mm)
 {
     struct iso_fingerprint prints[STILL_FRAMES];
@@ -147,7 +147,7 @@ static void a_head_that_does_not_move_is_never_refused(void **state)
             expect_live(&s, s.sensor->distance_max_mm);
         }
         if (s.sensor == &sim_sensor_astra || s.sensor == &sim_sensor_kinect2) {
-            expect_live(&s, 1500.0); /* the first in steps of 6.5 mm there */
+            expect_live(&s, 1500.0); /* the first sensor has steps of 6.5 mm there */
         }
         studio_close(&s);
     }
@@ -206,7 +206,7 @@ static void view_recording(struct viewing *v, const char *path)
     iso_recording_close(recording);
 }
 
-/* Every recording of a corpus once, and then the first of them again. */
+/* Plays every recording of a corpus once, and then the first one again. */
 static void view_corpus(const char *directory, int faces_min)
 {
     struct viewing v = viewing_begin();

@@ -1,4 +1,4 @@
-/* The slot, and what a day of visits comes to. Visits at a living door: tests/e2e. */
+/* The slot, and the counts of a day of visits. Visits at a running door are in tests/e2e. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -33,7 +33,7 @@ static void the_slot_is_pointed_and_cleared(void **state)
     const char *corpus = *state, *slot = scratch_path(corpus, "slot");
     struct iso_fault fault = {.text = ""};
 
-    assert_int_equal(sim_slot_clear(slot, &fault), 0); /* nothing there: nothing to do */
+    assert_int_equal(sim_slot_clear(slot, &fault), 0); /* the slot is empty already */
     assert_int_equal(sim_slot_point(slot, corpus, "anna-v1", &fault), 0);
     assert_names(slot, corpus, "anna-v1");
     assert_int_equal(sim_slot_point(slot, corpus, "bob-v2", &fault), 0);
@@ -146,8 +146,8 @@ static void somebody_refused_at_every_visit_is_not_good(void **state)
     assert_false(summary.good);
 }
 
-/* An "allow" whose door did not unlock let nobody in; for a stranger it is a false one all the
- * same. */
+/* A visit with the verdict "allow" whose door did not unlock admitted nobody. For a stranger the
+ * verdict is still a false one. */
 static void a_door_that_did_not_unlock_admits_nobody(void **state)
 {
     struct sim_visit visits[] = {visit(&bob_1, true, "bob"), visit(&stranger, true, "bob")};
@@ -193,7 +193,7 @@ static void a_door_that_opens_for_nobody_is_not_good(void **state)
 
     (void)state;
     assert_false(sim_visit_judge(visits, 2).good);
-    assert_false(sim_visit_judge(visits, 0).good); /* nothing was shown */
+    assert_false(sim_visit_judge(visits, 0).good); /* no frame was shown */
     assert_true(sim_visit_judge(visits, 1).good);
 }
 

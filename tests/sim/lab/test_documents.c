@@ -1,6 +1,5 @@
-/* What documents show of the extraction is what the code does: the stages in ARCHITECTURE.md and in
- * the diagram are those of core/extract, and the picture of isotherms is what the present code
- * draws. */
+/* The documents agree with the code: the stages in ARCHITECTURE.md and in the diagram are those of
+ * core/extract, and the picture of isotherms is the one that the present code draws. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +21,7 @@ struct names {
     char name[NAMES_MAX][NAME_MAX_BYTES];
 };
 
-/* Failures fail the running test; to be freed with free(). */
+/* A failure fails the running test. Free the result with free(). */
 static char *document(const char *path)
 {
     size_t size;
@@ -41,7 +40,7 @@ static void add_name(struct names *names, const char *name, size_t length)
     names->name[names->n++][length] = '\0';
 }
 
-/* The names are those of the stages, all of them, in their order. */
+/* Asserts that these are the names of all stages, in their order. */
 static void assert_stages(const struct names *names)
 {
     assert_int_equal(names->n, ISO_STAGES);
@@ -50,7 +49,8 @@ static void assert_stages(const struct names *names)
     }
 }
 
-/* The first column of the first table after a heading: without the table's own two lines. */
+/* Returns the first column of the first table after a heading, without the two lines of the table's
+ * head. */
 static void read_table(char *text, const char *heading, struct names *names)
 {
     char *at = strstr(text, heading);
@@ -68,8 +68,8 @@ static void read_table(char *text, const char *heading, struct names *names)
     }
 }
 
-/* The nodes of the diagram's cluster "extract", each of which has its name as the first line of its
- * label. */
+/* Returns the nodes of the diagram's cluster "extract". The first line of each label is the name.
+ */
 static void read_nodes(char *text, struct names *names)
 {
     char *line = strstr(text, "subgraph cluster_extract {\n");
@@ -118,7 +118,7 @@ static void read_picture(const char *path, struct iso_image *image)
     }
 }
 
-/* Pixels that differ by more than compilers and processors may round apart. */
+/* Counts pixels that differ by more than the rounding of compilers and processors explains. */
 static size_t count_other_pixels(const struct iso_image *a, const struct iso_image *b)
 {
     enum { TOLERANCE = 24 };

@@ -1,4 +1,4 @@
-/* From scores to figures, on an evaluation small enough to be done by hand. */
+/* From scores to figures, on an evaluation that is small enough to calculate by hand. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -98,14 +98,16 @@ static void test_kinds(void **state)
 static void test_comparisons(void **state)
 {
     const struct sim_verification *v = &((const struct sim_analysis *)*state)->verification;
-    /* Mated: 9, 5, 7, 7. Lost: the probe not acquired and the one of the person not enrolled. */
+    /* The mated scores are 9, 5, 7, 7. The probe that was not acquired and the one of the person
+     * who is not enrolled are lost. */
     assert_int_equal(v->scores.n_mated, 4);
     assert_int_equal(v->n_lost, 2);
-    /* Non-mated: b 1; a 6; a 4, b 2; a 3, b 8; a 1; a 2; not those of `none`. */
+    /* The non-mated scores are b 1; a 6; a 4, b 2; a 3, b 8; a 1; a 2. Those of `none` do not
+     * count. */
     assert_int_equal(v->scores.n_non_mated, 8);
     assert_float_equal(v->scores.non_mated[7].score, 8.0, 0.0);
-    /* FMR 0.1 of 8: none may pass; so 5, 7, 7 of the mated fail, and of all 6 the lost two as well.
-     */
+    /* FMR 0.1 of 8 allows no match. So 5, 7, 7 of the mated scores fail, and of all 6 the two lost
+     * ones as well. */
     assert_float_equal(v->at_fmr[0].at.fnmr, 0.75, 1e-15);
     assert_float_equal(v->at_fmr[0].at.threshold, 9.0, 0.0);
     assert_int_equal(v->at_fmr[0].gfnmr.events, 5);
@@ -122,8 +124,8 @@ static void test_searches(void **state)
     assert_int_equal(id->n_strangers, 2);
     assert_int_equal(sim_rank_rate(id->searches, 6, 1).events, 3);
     assert_int_equal(sim_rank_rate(id->searches, 6, 2).events, 4);
-    assert_int_equal(sim_rank_rate(id->searches, 6, PEOPLE).events, 4); /* two are lost */
-    /* FPIR 0.1 of 2: the stranger's 8 must not pass; only the 9 does. */
+    assert_int_equal(sim_rank_rate(id->searches, 6, PEOPLE).events, 4); /* two of them are lost */
+    /* FPIR 0.1 of 2 does not allow the stranger's 8, so that only the 9 is accepted. */
     assert_int_equal(id->at_fpir[0].fpir.events, 0);
     assert_int_equal(id->at_fpir[0].fnir.events, 5);
 }
@@ -138,7 +140,7 @@ static void test_not_faces_are_apart(void **state)
 static void test_conditions(void **state)
 {
     const struct sim_analysis *a = *state;
-    /* "front" has one search only: not reported. */
+    /* "front" has only one search and is not reported. */
     assert_int_equal(a->n_conditions, 1);
     const struct sim_condition *yaw = &a->conditions[0];
     assert_string_equal(yaw->column, "pose");
@@ -147,7 +149,8 @@ static void test_conditions(void **state)
     assert_int_equal(yaw->rank_1.trials, 5);
     assert_int_equal(yaw->rank_4.events, 4);
     assert_int_equal(yaw->not_acquired.events, 1);
-    /* Mated 9, 5, 7, 7 against 1, 6, 1, 2: between (0.25, 0) and (0.25, 0.25). */
+    /* Mated 9, 5, 7, 7 against non-mated 1, 6, 1, 2: the rates are equal between (0.25, 0) and
+     * (0.25, 0.25). */
     assert_float_equal(yaw->eer, 0.25, 1e-15);
 }
 
@@ -155,7 +158,7 @@ static void test_latencies(void **state)
 {
     const struct sim_analysis *a = *state;
     assert_int_equal(a->search_cpu.n, 7);
-    assert_int_equal(a->extract_cpu.n, 9); /* usable frames only */
+    assert_int_equal(a->extract_cpu.n, 9); /* only usable frames */
     assert_float_equal(a->extract_cpu.p95_ms, 12.0, 1e-9);
     assert_float_equal(a->stage[ISO_STAGE_HEAT].median_ms, 6.0, 1e-9);
 }

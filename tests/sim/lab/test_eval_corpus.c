@@ -1,4 +1,4 @@
-/* The whole evaluation on a few stored recordings: what comes out, file by file. */
+/* The whole evaluation on a few stored recordings, and each file that it writes. */
 #include <errno.h>
 #include <jansson.h>
 #include <math.h>
@@ -78,7 +78,7 @@ static void test_figures(void **state)
     assert_int_equal(nose->error_mm.n, 8);
     assert_true(nose->error_mm.mean < 10.0);
     assert_true(nose->centred_error_mm.mean > 0.0);
-    assert_int_equal(nose->slip_mm.n, 2 * 2 + 2 * 1); /* of p01; of p02 */
+    assert_int_equal(nose->slip_mm.n, 2 * 2 + 2 * 1); /* of p01 and of p02 */
     assert_int_equal(eval->landmarks[ISO_LANDMARKS].error_mm.n, 12 * 8);
     sim_eval_free(eval);
 }
@@ -93,13 +93,13 @@ static void test_fuse_and_gallery_limit(void **state)
     assert_int_equal(eval->acquisition->n_samples, 9);
     assert_int_equal(eval->gallery->n_people, 1);
     assert_int_equal(eval->gallery->n_templates, 2);
-    /* Nobody enrolled p02: a stranger now. */
+    /* p02 is not enrolled and is therefore a stranger. */
     assert_int_equal(eval->analysis->n_kind[SIM_PROBE_MATED], 2);
     assert_int_equal(eval->analysis->n_kind[SIM_PROBE_STRANGER], 2);
     sim_eval_free(eval);
 }
 
-/* How many lines of a text contain a word. */
+/* Returns how many lines of a text contain a word. */
 static int lines_with(const char *text, const char *word)
 {
     int n = 0;
@@ -158,7 +158,7 @@ static void test_reports(void **state)
     sim_eval_free(eval);
 }
 
-/* The outcome does not depend on whose the probes are said to be. */
+/* The result does not depend on the names that the probes have. */
 static void test_subjects_do_not_reach_the_scores(void **state)
 {
     struct sim_eval_options options = options_for(*state);
@@ -246,8 +246,8 @@ static void write_manifest(const char *directory, const char *origin)
     scratch_write_text(scratch_path(directory, "manifest.csv"), text);
 }
 
-/* Whoever the shipped metric was learned from cannot be tested with it, not even as a stranger; the
- * refusal names the corpus and its origin. */
+/* A person from whom the shipped metric was learned cannot be tested with it, not even as a
+ * stranger. The refusal names the corpus and its origin. */
 static void test_nobody_the_metric_learned_from_is_tested(void **state)
 {
     struct iso_fault fault = {.text = ""};
@@ -262,7 +262,7 @@ static void test_nobody_the_metric_learned_from_is_tested(void **state)
         (void)snprintf(words, sizeof words, "learned from the people of %s (%s)",
                        (const char *)*state, metric->origin[i]);
         expect_refusal(&options, -EBADMSG, words);
-        char pair[96]; /* as of the preset `pairs` */
+        char pair[96]; /* a note as in the preset `pairs` */
         (void)snprintf(pair, sizeof pair, "%s enrolled-behind", metric->origin[i]);
         write_manifest(*state, pair);
         expect_refusal(&options, -EBADMSG, words);
@@ -272,7 +272,7 @@ static void test_nobody_the_metric_learned_from_is_tested(void **state)
     sim_eval_free(evaluate(&options));
 }
 
-/* A cohort does not say whom it holds: nobody of its population is tested with it. */
+/* A cohort does not list its people, so that no person of its population is tested with it. */
 static void test_nobody_of_the_cohorts_population_is_tested(void **state)
 {
     struct sim_eval_options options = options_for(*state);
@@ -296,7 +296,7 @@ static const struct sim_sample *sample_of_row(const struct sim_eval *eval, size_
     return NULL;
 }
 
-/* Rows are shortened by what they are for; what is left of them is fused. */
+/* Rows are shortened by their purpose. The remaining frames are fused. */
 static void test_frames_of_a_row(void **state)
 {
     struct sim_eval_options options = options_for(*state);

@@ -1,4 +1,4 @@
-/* Verification error rates, against counts by hand and normally distributed scores. */
+/* Verification error rates, compared with counts by hand and with normally distributed scores. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -17,7 +17,7 @@ static double normal_cdf(double z)
     return 0.5 * erfc(-z / sqrt(2.0));
 }
 
-/* 4 mated, 5 non-mated, unsorted, with a tie across the kinds at 5. */
+/* 4 mated and 5 non-mated scores, unsorted. One of each has the value 5. */
 static struct sim_score few_mated[] = {{9, 0}, {5, 1}, {7, 0}, {2, 1}};
 static struct sim_score few_non_mated[] = {{1, 0}, {5, 0}, {3, 1}, {4, 1}, {0, 1}};
 
@@ -60,7 +60,7 @@ static void test_copies_count_people_again(void **state)
     const uint32_t copies[] = {3, 0}; /* person 0 three times, person 1 never */
     struct sim_det_point points[10];
     size_t n = sim_det_points(&scores, copies, points);
-    /* Person 0: mated 7 and 9, non-mated 1 and 5. */
+    /* Person 0 has the mated scores 7 and 9 and the non-mated scores 1 and 5. */
     assert_float_equal(sim_det_at_fmr(points, n, 0.5).fnmr, 0.0, 1e-15);
     assert_float_equal(sim_det_at_fmr(points, n, 0.0).fnmr, 0.0, 1e-15);
     assert_float_equal(sim_det_eer(points, n), 0.0, 1e-15);
@@ -92,13 +92,12 @@ static void test_lost_pairs_have_no_score(void **state)
     assert_float_equal(sim_det_at_fmr(points, n, 0.5).fnmr, 0.5, 1e-15);
 }
 
-/* Scores at the quantiles of two normal distributions, three units apart: their error rates are
- * known.
- */
+/* Scores at the quantiles of two normal distributions, three units apart. Their error rates are
+ * known. */
 enum { MATED = 2000, NON_MATED = 30000, PEOPLE = 50 };
 static const double apart = 3.0;
 
-/* A person for every score, whatever its rank (Knuth's multiplicative hash). */
+/* Every score has its own person, who does not depend on its rank (Knuth's multiplicative hash). */
 static uint32_t scattered(uint32_t i)
 {
     return (i * 2654435761u >> 16) % PEOPLE;
@@ -168,7 +167,7 @@ static void test_bootstrap_encloses_truth(void **state)
     free_scores(s);
 }
 
-/* One person all of whose comparisons fail: resampling people must see that as one observation. */
+/* All comparisons of one person fail. Resampling over people must count this as one observation. */
 static void test_bootstrap_is_by_person(void **state)
 {
     (void)state;
@@ -184,7 +183,7 @@ static void test_bootstrap_is_by_person(void **state)
     const double fmr = 0.0;
     struct sim_interval eer, fnmr;
     assert_int_equal(sim_det_bootstrap(&s, N, &fmr, 1, &eer, &fnmr), 0);
-    /* 50 of 400 fail. Comparison by comparison that would be 0.10..0.16. */
+    /* 50 of 400 fail. Resampling over comparisons would give 0.10..0.16. */
     assert_float_equal(fnmr.low, 0.0, 1e-15);
     assert_true(fnmr.high >= 0.25);
 }

@@ -1,4 +1,4 @@
-/* Enrolment and searches of templates that are made up. */
+/* Enrolment and searches with artificial templates. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -16,13 +16,13 @@
 #include "sim/lab/match/match.h"
 #include "sim/lab/match/parallel.h"
 
-/* What registrations work in. */
+/* The working memory of registrations. */
 static struct iso_icp_workspace registration;
 
-/* What the functions under test work in. */
+/* The working memory of the functions under test. */
 static struct iso_rerank_workspace work;
 
-/* A template of random points, the same for the same person, moved about by `noise_mm`. */
+/* A template of random points. A person always has the same points; `noise_mm` moves them. */
 static struct iso_template person_template(uint64_t person, double noise_mm, uint64_t take)
 {
     struct iso_template t = {.algorithm = 7, .n_radii = 1, .n_points = 8, .n_frames = 1};
@@ -40,7 +40,8 @@ static struct iso_template person_template(uint64_t person, double noise_mm, uin
     return t;
 }
 
-/* Person 0 enrols twice, 1 once, 2 is not acquired; then two probes, of 1 and of 0. */
+/* Person 0 enrols twice, person 1 once, and person 2 is not acquired. Two probes follow, of 1 and
+ * of 0. */
 enum { ROWS = 6 };
 static struct sim_corpus_row rows[ROWS] = {
     {.subject = "zoe", .role = SIM_ROLE_GALLERY}, {.subject = "adam", .role = SIM_ROLE_GALLERY},
@@ -141,7 +142,7 @@ static void test_threads_do_not_matter(void **state)
 static void test_missing_points(void **state)
 {
     (void)state;
-    /* The probe has one landmark in four: too few of the points to be compared. */
+    /* The probe has only a quarter of the landmarks, too few points for a comparison. */
     for (int l = 3; l < ISO_LANDMARKS; l++) {
         memset(samples[4].tmpl.weight[0][l], 0, sizeof samples[4].tmpl.weight[0][l]);
     }
@@ -176,8 +177,8 @@ static void test_cohort_normalises(void **state)
     struct sim_gallery *gallery = enrol(0);
     struct iso_cohort *cohort = new_cohort();
     struct sim_matches *m = match(gallery, cohort, 1);
-    assert_true(m->score[3] > 0.8); /* zoe's own: next to a perfect match */
-    assert_true(m->score[4] < 0.5); /* adam: like anybody of the cohort */
+    assert_true(m->score[3] > 0.8); /* zoe herself: nearly a perfect match */
+    assert_true(m->score[4] < 0.5); /* adam: like any person of the cohort */
     sim_matches_free(m);
 
     memset(samples[4].tmpl.weight, 0, sizeof samples[4].tmpl.weight);
@@ -189,7 +190,7 @@ static void test_cohort_normalises(void **state)
     sim_gallery_free(gallery);
 }
 
-/* A metric that sees two numbers of all the points. */
+/* A metric that uses two numbers of all the points. */
 static struct iso_metric *new_metric(void)
 {
     const struct iso_metric shape = {

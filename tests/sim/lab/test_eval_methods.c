@@ -1,4 +1,4 @@
-/* Several methods on a few stored recordings, and what they may learn from. */
+/* Several methods on a few stored recordings, and the data from which they may learn. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -119,7 +119,7 @@ static void check_methods_csv(const char *directory)
     size_t size;
     char *csv = scratch_read(scratch_path(directory, "methods.csv"), &size);
     assert_non_null(memmem(csv, size, "tested,icp-upper,2,1,4,2,2,1.000000", 35));
-    csv[size - 1] = '\0'; /* the last line's end */
+    csv[size - 1] = '\0'; /* removes the end of the last line */
     char *rows = strchr(csv, '\n') + 1;
     assert_non_null(strstr(rows, "\ntested,hfpc-upper,"));
     *strchr(rows, '\n') = '\0';
@@ -129,8 +129,8 @@ static void check_methods_csv(const char *directory)
     free(csv);
 }
 
-/* Every method but the one that needs infrared, which the stored corpus has none of, and their own
- * results: what hfpc makes of it is the same as alone. */
+/* Runs every method except the one that needs infrared, which the stored corpus lacks. Each method
+ * has its own results: those of hfpc are the same as when it runs alone. */
 static void test_all_methods(void **state)
 {
     struct sim_eval_options options = options_for(*state);
@@ -161,7 +161,7 @@ static void test_all_methods(void **state)
         for (int k = 0; k < 3 * 2; k++) { /* every comparison was made */
             assert_true(isfinite(m->score[k]) && isfinite(m->distance_mm[k]));
         }
-        bool learns = v->method->train != NULL; /* from two people: little */
+        bool learns = v->method->train != NULL; /* from only two people */
         bool coarse = v->method == &sim_method_cp_hk;
         assert_true(learns || coarse || v->rank_1.events == 2);
     }
@@ -175,12 +175,13 @@ static void test_all_methods(void **state)
     sim_training_set_free(training);
 }
 
-/* Without anything to learn from, `all` leaves out who has to; by name it is refused. */
+/* Without training data, `all` leaves out the methods that have to learn. A method that is named is
+ * refused. */
 static void test_nothing_to_learn_from(void **state)
 {
     struct sim_eval_options options = options_for(*state);
     assert_null(choose("all", NULL, &options));
-    options.methods[1] = &sim_method_icp_upper; /* the printed one takes its time */
+    options.methods[1] = &sim_method_icp_upper; /* the printed one takes too long */
     options.methods[2] = &sim_method_eigensurfaces;
     options.n_methods = 3;
     struct sim_eval *eval = evaluate(&options);
@@ -194,7 +195,8 @@ static void test_nothing_to_learn_from(void **state)
     expect_refusal(&options, "eigensurfaces: has to learn");
 }
 
-/* Frames without infrared: refused by name, whose frames they are and what they lack said. */
+/* The frames have no infrared image. A method that is named is refused, and the message says whose
+ * frames lack what. */
 static void test_infrared_is_needed(void **state)
 {
     struct sim_eval_options options = options_for(*state);
@@ -210,14 +212,15 @@ static void test_nobody_is_learned_from_and_tested(void **state)
                                                &options);
     expect_refusal(&options, "learned from and tested with");
     sim_training_set_free(training);
-    /* Another directory, the same people by their note. */
+    /* Another directory has the same people by its notes. */
     make_corpus(scratch_path(*state, "mixed"),
                 STORED_CORPUS_HEADER "p03-enrol,0,1,p03,s0,probe,,,train-7\n"
                                      "p04-enrol,0,1,p04,s0,probe,,,test-2\n");
     training = choose("eigensurfaces", scratch_path(*state, "mixed"), &options);
     expect_refusal(&options, "p04-enrol (test-2)");
     sim_training_set_free(training);
-    /* Nothing is said of who they are: not refused, and not vouched for. */
+    /* The manifest does not say who the people are. The evaluation accepts this, but does not vouch
+     * for it. */
     make_corpus(scratch_path(*state, "silent"),
                 STORED_CORPUS_HEADER "p03-enrol,0,1,p03,s0,probe,,,\n"
                                      "p03-v1,0,1,p03,s1,probe,,,train-7\n");
@@ -264,7 +267,7 @@ static void test_choice(void **state)
     assert_int_equal(sim_option_methods("", &choice), -EINVAL);
     assert_int_equal(sim_option_methods("icp,", &choice), -EINVAL);
     assert_int_equal(sim_option_methods("all,icp", &choice), -EINVAL);
-    assert_int_equal(choice.n, 2); /* untouched */
+    assert_int_equal(choice.n, 2); /* unchanged */
     assert_int_equal(sim_option_methods("all", &choice), 0);
     assert_true(choice.all);
 }

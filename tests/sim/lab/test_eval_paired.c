@@ -1,4 +1,4 @@
-/* The paired test, and rates by people enrolled, against values by hand. */
+/* The paired test, and rates by number of enrolled people, compared with values by hand. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -25,7 +25,7 @@ static struct sim_paired paired(const uint8_t *first, const uint8_t *second, uin
     return p;
 }
 
-/* Five people of 12 searches, each erring once more by the second: p = 2 / 2^5. */
+/* Five people with 12 searches. Each has one more error with the second method: p = 2 / 2^5. */
 static void test_every_sign(void **state)
 {
     (void)state;
@@ -39,17 +39,18 @@ static void test_every_sign(void **state)
     assert_int_equal(r.second_better, 0);
     assert_int_equal(r.second_errors, 5);
     assert_float_equal(r.p, (2.0 / 32.0), 1e-9);
-    r = paired(second, first, 12); /* the other way round */
+    r = paired(second, first, 12); /* in the other order */
     assert_int_equal(r.second_better, 5);
     assert_float_equal(r.p, (2.0 / 32.0), 1e-9);
-    /* Differences 1, 1, 1, 1, -1: sums of +-3 or more have 12 of 32 choices. */
+    /* The differences are 1, 1, 1, 1, -1. Of 32 choices of signs, 12 have a sum of +-3 or more. */
     second[12 * 4 + 3] = 0;
     first[12 * 4 + 3] = 1;
     r = paired(first, second, 12);
     assert_float_equal(r.p, (12.0 / 32.0), 1e-9);
 }
 
-/* Many errors of one person are no evidence; the same number spread over people is. */
+/* Many errors of one person are no evidence. The same number of errors of several people is
+ * evidence. */
 static void test_people_count_and_not_searches(void **state)
 {
     (void)state;
@@ -63,7 +64,8 @@ static void test_people_count_and_not_searches(void **state)
     assert_float_equal(paired(one, one, 12).p, 1.0, 0.0);
 }
 
-/* 20 people who differ: signs are drawn; 15 against 5, exactly 2 P(X >= 15) = 0.0414. */
+/* 20 people differ, so that signs are drawn at random. 15 against 5 is exactly 2 P(X >= 15) =
+ * 0.0414. */
 static void test_drawn_signs(void **state)
 {
     (void)state;
@@ -86,8 +88,8 @@ static void test_missed(void **state)
     assert_float_equal(sim_growth_missed(10, 8, 3), 0.0, 0.0);
 }
 
-/* 20 enrolled; two strangers, one of whom scores 5 with one person; one mated search, before whose
- * mate (3) stands one other person (4). */
+/* 20 people are enrolled. One of two strangers scores 5 with one person. In the one mated search,
+ * one other person (4) is before the mate (3). */
 static void test_growth(void **state)
 {
     (void)state;
@@ -116,12 +118,13 @@ static void test_growth(void **state)
     assert_int_equal(g.n, 2);
     assert_int_equal(g.points[0].n_people, 10);
     assert_int_equal(g.points[1].n_people, PEOPLE);
-    /* With everybody, one stranger of two may pass: just above the other's best. */
+    /* With all people enrolled, one stranger of two may be accepted: the threshold is just above
+     * the other's best score. */
     assert_float_equal(g.threshold, 0.039, 1e-9);
     assert_float_equal(g.points[1].fpir, 0.5, 1e-12);
-    assert_float_equal(g.points[0].fpir, 0.25, 1e-12); /* the one is among 10 of 20 */
+    assert_float_equal(g.points[0].fpir, 0.25, 1e-12); /* this person is among 10 of 20 */
     assert_float_equal(g.points[1].fnir, 1.0, 1e-12);
-    /* Found if the other one is not among the 9 of the 19 others. */
+    /* The mate is found if the other person is not among the 9 of the 19 others. */
     assert_float_equal(g.points[0].fnir, (9.0 / 19.0), 1e-6);
     assert_true(g.points[0].fnir_at_fpir <= g.points[1].fnir_at_fpir);
 }

@@ -1,4 +1,4 @@
-/* What a score promises against what it keeps, counted by hand. */
+/* The error rate that a score promises, compared with the rate that is counted by hand. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,7 +8,7 @@
 
 #include "sim/lab/measure/promise.h"
 
-/* A score that is just reached counts as reached. */
+/* A score equal to the threshold is accepted. */
 static void counts(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Rates and their intervals, against values from the literature and by hand. */
+/* Rates and their intervals, compared with values from the literature and by hand. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -68,8 +68,8 @@ static void test_exact_interval(void **state)
     assert_near(nothing.high, 1.0, 0.0);
 }
 
-/* What the interval's ends stand for: at the low end so many events or more are 2.5% likely, at the
- * high end so many or fewer; by summing the binomial distribution. */
+/* The meaning of the interval's ends, by the sum of the binomial distribution: at the low end so
+ * many events or more have a probability of 2.5%, at the high end so many or fewer have it. */
 static void test_exact_interval_is_exact(void **state)
 {
     (void)state;
@@ -109,7 +109,7 @@ static void test_rule_of_three(void **state)
     assert_float_equal(sim_rate_smallest(3000), 1e-3, 1e-18);
     assert_float_equal(sim_rate_smallest(2), 1.0, 0.0);
     assert_float_equal(sim_rate_smallest(0), 1.0, 0.0);
-    /* What it stands for: no event in n trials is 5% likely at that rate. */
+    /* The meaning of the bound: at this rate, no event in n trials has a probability of 5%. */
     assert_float_equal(pow(1.0 - sim_rate_smallest(3000), 3000), 0.05, 0.001);
 }
 

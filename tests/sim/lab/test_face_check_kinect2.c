@@ -1,5 +1,5 @@
-/* How often the image agrees with the landmarks on real frames, where they are at hand
- * (ISOTHERM_SHARED/data/kinect2-faces): the measurement that face_check.h quotes. */
+/* How often the image agrees with the landmarks on real frames, if they are present
+ * (ISOTHERM_SHARED/data/kinect2-faces). face_check.h quotes this measurement. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -70,7 +70,7 @@ static struct iso_face_checked ask(const struct bench *bench, const struct iso_f
     return checked;
 }
 
-/* Wrong landmarks, in eight directions in turn, and the same surface evenly bright. */
+/* Wrong landmarks, in eight directions in turn, and the same surface with even brightness. */
 static void ask_wrongly(struct bench *bench, struct iso_frame *frame,
                         const struct iso_extraction *found, size_t number)
 {
@@ -92,7 +92,7 @@ static void measure(struct bench *bench, const struct sim_corpus_row *row, struc
         return;
     }
     const struct iso_face_checked checked = ask(bench, frame, found, iso_vec3(0, 0, 0));
-    /* All are living people: what is taken for an attack is a good fit too. */
+    /* All are living people. Frames that were taken for an attack also have a good fit. */
     if (found.outcome != ISO_CAPTURE_OK && !iso_capture_is_attack(found.outcome)) {
         count(&bench->unfitted, checked.seen);
         return;
@@ -192,7 +192,7 @@ static void real_faces(void **state)
     assert_int_equal(bench.corpus->n_rows, FRAMES);
     measure_corpus(&bench, directory);
     report(&bench);
-    /* A veto has to leave 99 % of the good frames alone, and to be worth it. */
+    /* A veto must accept 99 % of the good frames, and must find enough of the others. */
     assert_true(bench.all.n >= 340);
     assert_true(100 * bench.all.contradicted <= bench.all.n);
     assert_true(100 * bench.all.confirmed >= 99 * bench.all.n);

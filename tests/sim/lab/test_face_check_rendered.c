@@ -1,6 +1,6 @@
-/* What the image check says of rendered people, of busts without markings and of prints, before a
- * Kinect v2. Needs the head model's data (ISOTHERM_SHARED/data/ict-face) and a build with OpenCV.
- */
+/* The result of the image check for rendered people, for busts without markings and for prints,
+ * before a Kinect v2. The test needs the head model's data (ISOTHERM_SHARED/data/ict-face) and a
+ * build with OpenCV. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -65,8 +65,8 @@ static void shoot(struct bench *b, uint64_t seed)
     sim_infrared_measure(sensor, b->view, 1.0, &random, b->workspace, b->frame->intensity);
 }
 
-/* A person with an expression, somewhat turned; landmarks as they are, with 1.5 mm of error each
- * way. */
+/* A person with an expression, turned a little. The landmarks have an error of 1.5 mm in each
+ * direction. */
 static struct iso_face_checked visit(struct bench *b, uint32_t index, bool blank)
 {
     struct sim_person person = sim_person_draw(SIM_POPULATION_TEST, 31, index, 1.0);
@@ -112,8 +112,8 @@ static void people_are_confirmed(void **state)
     tear_down(&b);
 }
 
-/* What face_check.h says of its limits: a head of one albedo still looks like a face, by its
- * shading alone. Who makes the check see through it has to mend this and that. */
+/* face_check.h states this limit: a head of one albedo still looks like a face, by its shading
+ * alone. A better check has to change this test and that comment. */
 static void a_bust_looks_like_a_face(void **state)
 {
     struct bench b = set_up();
@@ -127,7 +127,7 @@ static void a_bust_looks_like_a_face(void **state)
     tear_down(&b);
 }
 
-/* A life-size print at 700 mm, bent about a vertical axis, held where a face would be. */
+/* A life-size print at 700 mm, bent about a vertical axis, in the place of a face. */
 static enum iso_face_seen show_print(struct bench *b, const float *albedo)
 {
     const struct iso_vec3 nose = {0.0, 10.0, 700.0};
@@ -145,7 +145,7 @@ static enum iso_face_seen show_print(struct bench *b, const float *albedo)
     sim_view_clear(b->view);
     assert_int_equal(sim_solid_draw(sheet, &placed, scratch, b->view), 0);
     shoot(b, 1);
-    for (int l = 0; l < ISO_LANDMARKS; l++) { /* their mean is what counts: just above the nose */
+    for (int l = 0; l < ISO_LANDMARKS; l++) { /* their mean counts: just above the nose */
         landmark_mm[l] = iso_vec3(0.0, 10.0, 700.0);
     }
     assert_int_equal(
@@ -155,8 +155,8 @@ static enum iso_face_seen show_print(struct bench *b, const float *albedo)
     return checked.seen;
 }
 
-/* Ink that is transparent to infrared leaves plain paper; ink that shows is a face to this check,
- * and a flat one to depth. */
+/* Ink that is transparent to infrared looks like plain paper. For this check visible ink is a face;
+ * in the depth image it is flat. */
 static void prints_are_as_good_as_their_ink(void **state)
 {
     struct bench b = set_up();

@@ -1,4 +1,4 @@
-/* The benchmark's figures on frames that were made up: every rate by hand. */
+/* The figures of the benchmark on artificial frames. Every rate is calculated by hand. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,7 +27,7 @@ static struct sim_corpus_row rows[] = {
 };
 static const struct sim_corpus corpus = {sizeof rows / sizeof *rows, rows};
 
-/* What became of each frame, in the order of the rows. Ann's and Bob's have errors. */
+/* The outcome of each frame, in the order of the rows. Ann's and Bob's frames have errors. */
 static const struct {
     int reason;
     double degrees;
@@ -38,14 +38,14 @@ static const struct {
     {ISO_CAPTURE_OK, 30.0, {11, 0, 0}, {0, 9.5, 0}},
     {ISO_CAPTURE_NOT_A_FACE, 40.0, {0, -20, 0}, {0, -20, 0}},
     {ISO_CAPTURE_TOO_FEW_POINTS, 20.0, {1, 0, 0}, {0, 0, 0}},
-    {.reason = ISO_CAPTURE_NOT_A_FACE}, /* photo: refused, then accused */
+    {.reason = ISO_CAPTURE_NOT_A_FACE}, /* photo: refused, then an attack */
     {.reason = ISO_CAPTURE_FLAT},
     {.reason = ISO_CAPTURE_OK},
     {.reason = SIM_REASON_UNREADABLE},
     {.reason = ISO_CAPTURE_NO_FACE}, /* chair */
     {.reason = ISO_CAPTURE_OK},
     {.reason = ISO_CAPTURE_FLAT}, /* cat */
-    {.reason = ISO_CAPTURE_FLAT}, /* mask: gets in at the second frame */
+    {.reason = ISO_CAPTURE_FLAT}, /* mask: accepted at the second frame */
     {.reason = ISO_CAPTURE_OK},
     {.reason = ISO_CAPTURE_FLAT},
 };
@@ -112,7 +112,7 @@ static void test_frame_errors(void **state)
     assert_true(sim_frame_fails(&frames[1], SIM_FAILURE_CENTRED_MAX));
 }
 
-/* The offset is that of people's frames alone, refused ones too. */
+/* The offset is computed from frames of people only, refused ones included. */
 static void test_offsets(void **state)
 {
     (void)state;
@@ -274,7 +274,7 @@ static void test_row_kinds(void **state)
     assert_int_equal(kind_of("p01", "bona-fide"), SIM_ROW_BONA_FIDE);
 }
 
-/* A head model that is nothing but points on one triangle each. */
+/* A head model of points only, each on a triangle. */
 static struct iso_head_model *new_points(const struct iso_vec3 mean_mm[ISO_LANDMARKS])
 {
     struct iso_head_model *model = NULL;
@@ -305,10 +305,10 @@ static void test_true_angle(void **state)
         truth.known[l] = true;
         truth.point_mm[l] = iso_rigid_apply(&camera_from_face, mean_mm[l]);
     }
-    /* Where the mouth is says nothing about the pose. */
+    /* The position of the mouth does not show the pose. */
     truth.point_mm[ISO_LM_MOUTH_L] = iso_vec3(500, 500, 500);
     assert_near(sim_true_angle(model, &truth, ""), acos(cos(0.5) * cos(0.3)), 1e-9);
-    /* Landmarks go before the manifest's word, which goes before nothing. */
+    /* Landmarks are used before the manifest's word. Without both there is no angle. */
     assert_near(sim_true_angle(model, &truth, "y+60p+00r+00"), acos(cos(0.5) * cos(0.3)), 1e-9);
     memset(truth.known, 0, sizeof truth.known);
     truth.known[ISO_LM_NASION] = truth.known[ISO_LM_MOUTH_R] = truth.known[ISO_LM_MOUTH_L] =

@@ -1,4 +1,4 @@
-/* Figures about landmarks, on errors that were made up: every figure by hand. */
+/* Figures about landmarks, on artificial errors. Every figure is calculated by hand. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -53,7 +53,7 @@ static void test_spread(void **state)
     expect_spread(&s, 0, 0.0, 0.0, 0.0, 0.0);
 }
 
-/* Ann stands in two sessions, of two frames and one; Bob in one. */
+/* Ann is in two sessions, with two frames and one frame. Bob is in one. */
 static void test_figures(void **state)
 {
     (void)state;
@@ -74,9 +74,9 @@ static void test_figures(void **state)
     expect_spread(&nose->centred_error_mm, 4, (2.0 + sqrt(17) + sqrt(26)) / 4.0, 2.0, sqrt(26),
                   sqrt(26));
     assert_near(nose->offset_mm.x, 1.0, 0.0);
-    /* Ann's mean is that of (2, 0, 0) and (0, 4, 0); Bob has one session. */
+    /* Ann's mean is the mean of (2, 0, 0) and (0, 4, 0). Bob has only one session. */
     expect_spread(&nose->repeat_mm, 3, (2.0 + sqrt(8) + sqrt(5)) / 3.0, sqrt(5), sqrt(8), sqrt(8));
-    /* Ann's two frames of one row make no pair. */
+    /* Ann's two frames of one row are no pair. */
     expect_spread(&nose->slip_mm, 2, (sqrt(17) + 5.0) / 2.0, sqrt(17), 5.0, 5.0);
 
     expect_spread(&out[ISO_LM_MOUTH_L].error_mm, 1, 2.0, 2.0, 2.0, 2.0);
@@ -92,7 +92,7 @@ static void test_offset_is_the_median(void **state)
     const struct sim_deviation d[] = {
         deviation(0, ISO_LM_ALA_R, 2, -1, 7),
         deviation(0, ISO_LM_ALA_R, 1, -2, 9),
-        deviation(0, ISO_LM_ALA_R, 500, -900, 0), /* went astray */
+        deviation(0, ISO_LM_ALA_R, 500, -900, 0), /* far from its place */
         deviation(0, ISO_LM_ALA_L, 4, 0, 0),
     };
     struct iso_vec3 offset_mm[ISO_LANDMARKS];
@@ -104,7 +104,7 @@ static void test_offset_is_the_median(void **state)
     assert_near(offset_mm[ISO_LM_NASION].x, 0.0, 0.0);
 }
 
-/* Errors are seen from the face: x to the subject's left. */
+/* Errors are in the face's own axes: x to the subject's left. */
 static void test_deviation_is_in_the_face_frame(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* The landmark benchmark on a few stored recordings and, if they are there, real ones. */
+/* The landmark benchmark on a few stored recordings and, if they are present, on real ones. */
 #include <errno.h>
 #include <jansson.h>
 #include <math.h>
@@ -63,7 +63,8 @@ static void test_figures(void **state)
     assert_int_equal(a->all.refused.events, 0);
     assert_int_equal(a->after[ISO_LANDMARKS].error_mm.n, 12 * 5);
     assert_true(a->after[ISO_LANDMARKS].error_mm.mean < 4.0);
-    assert_int_equal(a->after[ISO_LM_NASION].repeat_mm.n, 4); /* p01 has two sessions, x06 one */
+    assert_int_equal(a->after[ISO_LM_NASION].repeat_mm.n,
+                     4); /* p01 has two sessions, x06 has one */
     assert_int_equal(a->after[ISO_LM_NASION].slip_mm.n, 4);
     assert_int_equal(a->all.failures[SIM_FAILURE_MEAN].before.trials, 5);
     assert_int_equal(a->n_conditions, 3); /* one band, two expressions */
@@ -166,7 +167,7 @@ static void test_text(void **state)
     sim_study_free(study);
 }
 
-/* Hand marks of real faces: names that are ours are compared, the six others are not. */
+/* Hand marks of real faces. Marks with names of ours are compared, the six others are not. */
 static void test_real_faces(void **state)
 {
     const char *real = shared_data("data/kinect2-faces/k02");

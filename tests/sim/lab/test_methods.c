@@ -1,4 +1,4 @@
-/* Every method on faces whose shape is known: smooth hills that differ from person to person. */
+/* Every method on faces with known shape: smooth hills that differ from person to person. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -64,8 +64,9 @@ static void *learn(const struct sim_method *method, const struct lesson *lesson)
     return knowledge;
 }
 
-/* Five people nobody learned from: each is nearest to his or her own other take; by CP-HK, which
- * knows tips and proportions and little else, more of them than by chance. */
+/* Five people from whom no method learned. Each take is nearest to the other take of the same
+ * person. CP-HK knows little except tips and proportions; for it the test requires more hits than
+ * by chance. */
 static void test_methods_tell_people_apart(void **state)
 {
     enum { PEOPLE = 5 };
@@ -170,7 +171,7 @@ static void test_fusing(void **state)
     b->z_mm[DRAWN_SIDE * 30 + 40] = 14.0f;
     a->z_mm[DRAWN_SIDE * 30 + 41] = 10.0f;
     b->z_mm[DRAWN_SIDE * 30 + 41] = 14.0f;
-    b->measured[DRAWN_SIDE * 30 + 41] = 0; /* filled in: only the other counts */
+    b->measured[DRAWN_SIDE * 30 + 41] = 0; /* filled in: only the other surface counts */
     b->mark_known[0] = false;
     a->mark_known[0] = true;
     a->mark_mm[0] = iso_vec3(3.0, 5.0, 7.0);

@@ -1,5 +1,4 @@
-/* What single methods see of a surface: ICP, weighted contours, geodesics, on faces whose shape is
- * known. */
+/* The properties of single methods on faces with known shape: ICP, weighted contours, geodesics. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -26,8 +25,8 @@ static double icp_between(const struct sim_method *icp, const struct sim_scan *a
     return d;
 }
 
-/* The same person, head turned a little against the frame: what is left is the turn's own change of
- * shape, far less than another person. */
+/* The same person with the head turned a little. The remaining distance comes from the change of
+ * shape by the turn. It is far below that of another person. */
 static void test_icp_moves_faces(void **state)
 {
     (void)state;
@@ -51,7 +50,7 @@ static void test_icp_moves_faces(void **state)
     sim_scan_free(c);
 }
 
-/* What changes below the nose does not reach the upper face's ICP. */
+/* A change below the nose does not affect the ICP of the upper face. */
 static void test_icp_upper_looks_above(void **state)
 {
     (void)state;
@@ -95,8 +94,8 @@ static double weighted_between(const struct sim_scan *a, const struct sim_scan *
     return icp_between(&sim_method_hfpc_weighted, a, b);
 }
 
-/* Contours of heat on a weighted surface: skin that is as bright everywhere weighs nothing, its
- * pattern does, and without an image there is nothing to describe. */
+/* Contours of heat on a weighted surface. Skin of even brightness has no effect, but its pattern
+ * has one. Without an image there is no description. */
 static void test_skin_bends_contours(void **state)
 {
     (void)state;
@@ -124,7 +123,7 @@ static void test_skin_bends_contours(void **state)
     sim_scan_free(blind);
 }
 
-/* The control sees no image, and is what the weighted method makes of skin that has no pattern. */
+/* The control method uses no image. It equals the weighted method on skin without a pattern. */
 static void test_control_weighs_nothing(void **state)
 {
     (void)state;
@@ -154,7 +153,7 @@ static double plane(const void *context, double x, double y)
     return *(const double *)context * x;
 }
 
-/* A cylinder about the y axis: unrolled it is a plane. */
+/* A cylinder about the y axis. It unrolls to a plane. */
 static double cylinder(const void *context, double x, double y)
 {
     (void)y;
@@ -186,7 +185,7 @@ static void test_geodesics(void **state)
         double flat = hypot(1.25 * (a.x - b.x), a.y - b.y);
         double bent = hypot(r * (asin(a.x / r) - asin(b.x / r)), a.y - b.y);
         double tilted_mm = geodesic(tilted, a, b), bent_mm = geodesic(round, a, b);
-        /* 1.4 % in a plane seen straight; a tilted one stretches the steps' directions apart. */
+        /* 1.4 % in a plane seen straight. A tilted plane stretches the directions of the steps. */
         assert_true(tilted_mm > flat - 1e-6 && tilted_mm < 1.02 * flat + 0.6 * DRAWN_SPACING_MM);
         assert_true(bent_mm > 0.998 * bent && bent_mm < 1.02 * bent + 0.6 * DRAWN_SPACING_MM);
     }

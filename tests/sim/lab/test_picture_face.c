@@ -1,4 +1,4 @@
-/* Pictures of a face, on a made-up one: a bowl of a mesh, a template with round isotherms. */
+/* Pictures of an artificial face: a mesh like a bowl, and a template with round isotherms. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -57,7 +57,7 @@ static struct iso_mesh *new_mesh(void)
     return mesh;
 }
 
-/* How many pixels of a picture are of a colour, and the mean of their columns. */
+/* Counts the pixels of a colour in a picture. Returns the mean of their columns, too. */
 static int count_pixels(const struct iso_image *image, struct sim_colour colour, double *column)
 {
     const uint8_t *bytes = image->samples;
@@ -100,7 +100,8 @@ static void test_pictures(void **state)
     assert_int_equal(iso_png_read(path, NULL, &image, &fault), 0);
     assert_int_equal(image.width_px, 900);
     assert_int_equal(image.height_px, 700);
-    /* The curve of 18 mm radius, 3 px wide, is at the subject's left: the picture's right. */
+    /* The curve of 18 mm radius, 3 px wide, is on the subject's left, which is the picture's right.
+     */
     double column, px_per_mm = 700.0 / (1.12 * (SIDE - 1) * pitch_mm);
     int n = count_pixels(&image, sim_colour_landmark(ISO_LM_EYE_OUT_L), &column);
     assert_in_range((uintmax_t)n, (uintmax_t)(1.0 * 2.0 * M_PI * 18.0 * px_per_mm),

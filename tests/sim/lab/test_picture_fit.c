@@ -1,5 +1,5 @@
-/* Pictures of fits: on a made-up frame with a flat head before a wall, places and colours by hand;
- * and which frames of a study get one. */
+/* Pictures of fits, on an artificial frame with a flat head before a wall: places and colours are
+ * calculated by hand. The test also checks which frames of a study get a picture. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -78,7 +78,7 @@ static struct iso_image draw(const struct sim_fit_view *view, const char *direct
     return image;
 }
 
-/* The head spans 33..53 by 21.75..36.75 pixels of the frame: the panels show 23 pixels, from
+/* The head covers 33..53 by 21.75..36.75 pixels of the frame. The panels show 23 pixels, from
  * (31.5, 17.75) on. */
 static const double zoom = PANEL / 23.0;
 
@@ -125,7 +125,7 @@ static void test_landmarks(void **state)
             }
         }
     }
-    /* One ring, of one known landmark. */
+    /* One ring, because one landmark is known. */
     assert_true(rings > 20.0 && rings < 80.0);
     assert_near(column / rings, SECOND + panel_x(0), 1.0);
     assert_near(row / rings, panel_y(-25), 1.0);
@@ -134,7 +134,7 @@ static void test_landmarks(void **state)
 
 static void test_head(void **state)
 {
-    /* The head lies before the surface at its right and behind it at its left. */
+    /* The head is in front of the surface on its right and behind it on its left. */
     static const float residual_mm[] = {-8.0f, 8.0f, 8.0f, -8.0f};
     static const bool measured[] = {true, true, true, true};
     struct sim_fit_view view = {.frame = &frame,
@@ -171,7 +171,8 @@ static void test_no_head(void **state)
 {
     const struct sim_fit_view view = {.frame = &frame, .caption = {"title"}};
     struct iso_image image = draw(&view, *state);
-    /* All of the frame is shown: 80 pixels, 60 of them high; holes at the left. */
+    /* The picture shows the whole frame: 80 pixels wide, 60 of them high, with holes on the left.
+     */
     struct pixel hole = pixel_at(&image, SECOND + 20, 220),
                  wall = pixel_at(&image, SECOND + 90, 220);
     assert_true(hole.b > hole.r + 20);
@@ -183,7 +184,7 @@ static void test_no_head(void **state)
     assert_non_null(strstr(fault.text, "nowhere/fit.png"));
 }
 
-/* A plane that leans so that it faces the light is brightest; one that leans away is darkest. */
+/* A plane that leans towards the light is brightest. One that leans away is darkest. */
 static void test_relief(void **state)
 {
     (void)state;
@@ -196,12 +197,12 @@ static void test_relief(void **state)
             }
         }
         light[k] = sim_relief(&frame, 40, 30, 2);
-        /* A hole beside it changes nothing: the plane is the same. */
+        /* A hole beside the plane changes nothing in its brightness. */
         depth_mm[30 * WIDTH + 41] = depth_mm[29 * WIDTH + 40] = 0.0f;
         assert_near((double)sim_relief(&frame, 40, 30, 2), (double)light[k], 1e-6);
     }
     assert_true(light[0] > light[1] && light[1] > light[2]);
-    depth_mm[0] = 900.0f; /* alone: its neighbours are far off */
+    depth_mm[0] = 900.0f; /* alone: its neighbours are far away */
     depth_mm[1] = depth_mm[WIDTH] = depth_mm[WIDTH + 1] = 0.0f;
     assert_near((double)sim_relief(&frame, 0, 0, 1), (double)light[1], 1e-6);
 }

@@ -1,4 +1,4 @@
-/* Axes: the normal quantile against tables, places and ticks by hand. */
+/* Axes: the normal quantile compared with tables, places and ticks calculated by hand. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

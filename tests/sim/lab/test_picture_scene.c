@@ -1,4 +1,4 @@
-/* Pictures: what is where, what hides what, and that files come out. */
+/* Pictures: the place of each object, hidden objects, and the written files. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -19,8 +19,8 @@ enum { WIDTH = 80, HEIGHT = 60, S = SIM_CANVAS_SUPERSAMPLING };
 
 static const struct sim_colour red = {1.0f, 0.0f, 0.0f}, black = {0.0f, 0.0f, 0.0f};
 
-/* A canvas and a scene of two squares facing the viewer: 40 x 20 mm at z = 0, and in front of its
- * upper right part a 10 x 10 one at z = 30, about (10, 5). */
+/* A canvas and a scene of two squares that face the viewer: 40 x 20 mm at z = 0, and 10 x 10 mm at
+ * z = 30 about (10, 5), in front of its upper right part. */
 struct fixture {
     struct iso_mesh *mesh;
     struct sim_canvas *canvas;
@@ -48,7 +48,8 @@ static struct fixture new_fixture(double yaw_rad)
     add_square(f.mesh, 0, 0, 0, 40, 20);
     add_square(f.mesh, 10, 5, 30, 10, 10);
     assert_int_equal(sim_canvas_new(WIDTH, HEIGHT, black, black, &f.canvas), 0);
-    /* 60 mm high: one pixel a millimetre in the middle; from far away, so nearly parallel. */
+    /* 60 mm high: a pixel is a millimetre in the middle. The viewer is far away, so that the sight
+     * lines are nearly parallel. */
     const struct sim_view view = {.yaw_rad = yaw_rad, .distance_mm = 100000.0, .height_mm = HEIGHT};
     assert_int_equal(sim_scene_new(f.mesh, &view, f.canvas, &f.scene), 0);
     return f;
@@ -61,7 +62,7 @@ static void free_fixture(struct fixture f)
     iso_mesh_free(f.mesh);
 }
 
-/* The canvas's sample at a place of the face's xy plane, seen from the front. */
+/* Returns the canvas's sample at a place of the face's xy plane, seen from the front. */
 static struct sim_colour at(const struct sim_canvas *canvas, double x_mm, double y_mm)
 {
     long column = lrint((x_mm + 0.5 * WIDTH) * S), row = lrint((0.5 * HEIGHT - y_mm) * S);
@@ -119,7 +120,8 @@ static void test_dot_is_hidden_behind_a_surface(void **state)
 static void test_viewer_to_the_left_sees_further(void **state)
 {
     (void)state;
-    /* From the face's left (+x) a near point moves towards the face's right in the picture. */
+    /* Seen from the face's left (+x), a near point moves towards the face's right in the picture.
+     */
     struct fixture f = new_fixture(0.3);
     sim_scene_dot(f.scene, iso_vec3(0, 0, 30), red, 2.0);
     assert_true(is_red(at(f.canvas, -30.0 * sin(0.3), 0)));
@@ -171,7 +173,7 @@ static void test_resolving_averages(void **state)
     (void)state;
     struct sim_canvas *canvas = NULL;
     assert_int_equal(sim_canvas_new(4, 3, black, black, &canvas), 0);
-    for (int i = 0; i < S; i++) { /* a third of the pixel (2, 1) in light, not in bytes */
+    for (int i = 0; i < S; i++) { /* a third of pixel (2, 1), in linear light */
         sim_canvas_blend(canvas, 2 * S + i, 1 * S, red, 1.0f);
     }
     cairo_surface_t *surface = sim_canvas_surface(canvas);

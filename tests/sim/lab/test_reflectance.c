@@ -1,5 +1,5 @@
-/* What is left of an infrared image once lamp and shape are taken out: a pattern on a tilted plane
- * whose image is computed, not rendered. */
+/* The rest of an infrared image after the effects of lamp and shape are removed: a pattern on a
+ * tilted plane, whose image is computed and not rendered. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,7 +24,7 @@ static const struct iso_camera camera = {
     .cy_px = 110.0,
 };
 
-/* The face's z towards the camera, its y up, turned about y; 500 mm away. */
+/* The face's z points towards the camera, its y up. It is turned about y, 500 mm away. */
 static struct iso_rigid pose(void)
 {
     struct iso_mat3 front = {{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
@@ -32,7 +32,8 @@ static struct iso_rigid pose(void)
     return (struct iso_rigid){iso_mat3_mul(&turn, &front), {10.0, -6.0, 500.0}};
 }
 
-/* Of the plane z = 0 at a place of the face frame: a dark stripe on skin of one tone. */
+/* The brightness of the plane z = 0 at a place of the face frame: a dark stripe on skin of one
+ * tone. */
 static double albedo(double x_mm)
 {
     return fabs(x_mm - 12.0) < 6.0 ? 0.3 : 0.6;
@@ -49,7 +50,7 @@ static struct sim_scan *flat_face(void)
     return face;
 }
 
-/* The plane as that camera sees it, lit by a lamp beside it, `lamp` times as bright. */
+/* The plane as the camera sees it, with a lamp beside the camera, `lamp` times as bright. */
 static struct iso_frame *shoot(double lamp, bool stripe)
 {
     struct iso_frame *frame = NULL;
@@ -76,8 +77,8 @@ static double at(const struct sim_scan *face, int column, int row)
     return (double)face->reflectance[row * SIDE + column];
 }
 
-/* Seen at 29 degrees, the image of one skin changes by a third over the plane; nothing of that is
- * left, whatever the lamp. */
+/* Seen at 29 degrees, the image of even skin changes by a third over the plane. The result shows
+ * nothing of this, for any lamp. */
 static void lamp_and_slant_are_taken_out(void **state)
 {
     (void)state;
@@ -115,7 +116,7 @@ static void a_dark_stripe_is_dark(void **state)
     sim_scan_free(face);
 }
 
-/* A hand before the face, filled-in surface and the edge of the grid are not known: 1. */
+/* A hand before the face, filled-in surface, and the edge of the grid have no known value: 1. */
 static void what_is_not_seen_is_not_known(void **state)
 {
     (void)state;

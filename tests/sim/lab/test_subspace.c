@@ -1,4 +1,4 @@
-/* Principal components and discriminant analysis against what the samples were made of. */
+/* Principal components and discriminant analysis, compared with the structure of the samples. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -14,7 +14,8 @@
 
 enum { N = 60, D = 7, PEOPLE = 12 };
 
-/* Samples along (1, 1, 0, ...) with deviation 5, along e2 with 2; nothing else. */
+/* Samples with a deviation of 5 along (1, 1, 0, ...) and of 2 along e2, and none along other axes.
+ */
 static void draw_plane(float samples[N][D])
 {
     struct sim_random random = sim_random_seeded(1, 2, 3);
@@ -47,17 +48,17 @@ static void test_principal_components_are_white(void **state)
     assert_float_equal((square[0] / (N - 1)), 1.0, 1e-3);
     assert_float_equal((square[1] / (N - 1)), 1.0, 1e-3);
     assert_float_equal((product / (N - 1)), 0.0, 1e-3);
-    /* The first is the long one, equally along both of its axes. */
+    /* The first component is the long one, in equal parts along its two axes. */
     assert_true(fabsf(s->basis[0] - s->basis[1]) < 0.01f * fabsf(s->basis[0]));
     assert_true(fabsf(s->basis[2]) < 0.2f * fabsf(s->basis[0]));
     sim_subspace_free(s);
-    /* Most of the variance needs one component. */
+    /* One component is enough for most of the variance. */
     assert_int_equal(sim_subspace_principal(&samples[0][0], N, D, 0.6, D, &s), 0);
     assert_int_equal(s->n_out, 1);
     sim_subspace_free(s);
 }
 
-/* People differ along e0 by 1; every sample by 10 along e1. */
+/* People differ by 1 along e0. Samples of one person differ by 10 along e1. */
 static void test_discriminant_finds_what_tells_people_apart(void **state)
 {
     (void)state;

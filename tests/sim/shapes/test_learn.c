@@ -1,4 +1,4 @@
-/* Classifiers of other libraries, on features whose classes are known. */
+/* Classifiers of other libraries, on features with known classes. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -61,7 +61,7 @@ static void every_kind_tells_clear_classes(void **state)
     }
 }
 
-/* A class without members is not told, and nothing is ranked. */
+/* A class without members is never the answer, and nothing is ranked. */
 static void what_was_not_learnt_is_not_told(void **state)
 {
     (void)state;

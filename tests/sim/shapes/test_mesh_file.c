@@ -1,4 +1,4 @@
-/* Mesh files of every format, sound and damaged. */
+/* Mesh files of every format, valid and damaged. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -75,7 +75,7 @@ static void reads_off(void **state)
     assert_tetrahedron(&mesh);
     mesh = parsed_text(ISO_MESH_FORMAT_OFF, "OFF 4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"
                                             "3 0 1 2\n");
-    assert_int_equal(mesh.mesh->n_triangles, 3); /* the square is a fan of two */
+    assert_int_equal(mesh.mesh->n_triangles, 3); /* the square becomes a fan of two */
     assert_int_equal(mesh.mesh->triangles[1][0], 0);
     assert_int_equal(mesh.mesh->triangles[1][1], 2);
     assert_int_equal(mesh.mesh->triangles[1][2], 3);
@@ -135,7 +135,7 @@ static void reads_ply_text(void **state)
 /* Appends the bytes of a number, lowest first or last. */
 static uint8_t *put(uint8_t *at, const void *value, size_t n, int big)
 {
-    const uint8_t *bytes = value; /* of a little-endian machine, as CI's are */
+    const uint8_t *bytes = value; /* of a little-endian machine, like those of CI */
     for (size_t i = 0; i < n; i++) {
         at[i] = bytes[big ? n - 1 - i : i];
     }
@@ -175,7 +175,7 @@ static void reads_ply_binary(void **state)
         assert_near(mesh.colour[2].channel[1], 0.4, 1e-6);
         assert_near(mesh.colour[3].channel[2], 0.2, 1e-6);
         assert_tetrahedron(&mesh);
-        for (size_t cut = 1; cut < 120; cut += 7) { /* nothing is read past the end */
+        for (size_t cut = 1; cut < 120; cut += 7) { /* no byte after the end is read */
             struct iso_coloured_mesh none = {NULL, NULL};
             assert_int_equal(parse(ISO_MESH_FORMAT_PLY, bytes, size - cut, NULL, &none, NULL),
                              -EBADMSG);
@@ -211,7 +211,7 @@ static void reads_stl(void **state)
     iso_coloured_mesh_done(&mesh);
 }
 
-/* Files that no reader takes, and what it says of them. */
+/* Files that every reader refuses, and the text of the refusal. */
 static const struct {
     enum iso_mesh_format format;
     const char *text, *tri, *words;
@@ -270,8 +270,9 @@ static void refuses_damage(void **state)
 static void mends(void **state)
 {
     (void)state;
-    /* Two triangles of a square written apart, one of them twice the other way round, one
-     * collapsed, a vertex of none, and colours that differ along the seam. */
+    /* Two triangles of a square with separate vertices. One triangle is there twice, the second
+     * time in the other direction; one triangle has no area; one vertex belongs to no triangle; the
+     * colours differ along the seam. */
     struct iso_coloured_mesh mesh = parsed_text(
         ISO_MESH_FORMAT_OFF,
         "COFF\n7 4 0\n0 0 0 0 0 0\n9 9 9 0 0 0\n1 0 0 100 0 0\n1 1 0 0 0 0\n1 0 0 200 0 0\n"

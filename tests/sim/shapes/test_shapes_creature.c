@@ -1,5 +1,5 @@
-/* Flesh, polygons and creatures: closed surfaces of known size, and poses that bend without
- * stretching. */
+/* Flesh, polygons and creatures: closed surfaces of known size, and poses that bend the surface
+ * without stretching it. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -18,8 +18,8 @@
 #include "sim/shapes/make/texture.h"
 #include "tests/support/near.h"
 
-/* Closed: every edge has two triangles, which run along it in opposite directions. Returns Euler's
- * number. */
+/* Asserts that the surface is closed: every edge has two triangles, which run along it in opposite
+ * directions. Returns Euler's number. */
 static int euler_of_closed(const struct iso_mesh *mesh)
 {
     int32_t(*adjacent)[3] = calloc((size_t)mesh->n_triangles, sizeof *adjacent);
@@ -55,7 +55,7 @@ static double volume_of(const struct iso_mesh *mesh)
     return sum;
 }
 
-/* A field of 12 x 13 x 14 nodes that falls from the middle: its levels are spheres. */
+/* A field of 12 x 13 x 14 nodes that falls from the centre. Its levels are spheres. */
 static void polygonises_a_sphere(void **state)
 {
     struct sim_field_grid grid = {
@@ -82,7 +82,7 @@ static void polygonises_a_sphere(void **state)
     free(grid.value);
 }
 
-/* Whatever the field is, the surface is closed. */
+/* The surface is closed for any field. */
 static void polygonises_noise(void **state)
 {
     struct sim_field_grid grid = {.nx = 9, .ny = 8, .nz = 7, .pitch_mm = 2.0};

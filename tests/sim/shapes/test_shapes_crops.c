@@ -47,7 +47,7 @@ static void cut(const char *directory, size_t n_rows, int32_t expected)
     assert_int_equal(n_empty, 0);
 }
 
-/* A piece of 200 mm at most (where it is seen slanted, of a little more). */
+/* A piece of at most 200 mm (a little more where the surface is slanted). */
 static void check_crop(const char *path)
 {
     struct iso_coloured_mesh crop;
@@ -85,7 +85,7 @@ static void crops_are_a_corpus_of_shapes(void **state)
         check_crop(scratch_path(crops, manifest->rows[i].file));
     }
     sim_shape_manifest_free(manifest);
-    cut(*state, 2, 2); /* the first and the second, being 0 and 3/2 */
+    cut(*state, 2, 2); /* the first and the second, at 0 and 3/2 */
 }
 
 static void what_is_missing_is_said(void **state)

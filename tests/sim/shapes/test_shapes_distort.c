@@ -1,4 +1,4 @@
-/* Distortions are as strong as they say, and the filter takes noise away. */
+/* Distortions have their stated strength, and the filter removes noise. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -16,7 +16,7 @@
 
 enum { RINGS = 40, SECTORS = 60 };
 
-/* An ellipsoid of half axes 50, 30, 20 mm with its middle far from the origin. */
+/* An ellipsoid with half axes of 50, 30, 20 mm, whose centre is far from the origin. */
 static struct iso_coloured_mesh ellipsoid(void)
 {
     struct iso_mesh *mesh = NULL;
@@ -48,7 +48,8 @@ static struct iso_coloured_mesh ellipsoid(void)
     return (struct iso_coloured_mesh){.mesh = mesh};
 }
 
-/* Sums over all coordinates: variance about the mean, and of the difference to another mesh. */
+/* Sums over all coordinates: the variance about the mean, and that of the difference to another
+ * mesh. */
 static double variance(const struct iso_mesh *mesh, const struct iso_mesh *other)
 {
     struct iso_vec3 mean = {0, 0, 0};

@@ -151,8 +151,7 @@ static void refuses_bad_requests(void **state)
     assert_int_equal(n, 77);
 }
 
-/* Corpora in TOSCA's files, and what is common in them: a hole, a fin on an edge, a second piece.
- */
+/* Corpora in TOSCA's files, with common defects: a hole, a fin on an edge, a second piece. */
 static void retrieves_from_tosca_files(void **state)
 {
     const char *corpus = scratch_path(*state, "tosca"), *out = scratch_path(*state, "out");
@@ -241,7 +240,7 @@ static void what_cannot_be_studied_is_named(void **state)
     struct iso_fault fault = {.text = ""};
     char *printed = NULL;
     generate(corpus, "plain", NULL, 3, 2);
-    options.method = "w-hks2"; /* wants colours */
+    options.method = "w-hks2"; /* this method needs colours */
     assert_int_equal(run_study(&options, &printed, &fault), -ENODATA);
     assert_non_null(strstr(fault.text, ".off: too small, or without colours"));
     free(printed);

@@ -1,5 +1,5 @@
-/* The cohort that ships fits the extractor, and is what training makes. The first needs no data;
- * the others need ISOTHERM_SHARED/data/ict-face. */
+/* The shipped cohort fits the extractor, and equals the result of the training. The first test
+ * needs no data; the others need ISOTHERM_SHARED/data/ict-face. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,7 +18,7 @@
 #include "tests/support/scratch.h"
 #include "tests/support/shared_data.h"
 
-/* What registrations work in. */
+/* The working memory of registrations. */
 static struct iso_icp_workspace registration;
 
 #define DATA    ISOTHERM_SOURCE_DIR "/core/data"
@@ -28,7 +28,7 @@ enum { PEOPLE = 8, AT_FIRST_TEMPLATE = 20 /* of the file: see core/match/cohort.
 
 struct fixture {
     struct iso_head_model *model;
-    struct sim_ict *ict; /* NULL: not at hand */
+    struct sim_ict *ict; /* NULL: the data is missing */
     struct sim_train_cohort_options options;
 };
 
@@ -45,7 +45,7 @@ static int setup(void **state)
     if (scratch_exists(path) && sim_ict_load(path, &f->ict, &fault) != 0) {
         return -1;
     }
-    /* As the shipped file was made (sim/train/train.sh), but fewer people. */
+    /* Options as for the shipped file (sim/train/train.sh), but with fewer people. */
     f->options = (struct sim_train_cohort_options){
         .ict = f->ict,
         .model = f->model,
@@ -93,7 +93,7 @@ static struct iso_template *train(const struct fixture *f)
     return templates;
 }
 
-/* Not byte for byte: the heat solver's last digits depend on the machine's BLAS. */
+/* The bytes may differ: the last digits of the heat solver depend on the machine's BLAS. */
 static void training_makes_the_shipped_templates(void **state)
 {
     struct fixture *f = *state;
@@ -162,7 +162,7 @@ static void refuses_options_out_of_range(void **state)
     assert_null(templates);
 }
 
-/* Nobody is accepted who may only stand where nobody stands. */
+/* The extraction accepts only faces at 9 m, where nobody stands. So nobody is accepted. */
 static void says_when_hardly_anyone_is_accepted(void **state)
 {
     struct fixture *f = *state;

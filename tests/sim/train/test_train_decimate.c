@@ -1,4 +1,4 @@
-/* Decimation on shapes whose answer is known: a plate, a ball, a ridge. */
+/* Decimation of shapes with a known result: a plate, a ball, a ridge. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -15,7 +15,7 @@
 
 enum { COLUMNS = 23, ROWS = 15, VERTICES_MAX = 4096, TRIANGLES_MAX = 8192 };
 
-static long allocations_left = -1; /* until one fails; negative: none does */
+static long allocations_left = -1; /* until one fails; negative: none fails */
 
 void *__real_calloc(size_t n, size_t size);
 void *__wrap_calloc(size_t n, size_t size);
@@ -136,7 +136,7 @@ static void a_plate_stays_the_same_plate(void **state)
     double area = 0.0;
     for (uint32_t t = 0; t < m->n_triangles; t++) {
         struct iso_vec3 a = area_vector(m, t);
-        assert_true(a.z > 0.0); /* none flipped */
+        assert_true(a.z > 0.0); /* no triangle was turned over */
         area += a.z;
     }
     assert_true(fabs(area - 44.0 * 42.0) < 1e-9); /* the outline has not moved */
@@ -146,7 +146,7 @@ static void a_plate_stays_the_same_plate(void **state)
 static void the_fan_stays_a_surface(void **state)
 {
     (void)state;
-    /* A closed surface of genus 0: V - E + F = 2 with 3 F = 2 E, at every size. */
+    /* For a closed surface of genus 0, V - E + F = 2 with 3 F = 2 E, at every size. */
     for (uint32_t target = 700; target > 20; target /= 2) {
         struct mesh *m = ball(4);
         assert_int_equal(m->n_vertices, 1026);
@@ -169,7 +169,8 @@ static void a_ball_stays_round(void **state)
         const uint32_t *v = m->triangles[t];
         struct iso_vec3 a = area_vector(m, t);
         volume += iso_dot(a, m->p[v[0]]) / 3.0;
-        /* Outward, and no further inside than a cap of a triangle of even size would be. */
+        /* The triangles face outward. They are no further inside than the cap of a triangle of
+         * average size. */
         struct iso_vec3 centre = iso_scale(1.0 / 3.0,
                                            iso_add(m->p[v[0]], iso_add(m->p[v[1]], m->p[v[2]])));
         assert_true(iso_dot(a, centre) > 0.0);
@@ -189,7 +190,7 @@ static void what_is_to_be_kept_is_kept(void **state)
         keep[wanted[i]] = 1;
     }
     struct sim_decimate_options options = {.n_target = 0, .keep = keep};
-    decimate(m, &options); /* as far as it goes */
+    decimate(m, &options); /* as far as possible */
     assert_true(mark_used(m, used) < 30);
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         assert_true(used[wanted[i]]);
@@ -217,7 +218,7 @@ static void importance_draws_vertices(void **state)
     free(m);
 }
 
-/* The plate folded along a column: the fold has to survive while the flats go. */
+/* The plate is folded along a column. The fold must remain while the flat parts are decimated. */
 static void a_ridge_survives(void **state)
 {
     (void)state;
@@ -229,7 +230,7 @@ static void a_ridge_survives(void **state)
     struct sim_decimate_options options = {.n_target = 20};
     decimate(m, &options);
     for (uint32_t t = 0; t < m->n_triangles; t++) {
-        /* No triangle bridges the fold: all its corners are on one side or on it. */
+        /* No triangle crosses the fold: all its corners are on one side or on the fold. */
         double low = 0.0, high = 0.0;
         for (int k = 0; k < 3; k++) {
             double x = m->p[m->triangles[t][k]].x - 2.0 * fold;

@@ -1,5 +1,5 @@
-/* The head model that ships is what training makes, and is what it should be. Needs
- * ISOTHERM_SHARED/data/ict-face; the checks of the shipped file alone do not. */
+/* The shipped head model equals the result of the training, and has the required properties. The
+ * tests need ISOTHERM_SHARED/data/ict-face, except the checks of the shipped file alone. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -24,7 +24,7 @@
 
 struct fixture {
     struct iso_head_model *shipped;
-    struct sim_ict *ict; /* NULL: not at hand */
+    struct sim_ict *ict; /* NULL: the data is missing */
 };
 
 static int setup(void **state)
@@ -75,7 +75,7 @@ static void training_makes_the_shipped_bytes(void **state)
     assert_true(report.identity_explained > 0.985 && report.identity_explained < 1.0);
     assert_true(report.expression_explained > 0.99 && report.expression_explained < 1.0);
     assert_true(report.unseen_rms_mm < 0.6 && report.identity_rms_mm > 4.0);
-    /* What the modes leave of unseen people is what they leave of the variance. */
+    /* The modes leave the same part of unseen people as of the variance. */
     double left = report.identity_rms_mm * sqrt(1.0 - report.identity_explained);
     assert_true(fabs(report.unseen_rms_mm - left) < 0.05);
     iso_head_model_free(model);
@@ -128,7 +128,7 @@ static void says_what_it_cannot_train(void **state)
 
 enum { SIDE_PX = 241 };
 
-/* The mean seen from the front, a pixel a millimetre, the nose tip in the middle. */
+/* The mean head seen from the front, with a pixel per millimetre and the nose tip in the centre. */
 static void render_mean(const struct iso_head_model *model, float *depth_mm)
 {
     struct iso_raster raster = {
@@ -159,7 +159,7 @@ static float at(const float *depth_mm, int x_mm, int y_mm)
     return depth_mm[(SIDE_PX / 2 - y_mm) * SIDE_PX + SIDE_PX / 2 + x_mm];
 }
 
-/* Marks what is connected to an empty pixel without crossing the surface. */
+/* Marks the pixels that are connected to an empty pixel without crossing the surface. */
 static void flood(const float *depth_mm, uint8_t *outside, int start)
 {
     static int stack[SIDE_PX * SIDE_PX];
@@ -180,7 +180,7 @@ static void flood(const float *depth_mm, uint8_t *outside, int start)
     }
 }
 
-/* Every empty pixel is connected to the outside: eyes and mouth are closed. */
+/* Every empty pixel is connected to the outside, so that eyes and mouth are closed. */
 static void the_mean_face_has_no_holes(void **state)
 {
     struct fixture *f = *state;
@@ -194,13 +194,13 @@ static void the_mean_face_has_no_holes(void **state)
                      SIDE_PX / 2 - i / SIDE_PX);
         }
     }
-    for (int y = -60; y <= 90; y += 10) { /* the face is there at all, brow to jaw */
+    for (int y = -60; y <= 90; y += 10) { /* the face has a surface from brow to jaw */
         for (int x = -50; x <= 50; x += 10) {
             assert_true(at(depth_mm, x, y) > 0.0f);
         }
     }
-    /* The face is convex enough for the nose to be in front, and eyes lie a little behind the
-     * nasion rather than at the back of their sockets. */
+    /* The face is so convex that the nose is in front. The eyes are a little behind the nasion, and
+     * not at the back of their sockets. */
     float nose = at(depth_mm, 0, 0), eye = at(depth_mm, 32, 31), cheek = at(depth_mm, 40, 0);
     assert_true(nose < 302.0f && cheek > nose + 20.0f);
     assert_true(eye > nose + 25.0f && eye < nose + 42.0f);
@@ -270,16 +270,16 @@ static void regions_are_where_they_should_be(void **state)
     const uint8_t rigid = ISO_HEAD_FACE | ISO_HEAD_RIGID;
     assert_true(in_region(m, p[27], rigid)); /* nasion */
     assert_true(in_region(m, p[30], rigid)); /* nose tip */
-    for (int i = 48; i < 60; i++) {          /* the lips move; their insides are not seen */
+    for (int i = 48; i < 60; i++) {          /* the lips move; their inner sides are hidden */
         assert_true(in_region(m, p[i], ISO_HEAD_FACE) && !in_region(m, p[i], rigid));
     }
-    static const int lids[] = {37, 38, 40, 41, 43, 44, 46, 47}; /* do too */
+    static const int lids[] = {37, 38, 40, 41, 43, 44, 46, 47}; /* the eyelids move, too */
     int seen = 0;
     for (size_t k = 0; k < sizeof lids / sizeof *lids; k++) {
         assert_true(!in_region(m, p[lids[k]], rigid));
         seen += in_region(m, p[lids[k]], ISO_HEAD_FACE);
     }
-    assert_true(seen >= 6); /* the others are under their folds */
+    assert_true(seen >= 6); /* their folds hide the others */
     assert_true(in_region(m, p[8], ISO_HEAD_FACE) && !in_region(m, p[8], rigid)); /* chin */
     uint32_t n_face = 0, n_rigid = 0;
     for (uint32_t i = 0; i < m->n_vertices; i++) {

@@ -1,4 +1,4 @@
-/* Learning of the metric, on samples whose covariances are known, and the metric that ships. */
+/* Learning of the metric on samples with known covariances, and the shipped metric. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -34,8 +34,8 @@ static struct iso_metric *new_metric(int dimensions)
     return m;
 }
 
-/* Values 0, 1 and 2 differ between people by 6, 3 and 1 and within them by 1, 3 and 0.5; the rest
- * is noise of 0.05. */
+/* The values 0, 1 and 2 differ between people by 6, 3 and 1, and within a person by 1, 3 and 0.5.
+ * The other values are noise of 0.05. */
 static void draw(float *residual_mm, size_t *person, size_t width)
 {
     static const double across[] = {6.0, 3.0, 1.0}, within[] = {1.0, 3.0, 0.5};
@@ -69,12 +69,12 @@ static void it_finds_what_tells_people_apart(void **state)
     double explained = 0.0;
     assert_int_equal(sim_metric_learn(&samples, m, &explained), 0);
     assert_true(explained > 0.995 && explained <= 1.0);
-    /* Ratios of variances: 36, 4 and 1; 10 % is three standard errors of 400 people. */
+    /* The ratios of variances are 36, 4 and 1. 10 % is three standard errors of 400 people. */
     static const double expected[] = {36.0, 4.0, 1.0};
     for (int d = 0; d < DIMENSIONS; d++) {
         assert_true(fabs((double)m->between[d] / expected[d] - 1.0) < 0.25);
     }
-    /* Within a person every dimension has the variance 1; over all, the mean 0. */
+    /* Within a person every dimension has the variance 1. Over all people the mean is 0. */
     for (size_t d = 0; d < DIMENSIONS; d++) {
         double all = 0.0, inside = 0.0;
         for (size_t p = 0; p < PEOPLE; p++) {
@@ -110,7 +110,7 @@ static void too_few_people_teach_nothing(void **state)
     iso_metric_free(m);
 }
 
-/* Ratios whose tail falls off by a decade every 4, from 1e-1 at -3. */
+/* Ratios whose tail falls by a decade every 4, from 1e-1 at -3 on. */
 static void a_score_says_how_rare_it_is_among_strangers(void **state)
 {
     (void)state;
@@ -133,8 +133,8 @@ static void a_score_says_how_rare_it_is_among_strangers(void **state)
     free(ratio);
 }
 
-/* Scores that fall off by a decade every 1 and fits by a decade every 0.2, independent: the fit
- * counts five times the score, and the fused score says how rare it is. */
+/* The scores fall by a decade every 1 and the fits by a decade every 0.2, independently. The fit
+ * counts five times as much as the score, and the fused score tells how rare it is. */
 static void a_fused_score_says_how_rare_it_is_among_strangers(void **state)
 {
     (void)state;
@@ -170,8 +170,8 @@ static void a_fused_score_says_how_rare_it_is_among_strangers(void **state)
     free(fit);
 }
 
-/* Nobody that the shipped metric was learned from may be in a test: people of the population
- * `train` only, and of none that a committed corpus names. */
+/* No person from whom the shipped metric was learned may be in a test. It was learned only from
+ * people of the population `train`, and from nobody whom a committed corpus names. */
 static void the_shipped_metric_knows_nobody_who_is_tested(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Eigenvalues, rigid motion and principal components against closed forms. */
+/* Eigenvalues, rigid motion and principal components, compared with closed forms. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -12,7 +12,7 @@
 
 #include "sim/train/principal.h"
 
-static long allocations_left = -1; /* until one fails; negative: none does */
+static long allocations_left = -1; /* until one fails; negative: none fails */
 
 void *__real_calloc(size_t n, size_t size);
 void *__wrap_calloc(size_t n, size_t size);
@@ -30,7 +30,7 @@ static void assert_near(double value, double expected, double tolerance)
     }
 }
 
-/* The second difference matrix: its eigenvalues are 4 sin^2(k pi / (2 (n + 1))). */
+/* The matrix of second differences. Its eigenvalues are 4 sin^2(k pi / (2 (n + 1))). */
 static void finds_the_modes_of_a_string(void **state)
 {
     enum { N = 17 };
@@ -45,7 +45,7 @@ static void finds_the_modes_of_a_string(void **state)
     sim_symmetric_eigen(a, N, value, vector);
     for (int k = 0; k < N; k++) {
         double s = sin((N - k) * M_PI / (2.0 * (N + 1)));
-        assert_near(value[k], 4.0 * s * s, 1e-12); /* falling */
+        assert_near(value[k], 4.0 * s * s, 1e-12); /* sorted from large to small */
         double squared = 0.0, sign = vector[k * N] < 0.0 ? -1.0 : 1.0;
         for (int i = 0; i < N; i++) {
             squared += vector[k * N + i] * vector[k * N + i];
@@ -84,7 +84,7 @@ static void takes_out_rigid_motion(void **state)
         memcpy(field[0][i], rigid, sizeof rigid);
         memcpy(field[1][i], rigid, sizeof rigid);
     }
-    field[1][6][1] += 4.0f; /* where the weight is 0: stays, and does not disturb the fit */
+    field[1][6][1] += 4.0f; /* weight 0: it stays, and does not disturb the fit */
     assert_int_equal(sim_remove_rigid(mean, POINTS, weight, 2, &field[0][0][0]), 0);
     for (int i = 0; i < POINTS; i++) {
         for (int k = 0; k < 3; k++) {
@@ -120,7 +120,8 @@ static void points_in_line_fix_no_pose(void **state)
     assert_int_equal(sim_remove_rigid(line, 4, weight, 1, &field[0][0]), -EDOM);
 }
 
-/* Fields that are orthogonal under the weights keep their shape, in order of weighted variance. */
+/* Fields that are orthogonal under the weights keep their shape. They are sorted by weighted
+ * variance. */
 static void orders_orthogonal_fields(void **state)
 {
     float fields[3][2][3] = {{{1, 0, 0}, {0, 0, 0}},   /* variance 1 * 1 */
@@ -136,12 +137,12 @@ static void orders_orthogonal_fields(void **state)
     assert_near(variance[1], 4.0, 1e-9);
     assert_near(variance[2], 1.0, 1e-9);
     assert_near((double)out[0][1][1], 2.0, 1e-6);
-    assert_near((double)out[1][0][2], 2.0, 1e-6); /* the largest value is made positive */
+    assert_near((double)out[1][0][2], 2.0, 1e-6); /* the sign makes the largest value positive */
     assert_near((double)out[0][0][0], 0.0, 1e-6);
     assert_near((double)out[1][0][0], 0.0, 1e-6);
 }
 
-/* With all components kept, sum of outer products = fields * moment * fields'. */
+/* If all components are kept, the sum of outer products equals fields * moment * fields'. */
 static void keeps_the_covariance(void **state)
 {
     enum { FIELDS = 4, VALUES = 3 * POINTS };

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* By the divergence theorem. */
+/* Uses the divergence theorem. */
 double solid_volume(const struct sim_solid *solid)
 {
     double sum = 0.0;

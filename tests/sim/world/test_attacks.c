@@ -1,4 +1,4 @@
-/* The preset `attacks`: every kind is there, says what it is, and has the shape it should. */
+/* The preset `attacks` has every kind of attack, with the right name and the right shape. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -26,7 +26,7 @@ static const struct {
     {"mask-large", 1}, {"print-eyes-cut", 1}, {"mask-still", FRAMES}, {"frozen", FRAMES},
 };
 
-/* One corpus for all tests that only look at it. */
+/* One corpus for all tests that only read it. */
 static struct sim_corpus *shared_corpus;
 static char shared_directory[256];
 
@@ -95,8 +95,8 @@ static void rows_are_as_documented(void **state)
     assert_int_equal(visits, PER_KIND);
 }
 
-/* Scenes depend on their number alone, so that a corpus with one of each is a part of a larger one.
- */
+/* A scene depends only on its number. So a corpus with one scene of each kind is a part of a larger
+ * one. */
 static void the_same_options_make_the_same_bytes(void **state)
 {
     const struct sim_corpus *c = corpus(state);
@@ -128,7 +128,7 @@ static void the_same_options_make_the_same_bytes(void **state)
 
 /* ---- motion ----------------------------------------------------------------- */
 
-/* The share of measured pixels that differ by more than `limit_mm` between two frames. */
+/* Returns the share of measured pixels that differ by more than `limit_mm` between two frames. */
 static double changed(const struct iso_frame *a, const struct iso_frame *b, double limit_mm)
 {
     size_t n = (size_t)a->width_px * (size_t)a->height_px, both = 0, differ = 0;
@@ -172,7 +172,7 @@ static void a_frozen_frame_does_not_change_by_a_bit(void **state)
     }
 }
 
-/* A mask on a stand: the noise changes everywhere, but never by more than noise away from edges. */
+/* A mask on a stand. Away from edges, a depth changes by no more than the noise. */
 static void a_still_mask_changes_by_noise_alone(void **state)
 {
     (void)corpus(state);
@@ -213,8 +213,8 @@ static void people_sway(void **state)
 
 /* ---- shape ------------------------------------------------------------------ */
 
-/* z = k0 + k1 x + k2 y + k3 x^2 + k4 xy + k5 y^2, by least squares over a square about the middle
- * of the image, in mm from there; the last three only if `curved`. */
+/* Fits z = k0 + k1 x + k2 y + k3 x^2 + k4 xy + k5 y^2 by least squares over a square about the
+ * centre of the image, in mm from there. The last three terms are used only if `curved`. */
 struct surface {
     double k[6], middle_z_mm, rms_mm;
     int n;
@@ -257,7 +257,8 @@ static struct surface fit_middle(const struct iso_frame *frame, int half_px, boo
     return s;
 }
 
-/* The principal curvature of larger size, with its sign (> 0: sides away), 1/mm, at the middle. */
+/* Returns the principal curvature of larger size with its sign (> 0: the sides are behind), in
+ * 1/mm, at the centre. */
 static double curvature(const struct surface *s)
 {
     double p = s->k[1], q = s->k[2], w = sqrt(1.0 + p * p + q * q);
@@ -269,8 +270,8 @@ static double curvature(const struct surface *s)
     return mean >= 0.0 ? mean + root : mean - root;
 }
 
-/* A flat print is a plane but for the sensor: 0.8 mm of noise and 1.4 mm steps at 0.7 m, and 0.6 mm
- * of waves. The middle of the image is on the sheet wherever it is held. */
+/* A flat print is a plane except for errors of the sensor: 0.8 mm of noise and 1.4 mm steps at 0.7
+ * m, and 0.6 mm of waves. Wherever the sheet is held, the centre of the image is on it. */
 static void flat_is_flat(void **state)
 {
     (void)corpus(state);
@@ -288,7 +289,7 @@ static void flat_is_flat(void **state)
     assert_true(worst < 1.6);
 }
 
-/* The radius that the manifest names is the one that is measured; a fine sensor without noise. */
+/* The measured radius equals the radius in the manifest. The sensor is fine and has no noise. */
 static void bent_has_its_radius(void **state)
 {
     char directory[256];
@@ -311,7 +312,7 @@ static void bent_has_its_radius(void **state)
         struct surface s = fit_middle(frame, 26, true);
         print_message("%-20s measured %+.0f mm, rms %.2f\n", c->rows[i].expression,
                       1.0 / curvature(&s), s.rms_mm);
-        if (s.rms_mm < 0.25) { /* else a thumb is in the way */
+        if (s.rms_mm < 0.25) { /* otherwise a thumb is in the way */
             assert_true(fabs(curvature(&s) - sign / radius) < 0.0016 + 0.1 / radius);
             compared++;
         }
@@ -321,8 +322,8 @@ static void bent_has_its_radius(void **state)
     sim_corpus_free(c);
 }
 
-/* How wide what stands before the wall is in the row of the image where it is widest above the
- * middle of the face, in mm. */
+/* Returns the width of the object before the wall in mm, in its widest row above the face centre.
+ */
 static double breadth_mm(const struct iso_frame *frame)
 {
     double widest = 0.0;
@@ -340,8 +341,8 @@ static double breadth_mm(const struct iso_frame *frame)
     return widest;
 }
 
-/* Heads and faces are 110 to 190 mm broad; prints of another scale are that much broader or
- * narrower. */
+/* Heads and faces are 110 to 190 mm wide. Prints of another scale are wider or narrower by that
+ * scale. */
 static void masks_have_the_wrong_size(void **state)
 {
     const struct sim_corpus *c = corpus(state);

@@ -1,4 +1,5 @@
-/* What people wear, hold and hold with: printed faces, masks and hands, against their measures. */
+/* Objects that people wear or hold, and their hands: printed faces, masks and hands, compared with
+ * their measures. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -75,7 +76,8 @@ static void a_print_has_its_scale(void **state)
     free_head(&head);
 }
 
-/* The depth seen at a point of the face frame by an orthographic camera before the face. */
+/* Returns the depth at a point of the face frame, as an orthographic camera before the face sees
+ * it. */
 static double seen_at(struct sim_view *view, struct iso_vec3 p)
 {
     double u, v;
@@ -168,7 +170,7 @@ static struct solid_extent extent_of_group(const struct sim_group *group,
     return e;
 }
 
-/* From the wrist to the tip of the middle finger 189 mm (DIN 33402-2), here +-14 %. */
+/* From the wrist to the tip of the middle finger it is 189 mm (DIN 33402-2), here +-14 %. */
 static void hands_have_the_size_of_hands(void **state)
 {
     (void)state;
@@ -189,7 +191,7 @@ static void hands_have_the_size_of_hands(void **state)
     }
 }
 
-/* Nothing of the fingers comes before what is held but the thumb, which is 12 mm thick. */
+/* No finger except the thumb is in front of the held object. The thumb is 12 mm thick. */
 static void a_grip_leaves_room_for_what_it_holds(void **state)
 {
     (void)state;

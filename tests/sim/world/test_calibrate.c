@@ -1,5 +1,5 @@
-/* The calibration of the simulated rig from rendered pictures of a board, judged by the depths that
- * would come of it. */
+/* The calibration of the simulated rig from rendered pictures of a board. The test judges it by the
+ * depths that would follow from it. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -18,8 +18,8 @@
 
 static const struct iso_board board = {9, 6, 20.0};
 
-/* Where a rectified camera pair that believes `c` places a point that the real one sees: the
- * disparity it measures, turned into a depth; and the rows' disagreement. */
+/* The place at which a rectified camera pair with the calibration `c` sees a point that the real
+ * pair sees: the measured disparity as a depth, and the disagreement of the rows. */
 static double believed_depth(const struct iso_stereo_calibration *real,
                              const struct iso_stereo_calibration *c, struct iso_vec3 left_mm,
                              double *row_error_px, struct iso_vec3 *point_mm)
@@ -42,10 +42,10 @@ static double believed_depth(const struct iso_stereo_calibration *real,
 
 struct verdict {
     double depth_rms_mm, row_rms_px;
-    double curved_mm; /* depth_rms_mm with its mean taken away */
+    double curved_mm; /* depth_rms_mm without its mean */
 };
 
-/* Over the middle of the picture, where faces are, at a distance. */
+/* Over the middle of the picture, where faces are, at one distance. */
 static struct verdict judge(const struct iso_stereo_calibration *real,
                             const struct iso_stereo_calibration *c, double z_mm)
 {

@@ -1,4 +1,4 @@
-/* Generated corpora: readable, repeatable, and true to their own ground truth. */
+/* Generated corpora can be read and repeated, and agree with their own ground truth. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -64,7 +64,7 @@ static void the_same_options_make_the_same_bytes(void **state)
     assert_false(generated_same(first, other, "p0000-s1/landmarks.csv"));
 }
 
-/* How far the depth at a landmark's own pixel lies from the landmark. */
+/* Returns the distance between a landmark and the depth at its own pixel. */
 static double depth_error(const struct iso_frame *frame, struct iso_vec3 landmark_mm)
 {
     double u, v;
@@ -168,7 +168,7 @@ static void recordings_are_not_overwritten(void **state)
     assert_non_null(strstr(fault.text, "p0000-s0"));
 }
 
-/* With --ir the depths are the same to the bit, and every frame has an image that shows the person.
+/* With --ir the depths do not change by a bit, and every frame has an image that shows the person.
  */
 static void infrared_leaves_the_depths(void **state)
 {

@@ -1,4 +1,4 @@
-/* Presets of generated corpora: visits stand, turn and look alike as their preset says. */
+/* Presets of generated corpora: people in the visits stand, turn and look as the preset says. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +17,7 @@
 #include "tests/sim/world/generated.h"
 #include "tests/support/scratch.h"
 
-/* The marks of the first frame of a recording; free with free(). */
+/* Returns the marks of the first frame of a recording. Free them with free(). */
 static struct iso_recording_landmark *marks_of(const char *directory, const char *name,
                                                size_t n_wanted)
 {
@@ -39,7 +39,7 @@ static struct sim_generate_options one_frame(const char *preset, const char *dir
     return options;
 }
 
-/* Enrolment where the sensor is used, visits from afar; and every marked point written. */
+/* People enrol at the place of use, and come to visits from afar. Every marked point is written. */
 static void far_visits_are_far(void **state)
 {
     struct sim_generate_options options = one_frame("far", scratch_path(*state, "far"));
@@ -62,7 +62,7 @@ static void far_visits_are_far(void **state)
     }
 }
 
-/* Whatever the preset has. */
+/* These options apply to every preset. */
 static void visits_stand_where_they_are_told_to(void **state)
 {
     struct sim_generate_options options = one_frame("mild", scratch_path(*state, "placed"));
@@ -77,7 +77,7 @@ static void visits_stand_where_they_are_told_to(void **state)
     free(rows);
 }
 
-/* How far the corners of the eyes are from each other. */
+/* Returns the distance between the corners of the eyes. */
 static double eye_distance(const char *directory, const char *name)
 {
     struct iso_recording_landmark *rows = marks_of(directory, name, ISO_LANDMARKS);
@@ -132,8 +132,8 @@ static void turned_visits_stay_on_the_disc(void **state)
     sim_corpus_free(corpus);
 }
 
-/* Sessions of the preset `landmarks`: on the disc of yaw and pitch, in both bands of pose, with
- * strong expressions. */
+/* Sessions of the preset `landmarks` are on the disc of yaw and pitch, in both bands of pose, and
+ * have strong expressions. */
 static void landmark_sessions_cover_the_disc(void **state)
 {
     struct sim_generate_options options = generated_small(scratch_path(*state, "disc"));

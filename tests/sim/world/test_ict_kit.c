@@ -1,5 +1,5 @@
-/* ICT-FaceKit's own files become the head model that `generate` reads: on a tiny kit written here,
- * and on files of the real one where they are. */
+/* ICT-FaceKit's own files become the head model that `generate` reads. The tests use a tiny kit
+ * that they write, and files of the real kit if they are present. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,7 +43,7 @@ static void every_half_survives(void **state)
 
 /* ---- a tiny kit ---- */
 
-/* Eight vertices, of which 4 and 5 are not kept. */
+/* Eight vertices. Vertices 4 and 5 are not kept. */
 static const struct sim_ict_layout tiny = {
     .n_vertices = 8,
     .n_identity = 2,
@@ -54,11 +54,11 @@ static const struct sim_ict_layout tiny = {
 static const char indices[] = "{\"expressions\": [\"smile\", \"frown\"],\n"
                               " \"idx_to_landmark_verts\": [7, 0, 3]}\n";
 
-static const char faces[] = "f 1/1 2/2 3/3 4/4\n"   /* a quadrilateral: two triangles */
+static const char faces[] = "f 1/1 2/2 3/3 4/4\n"   /* a quadrilateral becomes two triangles */
                             "f 3/1/1 4/2/2 5/3/3\n" /* has a corner that is not kept */
                             "f 8 7 1\n";
 
-/* Vertex v is at (v, 2 v, 0), moved by `shift` along z. */
+/* Vertex v is at (v, 2 v, 0), and `shift` moves it along z. */
 static void write_obj(const char *kit, const char *name, double shift, const char *end)
 {
     char text[1024] = "# a comment\nmtllib none\n", file[64];
@@ -156,14 +156,14 @@ static void a_kit_becomes_a_head_model(void **state)
     free(triangles);
     expect_text(kit, "out/expression_names.txt", "frown\nsmile\n");
     expect_text(kit, "out/landmarks68.txt", "5\n0\n3\n");
-    /* The folder with the files may be named itself; and an output may be there already. */
+    /* The path may name the folder with the files itself, and an output may exist already. */
     assert_int_equal(sim_ict_import(scratch_path(kit, "FaceXModel"), &tiny,
                                     scratch_path(kit, "out"), &report, &fault),
                      0);
     expect_numbers(kit);
 }
 
-/* Imports, and expects a fault with both texts. */
+/* Asserts that the import fails with a fault that has both texts. */
 static void expect_fault(const char *kit, int error, const char *file, const char *what)
 {
     struct sim_ict_kit_report report;
@@ -206,7 +206,7 @@ static void what_is_damaged_is_named(void **state)
     write_kit(kit);
     write_obj(kit, "smile", 2, "v 1 2\n");
     expect_fault(kit, -EBADMSG, "smile.obj:13: ", "not a vertex");
-    assert_false(scratch_exists(scratch_path(kit, "out/expression.npy"))); /* no half of a file */
+    assert_false(scratch_exists(scratch_path(kit, "out/expression.npy"))); /* no part of a file */
     write_obj(kit, "smile", 2, "v 1 2 3\n");
     expect_fault(kit, -EBADMSG, "smile.obj", "9 vertices where the kit has 8");
     write_obj(kit, "smile", 2, "f 1 2 9\n");
@@ -228,7 +228,7 @@ static const char *const sample_files[] = {
     "generic_neutral_mesh.obj", "identity000.obj", "identity001.obj",   "identity002.obj",
     "browDown_L.obj",           "jawOpen.obj",     "mouthStretch_L.obj"};
 
-/* A kit of the sample's files alone: the index file names no other expressions. */
+/* A kit with only the sample's files. The index file names no other expressions. */
 static void copy_sample(const char *kit, const char *sample)
 {
     scratch_mkdir(scratch_path(kit, "FaceXModel"));
@@ -249,7 +249,7 @@ static void copy_sample(const char *kit, const char *sample)
     json_decref(all);
 }
 
-/* Compares `n` bytes of two files, from these places on. */
+/* Compares `n` bytes of two files, from these positions on. */
 static void expect_same(const char *a, size_t at_a, const char *b, size_t at_b, size_t n)
 {
     size_t size_a = 0, size_b = 0;
@@ -273,7 +273,7 @@ static size_t line_of(const char *path, const char *name)
     return n;
 }
 
-/* To the bit what the head model has that the simulator has used so far. */
+/* The bytes equal those of the head model that the simulator used before. */
 static void the_real_files_give_the_known_model(void **state)
 {
     enum { HEADER = 128, MODE = 17202 * 3 * 2 };

@@ -1,4 +1,4 @@
-/* The infrared image of a sensor: Lambert's cosine, the fall-off with the distance, noise, counts,
+/* The infrared image of a sensor: Lambert's cosine, the decrease with the distance, noise, counts,
  * and prints. */
 #include <errno.h>
 #include <math.h>
@@ -15,7 +15,7 @@
 
 enum { WIDTH = 64, HEIGHT = 48, PIXELS = WIDTH * HEIGHT };
 
-/* A sensor whose image can be told beforehand: a white card at 1 m facing it is 0.5. */
+/* A sensor with a predictable image: a white card at 1 m that faces it has the value 0.5. */
 static struct sim_sensor plain_sensor(void)
 {
     return (struct sim_sensor){
@@ -33,7 +33,7 @@ static struct sim_sensor plain_sensor(void)
     };
 }
 
-/* The image of a sheet that fills the view, with one albedo or that of paper (0). */
+/* The image of a sheet that fills the view, with one albedo or with that of paper (0). */
 static void shoot(const struct sim_sensor *sensor, double z_mm, double turn_rad, float albedo,
                   uint64_t seed, float image[PIXELS])
 {
@@ -68,7 +68,8 @@ static void light_falls_with_slant_and_distance(void **state)
     (void)state;
     shoot(&sensor, 1000.0, 0.0, 1.0F, 1, image);
     assert_true(fabs(pixel(image, 30, 20) - 0.5) < 1e-3);
-    /* At (u, v) = (55, 20) the sight's x / z is 25 / 60: cosine c, range 1 m / c. */
+    /* At (u, v) = (55, 20) the sight line has x / z = 25 / 60: its cosine is c and the range is 1 m
+     * / c. */
     double c = 1.0 / sqrt(1.0 + 25.0 * 25.0 / 3600.0);
     assert_true(fabs(pixel(image, 55, 20) - 0.5 * c * c * c) < 1e-3);
     shoot(&sensor, 2000.0, 0.0, 1.0F, 1, image);
@@ -89,7 +90,7 @@ static void light_of_the_room_does_not_fall(void **state)
     assert_true(fabs(pixel(image, 30, 20) - 0.5) < 1e-3);
 }
 
-/* Counts are whole, and nothing is brighter than full scale. */
+/* Counts are whole numbers, and no pixel is brighter than full scale. */
 static void values_are_counts(void **state)
 {
     static float image[PIXELS];
@@ -105,7 +106,7 @@ static void values_are_counts(void **state)
     assert_true(pixel(image, 30, 20) >= 1.0 && pixel(image, 30, 20) <= 1.0);
 }
 
-/* Standard deviation about the noiseless image, over all its pixels. */
+/* The standard deviation from the noiseless image, over all its pixels. */
 static double deviation(const float noisy[PIXELS], const float clean[PIXELS])
 {
     double sum = 0.0;
@@ -137,7 +138,7 @@ static void noise_is_as_stated(void **state)
     assert_true(fabs(found / expected - 1.0) < 4.0 / sqrt(2.0 * PIXELS)); /* 4 sigma */
 }
 
-/* A projector moves light into dots and takes none away. */
+/* A projector concentrates light into dots. The total light stays the same. */
 static void dots_keep_the_mean(void **state)
 {
     static float clean[PIXELS], dotted[PIXELS];
@@ -153,7 +154,8 @@ static void dots_keep_the_mean(void **state)
         mean += (double)dotted[i] / PIXELS;
         expected += (double)clean[i] / PIXELS;
     }
-    /* A pixel's own deviation is 0.7 x sqrt(0.9 / 0.1) = 2.1 means, before the lens blurs it. */
+    /* The deviation of a single pixel is 0.7 x sqrt(0.9 / 0.1) = 2.1 means, before the lens blurs
+     * it. */
     assert_true(fabs(mean / expected - 1.0) < 4.0 * 2.1 / sqrt(PIXELS));
     assert_true(deviation(dotted, clean) > 0.5 * expected);
 }
@@ -199,7 +201,7 @@ static void prints_of_no_size_are_refused(void **state)
     assert_null(sheet);
 }
 
-/* Every sensor of the simulator has an image that is neither black nor white where people stand. */
+/* The image of every simulated sensor is neither black nor white at the place of use. */
 static void every_sensor_has_an_image(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* One camera's lens from rendered pictures of a board: a lens that is known is found again, and
- * what cannot give one is refused. */
+/* The lens of one camera from rendered pictures of a board. A known lens is found again, and
+ * pictures that cannot determine a lens are refused. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -58,7 +58,7 @@ static struct iso_rigid pose_of(enum movement movement, struct sim_random *rando
     return pose;
 }
 
-/* Pictures 000.png, ... in a folder of the directory. */
+/* Writes pictures 000.png, ... to a folder of the directory. */
 static const char *take(const char *directory, enum movement movement, int n, bool colour)
 {
     static uint8_t grey[WIDTH * HEIGHT], rgb[3 * WIDTH * HEIGHT];
@@ -109,7 +109,8 @@ static struct iso_recording_meta read_result(const char *directory)
     return meta;
 }
 
-/* The worst place at which the two lenses see a direction that the picture has, in pixels. */
+/* Returns the largest distance in pixels between the two lenses' images of a direction within the
+ * picture. */
 static double worst_px(const struct iso_camera *found)
 {
     double worst = 0.0;

@@ -1,4 +1,4 @@
-/* The preset `not-faces`: every kind is there, says what it is, and has the shape it should. */
+/* The preset `not-faces` has every kind of object, with the right name and the right shape. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,7 +19,7 @@ enum { KINDS = 11, PER_KIND = 3 };
 static const char *const kinds[KINDS] = {"back", "profile", "ear",  "hood",  "hand",   "wall",
                                          "ball", "chair",   "coat", "plant", "cushion"};
 
-/* One corpus for all tests that only look at it. */
+/* One corpus for all tests that only read it. */
 static struct sim_corpus *shared_corpus;
 static char shared_directory[256];
 
@@ -56,7 +56,7 @@ static void rows_are_as_documented(void **state)
     }
 }
 
-/* A scene depends on its number alone. */
+/* A scene depends only on its number. */
 static void the_same_options_make_the_same_bytes(void **state)
 {
     (void)corpus(state);
@@ -71,8 +71,8 @@ static void the_same_options_make_the_same_bytes(void **state)
     }
 }
 
-/* Something of the size of what is meant stands where people stand: a share of the image that is as
- * near as they are, and no face's ground truth. */
+/* An object of the expected size is at the place where people stand: a share of the image is as
+ * near as they are, and there is no ground truth of a face. */
 static void something_is_there(void **state)
 {
     const struct sim_corpus *c = corpus(state);
@@ -93,7 +93,7 @@ static void something_is_there(void **state)
     }
 }
 
-/* Without noise and by a fine sensor: geometry that has a closed form. */
+/* A fine sensor without noise measures geometry that has a closed form. */
 static struct sim_generate_options exact(const char *directory)
 {
     struct sim_generate_options options = generated_options("not-faces", directory);
@@ -103,7 +103,7 @@ static struct sim_generate_options exact(const char *directory)
     return options;
 }
 
-/* The radius of the sphere about the nearest point: |p|^2 = 2 c.p + d by least squares. */
+/* Returns the radius of the sphere about the nearest point: |p|^2 = 2 c.p + d by least squares. */
 static double sphere_radius(const struct iso_frame *frame)
 {
     int nearest = -1, n = frame->width_px * frame->height_px;
@@ -134,7 +134,7 @@ static double sphere_radius(const struct iso_frame *frame)
     return sqrt(a[3][6] + iso_dot(centre, centre));
 }
 
-/* Largest distance of the middle of the image from the plane through it. */
+/* Returns the largest distance between the middle part of the image and the plane through it. */
 static double plane_residual(const struct iso_frame *frame)
 {
     double a[6][7] = {{0}}, worst = 0.0;

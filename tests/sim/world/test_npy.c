@@ -1,4 +1,4 @@
-/* The .npy reader on files written here, good and bad. */
+/* The .npy reader on files that the test writes, valid and damaged. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -21,7 +21,7 @@ struct bytes {
     size_t n;
 };
 
-/* A version 1.0 file as NumPy writes it: header padded to a multiple of 64. */
+/* A version 1.0 file as NumPy writes it: the header is padded to a multiple of 64. */
 static struct bytes npy(const char *dictionary, const void *data, size_t n_data)
 {
     struct bytes b = {.n = 0};

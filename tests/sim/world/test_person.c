@@ -66,7 +66,7 @@ static void identity_has_the_variance_asked_for(void **state)
     }
 }
 
-/* The model's shape names are all that drawing an expression needs. */
+/* The names of the model's shapes are enough to draw an expression. */
 static char names[][32] = {"browDown_L",   "browDown_R",  "jawOpen",     "mouthSmile_L",
                            "mouthSmile_R", "mouthClose",  "eyeLookIn_L", "eyeBlink_L",
                            "eyeBlink_R",   "mouthPucker", "eyeLookIn_R"};
@@ -127,8 +127,8 @@ static void strong_ones_are_all_drawn(void **state)
     assert_null(sim_expression_name(SIM_EXPRESSIONS));
 }
 
-/* Yaw to the subject's left is towards the image's right; up is up; the roll is the subject's right
- * ear down. */
+/* Yaw to the subject's left turns towards the image's right. Pitch up turns up. Roll moves the
+ * subject's right ear down. */
 static void poses_turn_the_right_way(void **state)
 {
     (void)state;
@@ -149,7 +149,7 @@ static void poses_turn_the_right_way(void **state)
     pose = sim_stance_camera_from_face(&stance);
     struct iso_vec3 tilted = iso_mat3_apply(&pose.rotation, up);
     assert_true(fabs(tilted.x + sin(0.1)) <
-                1e-12); /* the crown goes to the image's left: the subject's right */
+                1e-12); /* the crown moves to the image's left: the subject's right */
 }
 
 static void surfaces_are_sums_of_modes(void **state)

@@ -1,4 +1,4 @@
-/* Solids of the simulated world against closed forms: lengths, radii, volumes, shares. */
+/* Solids of the simulated world, compared with closed forms: lengths, radii, volumes, shares. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -15,7 +15,7 @@
 
 static const double pi = 3.14159265358979324;
 
-static long allocations_left = -1; /* until one fails; negative: none does */
+static long allocations_left = -1; /* until one fails; negative: none fails */
 
 void *__real_calloc(size_t n, size_t size);
 void *__wrap_calloc(size_t n, size_t size);
@@ -54,7 +54,7 @@ static void a_tube_is_a_cylinder_between_two_half_spheres(void **state)
     double length = iso_norm(iso_sub(joints[2].at_mm, joints[0].at_mm));
     double exact = pi * 81.0 * length + 4.0 / 3.0 * pi * 729.0;
     double share = fabs(solid_volume(tube)) /
-                   exact; /* a polygon of 16 sides has 0.974 of its circle */
+                   exact; /* a polygon of 16 sides has 0.974 of its circle's area */
     print_message("tube: volume %.4f of the round one\n", share);
     assert_true(share > 0.955 && share < 0.985);
     for (uint32_t i = 0; i < tube->n_vertices; i++) {
@@ -104,7 +104,7 @@ static struct sim_sheet sheet_of(enum sim_sheet_shape shape, double radius_mm)
                               .axis_rad = 0.6};
 }
 
-/* Bending keeps lengths: so does every small step on the sheet. */
+/* Bending keeps lengths, so that every small step on the sheet keeps its length, too. */
 static void paper_does_not_stretch(void **state)
 {
     (void)state;
@@ -218,7 +218,7 @@ static void bad_arguments_are_refused(void **state)
     assert_null(solid);
 }
 
-/* A group remembers the first failure and holds on to nothing of what came after. */
+/* A group keeps the first failure, and keeps none of the solids that are added later. */
 static void every_allocation_may_fail(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* Each sensor model's noise on a plane, beside the figure it was made from. */
+/* The noise of each sensor model on a plane, compared with the figure from which the model was
+ * made. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,11 +14,12 @@
 
 struct measurement {
     double sd_mm, mean_mm;
-    double correlation; /* of errors one pixel apart */
+    double correlation; /* correlation of errors one pixel apart */
     int missing;
 };
 
-/* A plane of skin that fills the image, slanted so that it crosses many quantisation steps. */
+/* A plane of skin that fills the image. It is slanted, so that it crosses many quantisation steps.
+ */
 static void look_at_plane(struct sensor_bench *b, double z_mm, double slant_rad)
 {
     sim_view_clear(b->view);
@@ -26,7 +28,7 @@ static void look_at_plane(struct sensor_bench *b, double z_mm, double slant_rad)
     sim_view_finish(b->view);
 }
 
-/* The mean depth of the view's samples of a pixel. */
+/* The mean depth of the view's samples in a pixel. */
 static double true_depth(const struct sim_view *view, int column, int row)
 {
     int s = view->supersample;
@@ -38,7 +40,7 @@ static double true_depth(const struct sim_view *view, int column, int row)
     return sum / (s * s);
 }
 
-/* Statistics of measured - true over the middle 160 x 140 pixels. */
+/* Statistics of measured - true over the central 160 x 140 pixels. */
 static struct measurement measure(struct sensor_bench *b, double noise_scale, uint64_t seed)
 {
     struct sim_random random = sim_random_seeded(seed, 0, 0);
@@ -103,14 +105,14 @@ static void noise_is_as_published(void **state)
     }
 }
 
-/* Sensors that compare windows have errors that neighbours share; a time-of-flight pixel stands
- * alone. */
+/* Sensors that compare windows have errors that neighbours share. The pixels of a time-of-flight
+ * sensor are independent. */
 static void windows_correlate_neighbours(void **state)
 {
     (void)state;
     for (int i = 0; sim_sensors[i]; i++) {
         if (sim_sensors[i]->attach) {
-            continue; /* has no noise of its own: test_stereo_sensor.c */
+            continue; /* its noise has its own test: test_stereo_sensor.c */
         }
         struct sensor_bench b = sensor_bench_set_up(sim_sensors[i]);
         look_at_plane(&b, 900.0, 0.2);
@@ -129,7 +131,7 @@ static void noise_scales_and_leaves_the_quantum(void **state)
     (void)state;
     for (int i = 0; sim_sensors[i]; i++) {
         if (sim_sensors[i]->attach) {
-            continue; /* has no noise of its own: test_stereo_sensor.c */
+            continue; /* its noise has its own test: test_stereo_sensor.c */
         }
         struct sensor_bench b = sensor_bench_set_up(sim_sensors[i]);
         look_at_plane(&b, 600.0, 0.2);
@@ -155,7 +157,8 @@ static void noise_grows_with_distance_and_slant(void **state)
         double far = measure(&b, 1.0, 4).sd_mm;
         look_at_plane(&b, 600.0, 1.0);
         double slanted = measure(&b, 1.0, 4).sd_mm;
-        assert_true(far > 2.0 * near && far < 6.0 * near); /* z^2, but for what does not grow */
+        assert_true(far > 2.0 * near &&
+                    far < 6.0 * near); /* z^2, except for the part that does not grow */
         assert_true(slanted > 1.1 * near);
         sensor_bench_tear_down(&b);
     }

@@ -1,4 +1,4 @@
-/* What sensor models make of edges, shadows, hair and distance: a card before a wall. */
+/* Sensor models at edges, shadows, hair and different distances: a card before a wall. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,7 +10,7 @@
 
 #include "tests/sim/world/sensor_bench.h"
 
-/* A card, turned in its own plane. */
+/* A card that is turned in its own plane. */
 static void put(struct sensor_bench *b, double width_mm, double height_mm, double z_mm,
                 double turn_rad, enum sim_material material)
 {
@@ -24,8 +24,7 @@ static void shoot(struct sensor_bench *b, double noise_scale)
     sim_sensor_measure(b->sensor, b->view, noise_scale, &random, b->workspace, b->frame);
 }
 
-/* Pixels without a measurement to the left and right of the middle of the image, along the middle
- * row. */
+/* Pixels without a measurement to the left and right of the image's centre, in the middle row. */
 static void count_gaps(const struct sensor_bench *b, int *left, int *right)
 {
     int width = b->frame->width_px, row = b->frame->height_px / 2;
@@ -127,7 +126,7 @@ static void out_of_range_is_not_measured(void **state)
     }
 }
 
-/* 255 levels from the nearest point, skin alone, and nothing behind. */
+/* 255 levels from the nearest point on, only skin, and nothing behind it. */
 static void texas_has_8_bits_of_face(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* The skin of rendered heads in the infrared, on the head model's data where they are at hand
+/* The skin of rendered heads in infrared images. The test needs the head model's data
  * (ISOTHERM_SHARED/data/ict-face). */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,7 +31,7 @@ static float *albedo_of(const struct sim_ict *ict, uint32_t index)
     return albedo;
 }
 
-/* Mean over the triangles at a vertex. */
+/* Returns the mean over the triangles at a vertex. */
 static double at_vertex(const struct sim_ict *ict, const float *albedo, uint32_t vertex)
 {
     double sum = 0.0;
@@ -64,7 +64,7 @@ static void parts_of_the_face_differ(void **state)
         double corner = at_vertex(ict, albedo, ict->landmarks[36]);
         assert_true(nose >= 0.5 && nose <= 0.65);
         assert_true(lip < 0.95 * nose && lip > 0.6 * nose);
-        assert_true(corner < 0.75 * nose); /* lashes, and the ball beside them */
+        assert_true(corner < 0.75 * nose); /* eyelashes, and the eyeball beside them */
         assert_true((double)least < 0.05); /* pupils */
         assert_true((double)most <= 0.65);
         free(albedo);
@@ -85,7 +85,8 @@ static void people_differ_and_stay_the_same(void **state)
     sim_ict_free(ict);
 }
 
-/* Mean of a box of a portrait, given in pixels from its middle, down and to the right. */
+/* Returns the mean of a box of a portrait. The box is given in pixels from the centre, down and to
+ * the right. */
 static double box(const float *portrait, int right, int down, int half_width, int half_height)
 {
     double sum = 0.0;
@@ -111,7 +112,8 @@ static void a_portrait_shows_a_face(void **state)
     assert_non_null(portrait);
     assert_int_equal(sim_sitter_new(ict, &person, &options, &random, &sitter), 0);
     assert_int_equal(sim_portrait(sitter, portrait), 0);
-    /* The mean face's eyes are 31 mm aside and 38 mm above its nose tip (10 down), cheeks below. */
+    /* The eyes of the mean face are 31 mm beside and 38 mm above its nose tip (10 down). The cheeks
+     * are below them. */
     double eye_r = box(portrait, -31, -28, 8, 3), eye_l = box(portrait, 31, -28, 8, 3);
     double cheek_r = box(portrait, -35, 5, 8, 5), cheek_l = box(portrait, 35, 5, 8, 5);
     print_message("eyes %.2f %.2f, cheeks %.2f %.2f, nose %.2f\n", eye_r, eye_l, cheek_r, cheek_l,

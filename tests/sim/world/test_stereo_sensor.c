@@ -1,5 +1,5 @@
-/* The simulated stereo sensor: what it renders is what two cameras would see, and the depths that
- * the product makes of it are as right as they are said to be. */
+/* The simulated stereo sensor. It renders the pictures of two cameras, and the depths that the
+ * product computes from them have the stated accuracy. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -18,7 +18,7 @@
 #include "tests/support/scratch.h"
 #include "tests/support/shared_data.h"
 
-/* The dots' light is the same however wide they are: its mean over directions is 1. */
+/* The light of the dots does not depend on their width: its mean over directions is 1. */
 static void dots_neither_add_nor_swallow_light(void **state)
 {
     (void)state;
@@ -35,7 +35,8 @@ static void dots_neither_add_nor_swallow_light(void **state)
     }
 }
 
-/* The picture is that of the depths: bright where the sheet is, n_on pixels, and dark beside it. */
+/* The picture agrees with the depths: it is bright on the sheet, which has n_on pixels, and dark
+ * beside it. */
 static void check_picture(const struct sim_sensor *sensor, const struct sim_view *view,
                           struct sim_random *random, struct sim_sensor_workspace *workspace,
                           size_t n_on)
@@ -54,7 +55,7 @@ static void check_picture(const struct sim_sensor *sensor, const struct sim_view
     free(picture);
 }
 
-/* A bent sheet of skin, 600 mm away: known depth, and no need of the head model. */
+/* A bent sheet of skin, 600 mm away. Its depth is known, and it needs no head model. */
 static void a_bent_sheet_comes_out_right(void **state)
 {
     (void)state;
@@ -109,8 +110,8 @@ static struct sim_ict *load_model(void)
     return ict;
 }
 
-/* The figure that the sensor is held to: at 0.6 m with 60 mm between the cameras, at most 1.2 mm
- * rms on skin and 5 % of the face without a depth. */
+/* The required accuracy of the sensor: at 0.6 m with 60 mm between the cameras, at most 1.2 mm rms
+ * on skin, and 5 % of the face without a depth. */
 static void faces_at_60_cm_come_out_right(void **state)
 {
     (void)state;

@@ -49,7 +49,7 @@ static void cosine_and_material_are_those_of_the_nearest(void **state)
     assert_true(fabsf(view->cosine[on_box] - 1.0f) < 1e-6f);
     assert_int_equal(view->material[corner], SIM_CLOTH);
     assert_int_equal(view->material[on_wall], SIM_WALL);
-    /* the wall's normal, (sin 0.4, 0, cos 0.4), against the sight along (0.3, 0, 1) */
+    /* the wall's normal (sin 0.4, 0, cos 0.4) and the sight line along (0.3, 0, 1) */
     double expected = (0.3 * sin(0.4) + cos(0.4)) / sqrt(1.09);
     assert_true(fabs((double)view->cosine[on_wall] - expected) < 1e-5);
     sim_view_clear(view);
@@ -60,7 +60,7 @@ static void cosine_and_material_are_those_of_the_nearest(void **state)
     sim_view_free(view);
 }
 
-/* The four samples of a pixel lie about its centre: their mean is the plane's depth there. */
+/* The four samples of a pixel are around its centre. Their mean is the plane's depth there. */
 static void supersampling_keeps_pixel_centres(void **state)
 {
     (void)state;
@@ -123,7 +123,8 @@ static void bad_arguments_are_refused(void **state)
     assert_null(solid);
 }
 
-/* A second eye 60 mm to the right sees things f 60 / z pixels farther left, and no facet less. */
+/* A second eye 60 mm to the right sees objects f 60 / z pixels farther left, and misses no facet.
+ */
 static void a_companion_sees_the_same_from_elsewhere(void **state)
 {
     (void)state;
