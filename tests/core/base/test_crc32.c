@@ -1,4 +1,5 @@
-/* The checksum of files: its published check value, and its definition bit by bit. */
+/* The checksum of files, compared with its published check value and with its definition bit by
+ * bit. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +36,7 @@ static void every_length_and_cut_gives_the_same(void **state)
     for (int i = 0; i < BYTES; i++) {
         bytes[i] = (uint8_t)(i * 73 + i * i / 3);
     }
-    for (size_t from = 0; from < 4; from++) { /* however it is aligned */
+    for (size_t from = 0; from < 4; from++) { /* for every alignment */
         for (size_t n = 0; n <= BYTES - from; n++) {
             const uint32_t wanted = bit_by_bit(&bytes[from], n);
             assert_int_equal(iso_crc32(0, &bytes[from], n), wanted);

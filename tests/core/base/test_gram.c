@@ -1,4 +1,4 @@
-/* The Gram matrix of rows against a plain sum in double precision. */
+/* The Gram matrix of rows, compared with a plain sum in double precision. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

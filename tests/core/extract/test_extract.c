@@ -1,5 +1,5 @@
-/* The whole way from a frame to a template: outcomes and hints on rendered heads, where the truth
- * is known, and on the stored frames. */
+/* The complete computation from a frame to a template: outcomes and hints on rendered heads, whose
+ * truth is known, and on the stored frames. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -78,7 +78,7 @@ static void hints_say_where_to_look(void **state)
     assert_true(f->out.pitch_rad < 0.0);
 }
 
-/* The left of the subject is the right of the image: checked once more without the convention of
+/* The left of the subject is the right of the image. This test checks it without the convention of
  * the pose. */
 static void the_subjects_left_is_the_images_right(void **state)
 {
@@ -103,8 +103,8 @@ static void an_empty_scene_is_nobody(void **state)
     assert_int_equal(f->out.tmpl.n_points, 0);
 }
 
-/* The right half of the face is hidden, with the nose. A face is looked for by its nose tip, so
- * that it is not found, or only half of it. */
+/* The right half of the face and the nose are hidden. The search needs the nose tip, so that it
+ * finds no face, or only half of one. */
 static void a_hidden_half_has_no_template(void **state)
 {
     struct extract_rig *f = *state;
@@ -174,7 +174,7 @@ static void stored_people_are_captured(void **state)
     }
 }
 
-/* Recordings without a usable face: the outcome is one of those that fit. */
+/* Recordings without a usable face. The outcome must be one of the listed ones. */
 static void what_is_no_usable_face_says_why(void **state)
 {
     struct extract_rig *f = *state;
@@ -183,7 +183,7 @@ static void what_is_no_usable_face_says_why(void **state)
         unsigned reasons; /* bits */
     } rows[] = {
         {"none-nobody1", 1u << ISO_CAPTURE_NOBODY},
-        /* a chair within reach: one frame does not tell it from a visitor */
+        /* a chair within reach: one frame cannot tell it from a visitor */
         {"none-nobody2", 1u << ISO_CAPTURE_NOBODY | 1u << ISO_CAPTURE_NOT_A_FACE},
         {"none-back1", 1u << ISO_CAPTURE_NOT_A_FACE},
         {"none-back2", 1u << ISO_CAPTURE_NOT_A_FACE},

@@ -1,5 +1,6 @@
-/* An extractor allocates when it is created and never again, and survives every allocation that
- * fails. Core is compiled in, so that the linker's --wrap reaches it and not CHOLMOD or LAPACK. */
+/* An extractor allocates only when it is created, and it survives every allocation that fails. The
+ * test compiles core into itself, so that the linker's --wrap affects core, but not CHOLMOD and
+ * LAPACK. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>

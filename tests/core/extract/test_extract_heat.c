@@ -1,4 +1,4 @@
-/* The heat of a face by every method, what can be shown of it, and what each stage takes. */
+/* The heat of a face by every method, its output for pictures, and the time of each stage. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -73,8 +73,8 @@ static void the_mesh_and_its_heat_can_be_shown(void **state)
             hottest = heat[i] > heat[hottest] ? i : hottest;
         }
         struct iso_vec3 at = iso_rigid_apply(&f->out.camera_from_face, mesh->vertices_mm[hottest]);
-        /* A vertex or two away; beside the nose, where the grid is steep, that is a long distance.
-         */
+        /* The vertex may be one or two away. Beside the nose, where the grid is steep, this is a
+         * long distance. */
         double off_mm = iso_norm(iso_sub(at, f->out.landmark_mm[l]));
         assert_true(off_mm < (l == ISO_LM_ALA_R || l == ISO_LM_ALA_L ? 12.0 : 3.0));
     }
@@ -99,7 +99,7 @@ static void stages_are_charged_by_the_clock_handed_in(void **state)
         assert_int_equal(f->out.stage_ns[s], 1);
         assert_non_null(iso_stage_name((enum iso_stage)s));
     }
-    extract_rig_draw(f, 0, 0, iso_vec3(0, 0, 3000)); /* ends at the first stage */
+    extract_rig_draw(f, 0, 0, iso_vec3(0, 0, 3000)); /* the extraction ends at its first stage */
     assert_int_equal(iso_extractor_run(timed, f->frame, &f->out), 0);
     assert_int_equal(f->out.stage_ns[ISO_STAGE_REGION], 1);
     assert_int_equal(f->out.stage_ns[ISO_STAGE_CLEAN], 0);

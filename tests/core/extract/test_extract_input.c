@@ -1,4 +1,4 @@
-/* The input of the extractor: options and frames out of range are refused, and there is room for
+/* The input of the extractor: options and frames out of range are refused, and there is space for
  * every other size of frame and patch. */
 #include <errno.h>
 #include <math.h>
@@ -37,12 +37,12 @@ static void bad_options_are_refused(void **state)
     bad[13].fit.iterations = 0;
     bad[14].fit.identity_stiffness_mm2 = 0.0;
     bad[15].distance_min_mm = 0.0;
-    bad[16].distance_max_mm = 299.0; /* below the least */
+    bad[16].distance_max_mm = 299.0; /* below the smallest */
     bad[17].yaw_max_rad = -0.1;
     bad[18].yaw_max_rad = NAN;
     bad[19].pitch_max_rad = 1.6;
     bad[20].heat = (enum iso_heat_method)3;
-    memset(bad[21].sensor, 'a', sizeof bad[21].sensor); /* does not end */
+    memset(bad[21].sensor, 'a', sizeof bad[21].sensor); /* the name has no end */
     bad[22].radius_mm[0] = 101.0;                       /* beyond the crop */
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct iso_extractor *none = NULL;

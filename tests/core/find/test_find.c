@@ -1,5 +1,5 @@
-/* Candidates and pose search on rendered heads whose pose is known, and on objects that are no
- * head. */
+/* Candidates and pose search on rendered heads with known poses, and on objects that are not heads.
+ */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -166,7 +166,8 @@ static void the_farther_is_not_meant_for_fitting_better(void **state)
     assert_non_null(shape);
     for (uint32_t i = 0; i < f->model->n_vertices; i++) {
         struct iso_vec3 p = f->model->mean_mm[i];
-        /* Adds waves that no mode of the model has; the farther head is the mean itself. */
+        /* Adds waves that no mode of the model contains. The farther head is the mean head itself.
+         */
         shape[i] = iso_vec3(p.x, p.y, p.z + 2.0 * sin(0.25 * p.x) * cos(0.2 * p.y));
     }
     assert_nearer_is_meant(f, shape, 1.0, 1.0, 5.0);

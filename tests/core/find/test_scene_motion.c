@@ -1,4 +1,4 @@
-/* What moves within reach, and what does not: stored rooms and people with their sensor's noise. */
+/* Motion within reach: stored rooms and people with the noise of their sensor. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,8 +17,8 @@ static const int64_t quiet_ns = 5000000000, frame_ns = 33333333;
 enum { STORED = 3 };
 
 struct fixture {
-    struct iso_frame *stored[STORED]; /* a recording's */
-    struct iso_frame *frame;          /* what is fed */
+    struct iso_frame *stored[STORED]; /* frames of a recording */
+    struct iso_frame *frame;          /* the frame that is passed on */
     struct iso_scene_motion scene;
     int64_t t_ns;
 };
@@ -80,13 +80,13 @@ static void a_room_with_its_noise_does_not_move(void **state)
     for (size_t room = 0; room < sizeof rooms / sizeof *rooms; room++) {
         load(f, rooms[room]);
         f->scene = (struct iso_scene_motion){0};
-        for (int i = 0; i < 300; i++) { /* every half second another noise, and the same in it */
+        for (int i = 0; i < 300; i++) { /* the noise changes every half second */
             assert_false(feed(f, i / 15, 0));
         }
     }
 }
 
-/* Seen from behind, at half a metre; the sway is 6 mm a second, that is 7 pixels. */
+/* A person seen from behind, at half a metre. The sway is 6 mm a second, which is 7 pixels. */
 static void somebody_who_sways_moves(void **state)
 {
     struct fixture *f = *state;

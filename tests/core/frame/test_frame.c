@@ -1,4 +1,4 @@
-/* Cameras, frames and shrinking against hand-computed values. */
+/* Cameras, frames and shrinking, compared with values calculated by hand. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -157,7 +157,7 @@ static void a_shrunken_frame_sees_the_same_scene(void **state)
             f->depth_mm[row * 120 + column] = (float)(700.0 / (1.0 - 0.2 * x + 0.1 * y));
         }
     }
-    f->depth_mm[12 * 120 + 12] = 4000.0f; /* another surface: left out of its block */
+    f->depth_mm[12 * 120 + 12] = 4000.0f; /* another surface: its block leaves it out */
     struct iso_window window = {10, 8, 100, 77};
     assert_int_equal(iso_frame_shrink(f, window, 4, 30 * 25, out), 0);
     assert_int_equal(out->width_px, 25);

@@ -1,6 +1,6 @@
-/* Every allocation of every constructor fails in turn: -ENOMEM, nothing leaks (the sanitised build
- * sees to that), the output stays as it was. The sources under test are compiled in, so that the
- * linker's --wrap reaches them. */
+/* Every allocation of every constructor fails in turn. The result is -ENOMEM, nothing leaks (the
+ * sanitised build checks this), and the output stays unchanged. The test compiles the sources under
+ * test into itself, so that the linker's --wrap affects them. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,7 @@
 enum { ALLOCATIONS_MAX = 50 };
 
 /* Calls `make` with the first, second, ... allocation failing until it succeeds. Returns how many
- * there are. */
+ * allocations there are. */
 static int deny_in_turn(int (*make)(void **out), void (*release)(void *made))
 {
     for (int n = 0; n < ALLOCATIONS_MAX; n++) {

@@ -1,4 +1,4 @@
-/* The operations on blocks of vectors, compared with one vector after another. */
+/* The operations on blocks of vectors, compared with the same operations on single vectors. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -16,7 +16,7 @@
 #include "tests/core/surfaces/matrices.h"
 #include "tests/core/surfaces/shapes.h"
 
-/* L + B of a made-up face, its factor, and the matrix in the factor's order. */
+/* L + B of an artificial face, its factor, and the matrix in the order of the factor. */
 struct scene {
     struct iso_mesh *mesh;
     struct matrices m;
@@ -62,7 +62,7 @@ static double any(int32_t i, int k)
     return sin(1.0 + 0.7 * i + 2.3 * k) + 0.3 * k;
 }
 
-/* A block of such vectors in the factor's order; vector 0 is vector `first` of those. */
+/* Makes a block of such vectors in the order of the factor. Vector 0 is vector `first` of them. */
 static double *any_block(const struct scene *s, int width, int first)
 {
     const int lanes = width * ISO_DOUBLES;
@@ -75,7 +75,7 @@ static double *any_block(const struct scene *s, int width, int first)
     return values;
 }
 
-/* One of these vectors in the order of the mesh. */
+/* Returns one of these vectors in the order of the mesh. */
 static void any_vector(const struct scene *s, int k, double *out)
 {
     for (int32_t i = 0; i < s->n; i++) {
@@ -159,8 +159,7 @@ static void blocks_are_mixed_and_combined(void **state)
     }
 }
 
-/* A vector has the same bits whatever the width of its block, and whatever the other vectors are.
- */
+/* The bits of a vector do not depend on the width of its block or on the other vectors. */
 static void widths_agree_to_the_bit(void **state)
 {
     (void)state;

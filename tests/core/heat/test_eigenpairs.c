@@ -1,4 +1,4 @@
-/* Eigenpairs of surfaces whose spectrum is known. */
+/* Eigenpairs of surfaces with a known spectrum. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -40,7 +40,7 @@ static void expect_values(const struct iso_eigenpairs *pairs, const double *expe
     }
 }
 
-/* The sphere: l (l + 1) / R^2, 2 l + 1 times. */
+/* The sphere has l (l + 1) / R^2, each 2 l + 1 times. */
 static void a_sphere_has_its_harmonics(void **state)
 {
     (void)state;
@@ -55,7 +55,7 @@ static void a_sphere_has_its_harmonics(void **state)
         }
     }
     expect_values(pairs, expected, K, 0.015);
-    /* The symmetry of the mesh is that of the icosahedron: l = 1 and l = 2 stay exactly multiple.
+    /* The mesh has the symmetry of the icosahedron, so that l = 1 and l = 2 stay exactly multiple.
      */
     assert_true(pairs->lambda[3] / pairs->lambda[1] - 1.0 < 1e-9);
     assert_true(pairs->lambda[8] / pairs->lambda[4] - 1.0 < 1e-9);
@@ -114,8 +114,8 @@ static int ascending(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-/* The flat torus w x h: 4 pi^2 (a^2 / w^2 + b^2 / h^2) for whole a and b. It does not fit into
- * space: its matrices are those of a sheet with opposite sides sewn together. */
+/* The flat torus w x h has 4 pi^2 (a^2 / w^2 + b^2 / h^2) for whole a and b. It does not fit into
+ * space. Its matrices are those of a sheet whose opposite sides are joined. */
 static void a_flat_torus_has_its_waves(void **state)
 {
     (void)state;
@@ -139,7 +139,7 @@ static void a_flat_torus_has_its_waves(void **state)
     }
     qsort(expected, (size_t)n, sizeof expected[0], ascending);
     expect_values(pairs, expected, K, 0.03);
-    /* The lowest wave runs along the longer side, as sine and as cosine. */
+    /* The lowest wave runs along the longer side, once as sine and once as cosine. */
     assert_true(pairs->lambda[2] / pairs->lambda[1] - 1.0 < 1e-8);
     assert_true(pairs->lambda[3] / pairs->lambda[2] > 1.5);
     iso_eigenpairs_free(pairs);
@@ -154,7 +154,7 @@ static const double bessel_zeros[] = {0.0,     1.84118, 1.84118, 3.05424, 3.0542
                                       4.20119, 4.20119, 5.31755, 5.31755, 5.33144, 5.33144,
                                       6.41562, 6.41562, 6.70613, 6.70613, 7.01559};
 
-/* The disc with an insulated border: (j'_mk / R)^2. */
+/* The disc with an insulated border has (j'_mk / R)^2. */
 static void a_disc_has_its_bessel_zeros(void **state)
 {
     (void)state;
@@ -235,8 +235,8 @@ static void pairs_are_orthonormal_and_solve_the_problem(void **state)
     iso_mesh_free(mesh);
 }
 
-/* More spheres than a block has vectors: the lowest eigenvalue is as often there as there are
- * spheres, the next 3 times as often. */
+/* There are more spheres than a block has vectors. The lowest eigenvalue occurs once for each
+ * sphere, the next one 3 times for each. */
 static void every_copy_is_found(void **state)
 {
     (void)state;

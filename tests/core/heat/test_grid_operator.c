@@ -1,5 +1,5 @@
-/* The heat operator on a depth grid: it is that of the mesh, its bound holds, what was built before
- * does not change it, and a sweep of several steps is those steps to the bit. */
+/* The heat operator on a depth grid. It equals that of the mesh, its bound holds, earlier builds do
+ * not change it, and a sweep of several steps equals the single steps bit by bit. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -29,14 +29,14 @@ static void free_plane(const struct iso_grid *grid, float *plane)
     free(plane - iso_grid_plane_origin(grid));
 }
 
-/* Whole rows, in whole groups of lanes. */
+/* Rows are complete, in complete groups of lanes. */
 static struct iso_grid_window everything(const struct iso_grid *grid)
 {
     return (struct iso_grid_window){0, 0, (grid->width + ISO_LANES - 1) / ISO_LANES * ISO_LANES,
                                     grid->height};
 }
 
-/* Any values at the vertices. */
+/* Pseudo-random values at the vertices. */
 static float *any_values(const struct grid_surface *s)
 {
     float *y = new_plane(s->grid);
@@ -156,7 +156,7 @@ static struct vectors any_vectors(const struct grid_surface *s)
     return (struct vectors){{any_values(s), new_plane(s->grid)}};
 }
 
-/* Steps whose windows grow, of odd and even heights, with loads. */
+/* Steps with growing windows, of odd and even heights, with loads. */
 static void describe_steps(const struct iso_grid *grid, const struct vectors *v,
                            struct iso_grid_step step[ISO_GRID_STEPS_MAX])
 {
@@ -195,7 +195,7 @@ static void free_vectors(const struct iso_grid *grid, const struct vectors *v)
     }
 }
 
-/* In one pass or in four, by every implementation. */
+/* The result is the same in one pass and in four, by every implementation. */
 static void a_sweep_is_its_steps_to_the_bit(void **state)
 {
     (void)state;

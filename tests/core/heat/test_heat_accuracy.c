@@ -1,5 +1,6 @@
-/* How far the isotherms of either method lie from those of a reference good to eleven digits, on
- * surfaces like a face. What is asserted is what the product promises; the rest is printed. */
+/* The distance between the isotherms of both methods and those of a reference with eleven correct
+ * digits, on surfaces like a face. The test asserts the limits that the product promises, and
+ * prints the other figures. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,7 +28,7 @@ static const double t_mm2[TIMES] = {50, 75, 100, 150, 200};
 static const double radius_mm[RADII] = {10, 18, 30};
 static const double promised_mm = 0.05;
 
-/* Sources: nose tip, inner eye corner, mouth corner, roughly. */
+/* Sources near the nose tip, the inner eye corner and the mouth corner. */
 static const double place_mm[SOURCES][2] = {{0.3, 0.4}, {17.3, 33.1}, {-24.4, -33.7}};
 
 struct face {
@@ -59,7 +60,7 @@ static void face_done(struct face *f)
     iso_tracer_free(f->tracer);
 }
 
-/* False if the heat has no such isotherm about the source. */
+/* Returns false if the heat has no such isotherm about the source. */
 static bool isotherm_of(struct face *f, const double *heat, int source, double radius,
                         struct iso_isotherm *out)
 {
@@ -79,7 +80,8 @@ static bool isotherm_of(struct face *f, const double *heat, int source, double r
     return true;
 }
 
-/* Root mean square distance of isotherms over all sources; infinite where one does not exist. */
+/* Returns the root mean square distance of isotherms over all sources. It is infinite if one of
+ * them does not exist. */
 static double isotherm_error(struct face *f, const double *heat, const double *exact, int time,
                              double radius)
 {
@@ -109,7 +111,7 @@ static double isotherm_error(struct face *f, const double *heat, const double *e
     return sqrt(square / points);
 }
 
-/* Prints a table and checks the promise for times from t_promised on. */
+/* Prints a table, and checks the promise for times from t_promised on. */
 static void compare(struct face *f, const char *name, const double *heat, const double *exact,
                     double t_promised)
 {
@@ -126,7 +128,7 @@ static void compare(struct face *f, const char *name, const double *heat, const 
     }
 }
 
-/* The product computes one time a call. */
+/* The product computes one time in each call. */
 static void release_directly(const struct face *f, double *heat)
 {
     size_t n = (size_t)f->mesh->n_vertices;
@@ -210,7 +212,7 @@ static struct iso_mesh *mean_face(const struct iso_head_model *model)
             frame->depth_mm[i] = 0.0f;
         }
     }
-    /* Steep flanks of the nose stay joined, as on a face patch. */
+    /* The steep sides of the nose stay connected, as on a face patch. */
     const struct iso_triangulate_options options = {.jump_mm = 250.0, .largest_only = true};
     struct iso_triangulator *triangulator = NULL;
     struct iso_mesh *mesh = NULL;

@@ -1,5 +1,5 @@
-/* The grid heat solver: its columns are those of the plane, what it computed before does not change
- * them, and it refuses what it cannot solve. */
+/* The grid heat solver. Its columns are those of the plane, earlier calls do not change them, and
+ * it refuses problems that it cannot solve. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -60,12 +60,12 @@ static void on_a_plane_heat_is_gaussian(void **state)
             double r = hypot(p.x - x_mm, p.y - y_mm);
             if (r < 22.0) {
                 double exact = exp(-r * r / (4.0 * t_mm2)) / (4.0 * M_PI * t_mm2);
-                /* The accuracy of a mesh of 2 mm for a point source. */
+                /* The limit is the accuracy of a mesh of 2 mm for a point source. */
                 assert_true(fabs((double)column.value[i] / exact - 1.0) < 0.03);
             }
         }
     }
-    assert_true(total < 1.0 && total > 0.97); /* the rest left over the window's cold border */
+    assert_true(total < 1.0 && total > 0.97); /* the rest has left over the window's cold border */
     iso_heat_grid_free(solver);
     grid_surface_done(&s);
 }
@@ -81,7 +81,7 @@ static void make_sources(const struct grid_surface *s, struct iso_grid_point sou
     }
 }
 
-/* Largest difference of two columns in terms of the peak of the first. */
+/* Returns the largest difference of two columns, relative to the peak of the first. */
 static double difference(const struct iso_grid *grid, struct iso_grid_field a,
                          struct iso_grid_field b)
 {

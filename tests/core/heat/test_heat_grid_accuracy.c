@@ -1,6 +1,7 @@
-/* How far the isotherms of the grid heat solver lie from those of a reference good to eleven
- * digits, on the mean face: with the same lumped mass, and with the consistent mass that the
- * general solver uses. What is asserted is what the product promises; the rest is printed. */
+/* The distance between the isotherms of the grid heat solver and those of a reference with eleven
+ * correct digits, on the mean face: with the same lumped mass, and with the consistent mass that
+ * the general solver uses. The test asserts the limits that the product promises, and prints the
+ * other figures. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +23,7 @@ enum { SOURCES = 3, TIMES = 4, RADII = 4, POINTS = 64 };
 static const double t_mm2[TIMES] = {50, 75, 100, 200};
 static const double radius_mm[RADII] = {10, 18, 30, 40};
 
-/* Nose tip, inner eye corner, mouth corner, roughly. */
+/* Places near the nose tip, the inner eye corner and the mouth corner. */
 static const double place_mm[SOURCES][2] = {{0.3, 0.4}, {17.3, 33.1}, {-24.4, -33.7}};
 
 /* Sum of squares and count of distances between isotherms. */
@@ -149,7 +150,7 @@ static void isotherms_are_those_of_the_lumped_mass(void **state)
 static void isotherms_are_those_of_the_consistent_mass(void **state)
 {
     (void)state;
-    /* The error of a mesh of 2 mm, where there is still a measurable amount of heat: it grows with
+    /* The error of a mesh of 2 mm, where the heat is large enough to measure. The error grows with
      * the radius and falls with the time. */
     static const double open_mm[TIMES][RADII] = {
         {0.3, 0.3, INFINITY, INFINITY},

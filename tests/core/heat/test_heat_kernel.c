@@ -1,4 +1,5 @@
-/* Heat kernel columns against closed forms, and against each other where both ways must agree. */
+/* Columns of the heat kernel, compared with closed forms, and with each other where both methods
+ * must agree. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -47,7 +48,8 @@ static double total_heat(const struct iso_symmetric *mass, const double *heat)
     return total;
 }
 
-/* Largest relative error against exp(-r^2 / 4t) / (4 pi t) within r <= 3 sqrt(t) of a place. */
+/* Returns the largest relative error against exp(-r^2 / 4t) / (4 pi t) within r <= 3 sqrt(t) of a
+ * place. */
 static double planar_error(const struct iso_mesh *mesh, const double *heat, double x, double y,
                            double t_mm2)
 {
@@ -69,8 +71,8 @@ static void both_ways_give_the_planar_kernel(void **state)
     const double t_mm2[TIMES] = {140.0, 100.0};
     struct iso_mesh *mesh = shape_sheet(127, 121, 1.0);
     struct matrices m = matrices_of(mesh, ISO_MASS_CONSISTENT);
-    /* A vertex: a source inside a triangle is the mean of its corners, which spreads the heat by up
-     * to a third of the pitch; that is tested with the isotherms. */
+    /* The source is a vertex. A source inside a triangle is the mean of its corners, which spreads
+     * the heat by up to a third of the pitch; the tests of isotherms cover this. */
     struct iso_surface_point source = shape_locate(mesh, 3.0, -2.0);
     double *heat = column_room(mesh, TIMES);
     struct iso_heat_direct *solver = new_solver(&m, 0);
@@ -202,7 +204,7 @@ static void pieces_stay_cold(void **state)
     iso_mesh_free(mesh);
 }
 
-/* A large Krylov space and half of the spectrum: both give the reference's digits. */
+/* A large Krylov space and half of the spectrum both give the digits of the reference. */
 static void both_ways_converge_to_the_reference(void **state)
 {
     (void)state;
@@ -238,7 +240,8 @@ static void both_ways_converge_to_the_reference(void **state)
     iso_mesh_free(mesh);
 }
 
-/* The Krylov space is the whole space of a mesh that has fewer vertices than it has dimensions. */
+/* The mesh has fewer vertices than the Krylov space has dimensions, so that the space is complete.
+ */
 static void a_small_mesh_is_exhausted(void **state)
 {
     (void)state;
@@ -259,12 +262,12 @@ static void a_small_mesh_is_exhausted(void **state)
     iso_mesh_free(mesh);
 }
 
-/* One call for several sources and times gives the same as single calls, whatever was computed
- * before. */
+/* One call for several sources and times gives the same as single calls, whatever earlier calls
+ * have computed. */
 static void columns_do_not_depend_on_company(void **state)
 {
     (void)state;
-    enum { SOURCES = 17 }; /* more than a block, and not a multiple of what fits in a register */
+    enum { SOURCES = 17 }; /* more than a block, and no multiple of what fits in a register */
     const double t_mm2 = 100.0;
     struct iso_mesh *mesh = shape_relief(6.0), *other = shape_relief(7.0);
     struct matrices m = matrices_of(mesh, ISO_MASS_CONSISTENT);
@@ -357,7 +360,7 @@ static void impossible_requests_are_refused(void **state)
     m.stiffness->value[3] = -1e6; /* indefinite */
     assert_int_equal(HEAT(mesh, m, &source, 1, &t, 1), -EDOM);
     assert_memory_equal(heat, untouched, sizeof heat);
-    m.stiffness->value[3] = kept; /* the solver has survived all that */
+    m.stiffness->value[3] = kept; /* the solver still works after these errors */
     assert_int_equal(HEAT(mesh, m, &source, 1, &t, 1), 0);
     assert_true(fabs(total_heat(m.mass, heat) - 1.0) < 1e-10);
 #undef HEAT

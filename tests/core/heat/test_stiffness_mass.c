@@ -1,4 +1,4 @@
-/* Stiffness and mass matrices against integrals that are known or done by other means. */
+/* Stiffness and mass matrices, compared with known integrals or with integrals by other methods. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -67,7 +67,7 @@ static void a_right_triangle_has_the_entries_of_the_books(void **state)
 }
 
 /* The integrals of phi_i phi_j and of grad phi_i . grad phi_j by Monte Carlo and by finite
- * differences, over a triangle that lies askew in space. */
+ * differences, over a triangle with a general position in space. */
 static void entries_are_the_integrals_that_they_stand_for(void **state)
 {
     (void)state;
@@ -109,8 +109,8 @@ static void entries_are_the_integrals_that_they_stand_for(void **state)
     iso_mesh_free(mesh);
 }
 
-/* On a bent sheet with coordinates (s, y): u = 2 s - 3 y + 1 has gradient energy 13 per area, and
- * its square an integral that a consistent mass has exactly. */
+/* A bent sheet has the coordinates (s, y). u = 2 s - 3 y + 1 has the gradient energy 13 per area,
+ * and a consistent mass gives the integral of its square exactly. */
 static void linear_functions_are_integrated_exactly(void **state)
 {
     (void)state;
@@ -137,7 +137,8 @@ static void linear_functions_are_integrated_exactly(void **state)
         assert_true(rim || fabs(image[i]) < 1e-12);
     }
     matrices_free(&m);
-    /* Bent onto a cylinder the triangles become chords: the same up to (pitch / radius)^2. */
+    /* On the cylinder the triangles become chords, so that the values agree up to (pitch /
+     * radius)^2. */
     shape_roll(mesh, 40.0);
     m = matrices_of(mesh, ISO_MASS_LUMPED);
     assert_true(fabs(matrices_form(m.stiffness, u, u) / (13.0 * area) - 1.0) < 1e-4);
@@ -146,8 +147,8 @@ static void linear_functions_are_integrated_exactly(void **state)
     iso_mesh_free(mesh);
 }
 
-/* The pattern that the header promises: diagonal first, rows rising, one entry for each edge, the
- * same for both matrices. */
+/* The header promises this pattern: diagonal first, rows rising, one entry for each edge, the same
+ * for both matrices. */
 static void columns_are_sorted_and_complete(void **state)
 {
     (void)state;
@@ -164,7 +165,7 @@ static void columns_are_sorted_and_complete(void **state)
         }
         assert_int_equal(b->column_start[j], a->column_start[j]);
     }
-    /* Refilling with a smaller mesh leaves nothing of the larger one. */
+    /* A second fill with a smaller mesh leaves nothing of the larger one. */
     struct iso_mesh *small = shape_sphere(1, 5.0);
     assert_int_equal(iso_stiffness_mass(small, ISO_MASS_CONSISTENT, m.stiffness, m.mass), 0);
     struct matrices fresh = matrices_of(small, ISO_MASS_CONSISTENT);

@@ -1,5 +1,5 @@
-/* The isotherms of a whole face: circles on a plane with the plane's own heat, and mirror images of
- * each other on the mean face. */
+/* The isotherms of a whole face: circles on a plane with the plane's own heat, and mirror images on
+ * the mean face. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -37,7 +37,7 @@ struct fixture {
     struct iso_template tmpl;
 };
 
-/* The patch of the mean face, all of it measured but for what lies right of `cut_x_mm`. */
+/* The patch of the mean face. Everything is measured except the part right of `cut_x_mm`. */
 static void make_patch(struct fixture *f, double cut_x_mm)
 {
     const struct iso_face_patch_options options = {
@@ -61,7 +61,7 @@ static void make_patch(struct fixture *f, double cut_x_mm)
     iso_mesh_free(head);
 }
 
-/* Makes everything that a test needs besides the mesh. */
+/* Makes everything that a test needs except the mesh. */
 static void make_rest(struct fixture *f)
 {
     size_t triangles = (size_t)f->mesh->n_triangles, vertices = (size_t)f->mesh->n_vertices;
@@ -74,7 +74,7 @@ static void make_rest(struct fixture *f)
     f->face.adjacent = (const int32_t(*)[3])f->adjacent;
     f->face.patch = f->patch;
     f->face.heat = f->heat;
-    memset(&f->tmpl, 0x5a, sizeof f->tmpl); /* whatever was there before */
+    memset(&f->tmpl, 0x5a, sizeof f->tmpl); /* any earlier content */
     f->tmpl.n_radii = RADII;
     f->tmpl.n_points = POINTS;
     for (int r = 0; r < RADII; r++) {
@@ -213,14 +213,14 @@ static void points_weigh_what_was_measured_there(void **state)
 static void an_isotherm_beyond_the_border_has_no_weight(void **state)
 {
     struct fixture *f = *state;
-    /* One landmark 5 mm from the sheet's left border, one without any heat. */
+    /* One landmark is 5 mm from the sheet's left border, and one has no heat. */
     double left_mm = -pitch_mm * (COLUMNS - 1) / 2.0;
     release_on_plane(f, ISO_LM_ALA_R, iso_vec3(left_mm + 5.0, 3.0, 0.0));
     memset(&f->heat[ISO_LM_MOUTH_L * (size_t)f->mesh->n_vertices], 0,
            (size_t)f->mesh->n_vertices * sizeof *f->heat);
     assert_int_equal(iso_face_isotherms(f->tracer, &f->face, &f->tmpl), 0);
     for (int r = 0; r < RADII; r++) {
-        /* Point 6 of 24 lies to the face's -x, outside. */
+        /* Point 6 of 24 is towards the face's -x, outside. */
         const float *outside = f->tmpl.points_mm[r][ISO_LM_ALA_R][6];
         assert_true(outside[0] == 0.0f && outside[1] == 0.0f && outside[2] == 0.0f);
         assert_true(f->tmpl.weight[r][ISO_LM_ALA_R][6] == 0.0f);
@@ -286,8 +286,8 @@ static const enum iso_landmark mirrored[ISO_LANDMARKS] = {
     [ISO_LM_MOUTH_R] = ISO_LM_MOUTH_L,     [ISO_LM_MOUTH_L] = ISO_LM_MOUTH_R,
 };
 
-/* The mean face is symmetric, its mesh and the grid's diagonals are not quite: a place beside the
- * nose may move along the cliff. */
+/* The mean face is symmetric, but its mesh and the grid's diagonals are not quite. A place beside
+ * the nose may move along the steep side. */
 static void left_and_right_are_mirror_images(void **state)
 {
     struct fixture *f = *state;

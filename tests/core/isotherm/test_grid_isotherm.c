@@ -1,4 +1,4 @@
-/* Isotherms traced on a grid are those traced on the mesh of the same frame. */
+/* Isotherms that are traced on a grid equal those that are traced on the mesh of the same frame. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -60,7 +60,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* A function like heat about a place, with `bumps` that give a level several loops. */
+/* A function similar to heat about a place. Its `bumps` give a level several loops. */
 static void heat_up(struct fixture *f, double x_mm, double y_mm, double t_mm2, double bumps)
 {
     float *value = f->plane + iso_grid_plane_origin(f->surface.grid);
@@ -79,7 +79,7 @@ static void assert_same_curves(struct fixture *f, double radius_mm, int *n_curve
     int n = iso_grid_tracer_run(f->on_grid, s->grid, &f->field, radius_mm, &level);
     assert_int_equal(iso_isotherm_level(s->mesh, heat, radius_mm, &mesh_level), 0);
     assert_true(fabs(level / mesh_level - 1.0) < 1e-5);
-    /* Exactly the same level, so that rounding makes no difference between the curves. */
+    /* Both use exactly the same level, so that rounding makes no difference between the curves. */
     assert_int_equal(
         iso_tracer_run(f->on_mesh, s->mesh, (const int32_t(*)[3])s->adjacent, heat, level), n);
     for (int i = 0; i < n; i++) {
@@ -128,7 +128,7 @@ static void a_window_is_a_border(void **state)
 {
     struct fixture *f = *state;
     heat_up(f, 0.0, 0.0, 100.0, 0.0);
-    /* 40 mm wide and 100 high: a circle of 24 mm is cut on both sides. */
+    /* The sheet is 40 mm wide and 100 mm high, so that a circle of 24 mm is cut on both sides. */
     const struct iso_grid_window narrow = {27, 3, 21, 51};
     f->field.window = narrow;
     double level = 0.0;

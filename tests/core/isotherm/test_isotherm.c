@@ -1,4 +1,4 @@
-/* Levels and traced curves of functions and on surfaces that are known. */
+/* Levels and traced curves of known functions on known surfaces. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -58,7 +58,7 @@ static int trace(struct scene *s, double level)
     return iso_tracer_run(s->tracer, s->mesh, (const int32_t(*)[3])s->adjacent, s->heat, level);
 }
 
-/* Area that a curve goes around counter-clockwise, seen from +z. */
+/* Returns the area that a curve surrounds counter-clockwise, seen from +z. */
 static double signed_area(struct iso_curve curve)
 {
     double area = 0.0;
@@ -180,7 +180,7 @@ static void a_hill_has_one_loop_with_the_hot_side_left(void **state)
     assert_true(fabs(signed_area(curve) / (M_PI * 8.7 * 8.7) - 1.0) < 0.005);
     for (int32_t i = 0; i < curve.n; i++) {
         assert_true(fabs(iso_norm(curve.points_mm[i]) - 8.7) < 0.02);
-        /* Steps from triangle to triangle: no jumps. */
+        /* The curve steps from triangle to triangle and never jumps. */
         struct iso_vec3 next = curve.points_mm[(i + 1) % curve.n];
         assert_true(iso_norm(iso_sub(next, curve.points_mm[i])) < 0.71);
     }
@@ -218,7 +218,7 @@ static void of_nested_loops_the_outer_one_is_chosen(void **state)
     double half_width = sqrt(12.0 * log(2.0));
     double area = signed_area(iso_tracer_curve(s.tracer, outer));
     assert_true(fabs(sqrt(area / M_PI) - (10.0 + half_width)) < 0.1);
-    /* About the crater's floor the hot side on the left means clockwise. */
+    /* At the floor of the crater the hot side is on the left, which means clockwise. */
     double inner = signed_area(iso_tracer_curve(s.tracer, 1 - outer));
     assert_true(inner < 0.0 && fabs(sqrt(-inner / M_PI) - (10.0 - half_width)) < 0.1);
     scene_done(&s);
@@ -231,7 +231,8 @@ static void a_curve_at_the_border_is_open(void **state)
     assert_int_equal(trace(&s, 0.3), 1);
     struct iso_curve curve = iso_tracer_curve(s.tracer, 0);
     assert_false(curve.closed);
-    /* Both ends on the border x = 20; hot on the left: from above to below. */
+    /* Both ends are on the border x = 20. The hot side is on the left, so that the curve runs from
+     * above to below. */
     struct iso_vec3 first = curve.points_mm[0], last = curve.points_mm[curve.n - 1];
     assert_true(first.x == 20.0 && last.x == 20.0);
     assert_true(first.y > 8.0 && last.y < -8.0);
@@ -264,14 +265,15 @@ static void two_open_curves_run_along_a_ridge(void **state)
         for (int32_t i = 0; i < curve.n; i++) {
             assert_true(fabs(curve.points_mm[i].x - (right ? 4.25 : -2.25)) < 1e-12);
         }
-        /* Hot side left: up on the right of the ridge, down on its left. */
+        /* The hot side is on the left: the curve goes up on the right of the ridge and down on its
+         * left. */
         double rise = curve.points_mm[curve.n - 1].y - curve.points_mm[0].y;
         assert_true(fabs(rise - (right ? 20.0 : -20.0)) < 1e-12);
     }
     scene_done(&s);
 }
 
-/* Whole numbers for heat and level: the curve goes through vertices and along edges. */
+/* Heat and level are whole numbers, so that the curve goes through vertices and along edges. */
 static void vertices_exactly_on_the_level_do_no_harm(void **state)
 {
     (void)state;
@@ -286,7 +288,8 @@ static void vertices_exactly_on_the_level_do_no_harm(void **state)
     assert_true(curve.closed && fabs(signed_area(curve)) < 1e-12);
     assert_int_equal(trace(&s, -100.0), 0);
     scene_done(&s);
-    s = scene_with(shape_sheet(9, 8, 1.0), flat); /* all of it at the level, which counts as hot */
+    s = scene_with(shape_sheet(9, 8, 1.0),
+                   flat); /* all of it is at the level, which counts as hot */
     assert_int_equal(trace(&s, 0.25), 0);
     scene_done(&s);
 }
@@ -306,7 +309,7 @@ static void a_tracer_has_its_size(void **state)
     scene_done(&s);
 }
 
-/* Releases heat at (x, y) of a mesh and traces the isotherm of a radius. */
+/* Releases heat at (x, y) of a mesh, and traces the isotherm of a radius. */
 static struct scene heated(struct iso_mesh *mesh, struct iso_surface_point source, double radius_mm)
 {
     const double t_mm2 = 100.0;
@@ -326,7 +329,7 @@ static struct scene heated(struct iso_mesh *mesh, struct iso_surface_point sourc
     return s;
 }
 
-/* A face patch's pitch of 2 mm, and a source that is no vertex. */
+/* The pitch is 2 mm, as on a face patch, and the source is not a vertex. */
 static void an_isotherm_of_a_plane_is_a_circle(void **state)
 {
     (void)state;
@@ -351,7 +354,7 @@ static void an_isotherm_of_a_plane_is_a_circle(void **state)
     }
 }
 
-/* On a cylinder, unrolled, the isotherm is where it was on the sheet. */
+/* On a cylinder that is unrolled, the isotherm is in the same place as on the sheet. */
 static void bending_leaves_the_isotherm_where_it_was(void **state)
 {
     (void)state;

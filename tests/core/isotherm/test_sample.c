@@ -45,7 +45,8 @@ static void polar_samples_start_at_y_and_turn_to_minus_x(void **state)
 static void of_several_crossings_the_farthest_counts(void **state)
 {
     (void)state;
-    /* An arm reaches out to +x and back above: rays near +x cross three times. */
+    /* An arm reaches out to +x and back above it, so that rays near +x cross the curve three times.
+     */
     const struct iso_vec3 points[] = {{-5, -5, 0}, {12, -5, 0}, {12, 3, 0}, {9, 3, 0},
                                       {9, -3, 0},  {5, -3, 0},  {5, 5, 0},  {-5, 5, 0}};
     const struct iso_curve curve = {8, true, points};
@@ -65,8 +66,8 @@ static void arc_samples_are_equally_spaced(void **state)
         struct iso_isotherm s;
         assert_int_equal(iso_isotherm_sample_arc(curve, box_centre, N, &s), 0);
         assert_int_equal(s.n, N);
-        /* Starts at the corner closest to +y and goes on towards -x, whichever way it was traced.
-         */
+        /* The samples start at the corner closest to +y and go on towards -x, in either direction
+         * of the traced curve. */
         assert_true(s.points_mm[0].y > 24.9);
         for (int i = 0; i < N; i++) {
             assert_true(s.weight[i] == 1.0f);

@@ -1,5 +1,5 @@
-/* A head model: what is written is read back, what could not be read is not written, and its points
- * follow the shape. */
+/* A head model. The reader returns what was written, the writer refuses a model that could not be
+ * read, and the points of a model follow its shape. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -47,7 +47,7 @@ static void a_model_survives_its_bytes(void **state)
     free(file);
 }
 
-/* The header's description of the file, read by hand. */
+/* Reads the file by hand, as the header describes it. */
 static void the_file_is_laid_out_as_documented(void **state)
 {
     (void)state;

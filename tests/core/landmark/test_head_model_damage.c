@@ -1,4 +1,4 @@
-/* Nothing damaged is accepted as a head model. */
+/* No damaged file is accepted as a head model. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -28,13 +28,13 @@ static void refuses_every_truncation(void **state)
     (void)state;
     uint8_t *file = small_head_model_file();
     for (size_t size = 0; size < SIZE; size++) {
-        /* A copy of just that size, so that the sanitizers see a read beyond it. */
+        /* A copy of exactly this size, so that the sanitizers find a read beyond it. */
         uint8_t *part = malloc(size + 1);
         assert_non_null(part);
         memcpy(part, file, size);
         part = realloc(part, size ? size : 1);
         assert_refused(part, size, "");
-        if (size > AT_MEAN) { /* and one that claims to be whole */
+        if (size > AT_MEAN) { /* and a file that claims to be complete */
             (void)iso_put_u32(part + AT_SIZE, (uint32_t)size);
             small_head_model_seal(part, size);
             assert_refused(part, size, "size does not fit the counts");

@@ -1,5 +1,5 @@
-/* Landmarks of a frame without a template: covered faces, several of them, faces that are followed,
- * and how sure the landmarks are. */
+/* Landmarks of a frame without a template: covered faces, several faces, faces that are followed,
+ * and the uncertainty of the landmarks. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,7 +26,7 @@ static enum iso_capture locate(struct extract_rig *f)
     return f->out.outcome;
 }
 
-/* Puts something in front of the head (a depth), or a hole (0), over a rectangle of the face frame
+/* Puts an object in front of the head (a depth), or a hole (0), over a rectangle of the face frame
  * of a head in the middle. */
 static void cover(struct extract_rig *f, double left_mm, double right_mm, double low_mm,
                   double high_mm, float depth_mm)
@@ -169,7 +169,7 @@ static void a_face_is_followed(void **state)
             assert_true(iso_norm(iso_sub(f->out.landmark_mm[l], looked_for.landmark_mm[l])) < 0.5);
         }
     }
-    assert_int_equal(followed, 24 - 3); /* the first, and again after every ten */
+    assert_int_equal(followed, 24 - 3); /* the first frame, and again after every ten */
     iso_extractor_free(plain);
 }
 
@@ -182,7 +182,7 @@ static void a_lost_face_is_looked_for(void **state)
     f->frame->t_ns = FRAME_NS;
     assert_int_equal(locate(f), ISO_CAPTURE_OK);
     rendered_head_clear(f->frame);
-    draw(f, iso_vec3(120, 20, 600)); /* somewhere else in the next frame */
+    draw(f, iso_vec3(120, 20, 600)); /* in another place in the next frame */
     f->frame->t_ns = 2 * FRAME_NS;
     assert_int_equal(locate(f), ISO_CAPTURE_OK);
     assert_false(f->out.tracked);

@@ -1,4 +1,4 @@
-/* The head model fitted to rendered heads whose pose, identity and expression are known. */
+/* The head model is fitted to rendered heads with known pose, identity and expression. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -92,7 +92,7 @@ enum {
     EXPRESSION = sizeof expression / sizeof expression[0]
 };
 
-/* Shapes and draws a person who is not the mean, with an expression. */
+/* Makes and draws a person who is not the mean, with an expression. */
 static void draw_person(struct fixture *f)
 {
     for (uint32_t k = 0; k < IDENTITY; k++) {
@@ -113,7 +113,7 @@ static void the_mean_head_comes_back_as_itself(void **state)
     assert_int_equal(iso_shape_fitter_new(f->model, &usual, &f->fitter), 0);
     assert_int_equal(iso_shape_fit(f->fitter, f->frame, &f->start, &fit), 0);
     rendered_head_assert_pose(&fit.pose.camera_from_face, &f->truth, 0.4, 0.3);
-    /* The part of the cheek that the nose hides counts in full. */
+    /* The part of the cheek behind the nose counts in full. */
     assert_true(fit.pose.cost_mm2 < 3.5);
     assert_true(fit.pose.coverage > 0.99);
     assert_true(fit.pose.in_image == 1.0);
@@ -167,7 +167,7 @@ static void landmarks_are_those_of_the_neutral_head(void **state)
     assert_true(sqrt(squares / ISO_LANDMARKS) < 1.0);
 }
 
-/* One fitter is used for one face after another: nothing of the first remains in the second. */
+/* One fitter fits one face after another. Nothing of the first face remains in the second. */
 static void a_fit_does_not_depend_on_the_one_before(void **state)
 {
     struct fixture *f = *state;
@@ -193,8 +193,8 @@ static void too_little_of_a_face_is_no_data(void **state)
     assert_int_equal(iso_shape_fitter_new(f->model, &usual, &f->fitter), 0);
     assert_int_equal(iso_shape_fit(f->fitter, f->frame, &f->start, &fit), -ENODATA);
     assert_memory_equal(&fit, &untouched, sizeof fit);
-    /* Enough measurements for that many residuals, but a plane across the line of sight fixes no
-     * pose. */
+    /* There are enough measurements for that many residuals, but a plane across the line of sight
+     * determines no pose. */
     f->start = rendered_head_pose(0.0, 0.0, iso_vec3(0, 0, 520));
     rendered_head_wall(f->frame, 3000.0f);
     assert_int_equal(iso_shape_fit(f->fitter, f->frame, &f->start, &fit), -ENODATA);
@@ -245,7 +245,7 @@ static void the_rigid_fit_finds_the_mean_head(void **state)
     iso_pose_vertices_free(vertices);
 }
 
-/* A window of the image whose left border is the middle of the face. */
+/* The left border of this window of the image is the middle of the face. */
 static void a_cut_head_is_partly_out_of_the_image(void **state)
 {
     struct fixture *f = *state;

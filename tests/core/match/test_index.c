@@ -1,5 +1,5 @@
-/* The index: its scan finds the same people as the exhaustive score, whatever was added, changed
- * and removed. */
+/* The index. Its scan finds the same people as the exhaustive score after any additions, changes
+ * and removals. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -16,11 +16,11 @@
 
 enum { DIMENSIONS = 150, PEOPLE = 3000, SHORTLIST = 10 };
 
-/* Scores that differ by less than this may change places by rounding. */
+/* Rounding may exchange scores that differ by less than this. */
 static const double rounding = 1e-4;
 
-/* Numbers of mean 0 and variance 1, the same ones every time (twelve uniform ones: close enough).
- */
+/* Numbers of mean 0 and variance 1, the same ones in every run. (They are sums of twelve uniform
+ * numbers.) */
 static float normal(uint32_t *state)
 {
     double sum = -6.0;
@@ -31,7 +31,7 @@ static float normal(uint32_t *state)
     return (float)sum;
 }
 
-/* The variances between people are like those of the shipped metric, from large to almost 0. */
+/* The variances between people resemble those of the shipped metric, from large to almost 0. */
 static struct iso_metric *new_metric(int n_dimensions)
 {
     const struct iso_metric shape = {
@@ -51,7 +51,7 @@ static struct iso_metric *new_metric(int n_dimensions)
     return m;
 }
 
-/* A person's own numbers; with `spread`, one template of that person. */
+/* The numbers of a person. With `spread`, one template of that person. */
 static struct iso_metric_vector person_of(const struct iso_metric *m, uint32_t *state)
 {
     struct iso_metric_vector v = {.n = 1, .weight = 1.0f, .scale = 1.0f};
@@ -69,9 +69,9 @@ static struct iso_metric_vector template_of(const struct iso_metric *m,
     for (int d = 0; d < m->n_dimensions; d++) {
         noisy.mean[d] += spread * normal(state);
     }
-    /* Each template has another weight: an eighth to eight times that of an average one. */
+    /* Each template has another weight, from an eighth to eight times that of an average one. */
     noisy.weight = exp2f((float)(int)(*state >> 16 & 7) - 3.5f);
-    iso_metric_vector_add(m, &noisy, &out); /* which scales it */
+    iso_metric_vector_add(m, &noisy, &out); /* it scales the vector */
     return out;
 }
 
@@ -87,7 +87,7 @@ static int64_t number_of(int i)
     return 5 + 2 * (int64_t)i;
 }
 
-/* 1 to 16 templates each. */
+/* Each person has 1 to 16 templates. */
 static void enrol(struct crowd *c, int i)
 {
     c->own[i] = person_of(c->metric, &c->state);
@@ -127,8 +127,8 @@ static int falling(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-/* Compares one search with the exact score of everybody: nobody is missing who is better than the
- * last hit by more than rounding, and every hit has the exact score. */
+/* Compares one search with the exact score of everybody. Nobody who is missing may be better than
+ * the last hit by more than rounding, and every hit has the exact score. */
 static void expect_exhaustive(const struct crowd *c, int people,
                               const struct iso_metric_vector *probe)
 {
@@ -158,7 +158,7 @@ static void a_scan_finds_whom_the_exhaustive_score_finds(void **state)
     for (int i = 0; i < PEOPLE; i += 61) {
         struct iso_metric_vector probe = template_of(c->metric, &c->own[i], 1.0f, &c->state);
         expect_exhaustive(c, PEOPLE, &probe);
-        probe = template_of(c->metric, &c->own[i], 8.0f, &c->state); /* hardly to be known */
+        probe = template_of(c->metric, &c->own[i], 8.0f, &c->state); /* hardly recognisable */
         expect_exhaustive(c, PEOPLE, &probe);
         const struct iso_metric_vector stranger = person_of(c->metric, &c->state);
         probe = template_of(c->metric, &stranger, 1.0f, &c->state);
@@ -182,7 +182,8 @@ static void people_come_and_change_and_leave(void **state)
         assert_true(found.scale <= c->all[i].scale && found.scale >= c->all[i].scale);
         assert_memory_equal(found.mean, c->all[i].mean, DIMENSIONS * sizeof(float));
     }
-    /* People in the middle, the first and the last one leave, and come again in another order. */
+    /* People in the middle, the first one and the last one are removed, and are added again in
+     * another order. */
     static const int moved[] = {17, 0, 39, 3};
     for (int k = 0; k < 4; k++) {
         assert_int_equal(iso_index_remove(c->index, number_of(moved[k])), 0);
@@ -199,7 +200,7 @@ static void people_come_and_change_and_leave(void **state)
     assert_int_equal(iso_index_put(c->index, number_of(8), &c->all[9]), 0);
     assert_int_equal(iso_index_size(c->index), FEW);
     expect_exhaustive(c, FEW, &probe);
-    /* More room keeps the people who are there. */
+    /* More space keeps the people in the index. */
     assert_int_equal(iso_index_reserve(c->index, 10 * FEW), 0);
     expect_exhaustive(c, FEW, &probe);
     free_crowd(c);
@@ -223,7 +224,7 @@ static void equals_come_in_the_order_of_their_numbers(void **state)
     free_crowd(c);
 }
 
-/* Fewer dimensions than lanes, and a number that is no multiple of them. */
+/* There are fewer dimensions than lanes, or a number that is no multiple of them. */
 static void every_number_of_dimensions_will_do(void **state)
 {
     (void)state;
@@ -269,11 +270,13 @@ static void what_it_cannot_do_is_an_error(void **state)
     }
     assert_int_equal(iso_index_put(c->index, 99, &c->all[0]), -ENOSPC);
     assert_int_equal(iso_index_add(c->index, 99, &c->all[0]), -ENOSPC);
-    assert_int_equal(iso_index_put(c->index, 5, &c->all[1]), 0); /* who is there needs no room */
+    assert_int_equal(iso_index_put(c->index, 5, &c->all[1]),
+                     0); /* a known person needs no more space */
     assert_int_equal(iso_index_size(c->index), 16);
     assert_int_equal(iso_index_find(c->index, 6, &found), -ENOENT);
     assert_int_equal(found.n, 77);
-    assert_int_equal(iso_index_search(c->index, &c->all[1], &hit, 1, &n), -EINVAL); /* two in it */
+    assert_int_equal(iso_index_search(c->index, &c->all[1], &hit, 1, &n),
+                     -EINVAL); /* two people are in it */
     assert_int_equal(iso_index_search(c->index, &none, &hit, 1, &n), -EINVAL);
     assert_int_equal(iso_index_search(c->index, &c->all[0], &hit, -1, &n), -EINVAL);
     assert_int_equal(iso_index_search(c->index, &c->all[0], &hit, ISO_INDEX_HITS_MAX + 1, &n),

@@ -1,4 +1,4 @@
-/* The metric: registration, projection and score, on numbers that can be worked out. */
+/* The metric: registration, projection and score, on numbers small enough to calculate by hand. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -16,7 +16,7 @@
 /* The working memory of the functions under test. */
 static struct iso_rerank_workspace work;
 
-/* The mean curves turned and shifted, curves of other landmarks that do not matter, and the mean
+/* The mean curves turned and shifted, curves of other landmarks that do not count, and the mean
  * heights. */
 static struct iso_template mean_template(const struct iso_metric *m, double turn_rad)
 {
@@ -57,7 +57,7 @@ static void residuals_do_not_see_how_a_face_is_placed(void **state)
     for (int v = 0; v < m->n_values; v++) {
         assert_true(fabsf(residual_mm[v]) < 1e-4f);
     }
-    /* A missing point contributes nothing, however wrong its value is, and moves no other point. */
+    /* A missing point contributes nothing, whatever value it has, and moves no other point. */
     t.points_mm[1][4][2][2] += 50.0f;
     t.weight[1][4][2] = 0.0f;
     assert_int_equal(iso_metric_residuals(m, &t, residual_mm), 0);
@@ -89,7 +89,7 @@ static void it_refuses_what_it_cannot_compare(void **state)
     iso_metric_free(m);
 }
 
-/* The squared length, in standard deviations of a vector of this many templates. */
+/* The squared length of a vector of this many templates, in standard deviations. */
 static double length_of(const struct iso_metric *m, const struct iso_metric_vector *v)
 {
     double length = 0.0;
@@ -137,7 +137,7 @@ static void heights_count_where_there_are_any(void **state)
     iso_metric_free(m);
 }
 
-/* The most likely variance of the numbers, found by trying every step. */
+/* Finds the most likely variance of the numbers by trying every step. */
 static void a_vector_says_how_noisy_it_is(void **state)
 {
     (void)state;
@@ -152,7 +152,7 @@ static void a_vector_says_how_noisy_it_is(void **state)
     struct iso_metric *m = NULL;
     assert_int_equal(iso_metric_new(&shape, &m), 0);
     struct iso_template t = {.algorithm = 77, .n_radii = 1, .n_points = 4, .n_frames = 1};
-    for (int i = 0; i < 4; i++) { /* where the mean curve is: nothing is left of it */
+    for (int i = 0; i < 4; i++) { /* it equals the mean curve, so that nothing is left of it */
         t.weight[0][0][i] = 1.0f;
         for (int k = 0; k < 3; k++) {
             m->curve_mm[3 * i + k] = t.points_mm[0][0][i][k] = (float)((i * i + k * 3 * i) % 7);
@@ -160,7 +160,7 @@ static void a_vector_says_how_noisy_it_is(void **state)
     }
     for (int step = -6; step <= 6; step += 3) {
         for (int d = 0; d < MANY; d++) {
-            /* Normal quantiles, in an order that has nothing to do with the variances. */
+            /* Normal quantiles, in an order that does not depend on the variances. */
             const double u = (d * 67 % MANY + 0.5) / MANY, q = log(u / (1.0 - u)) / 1.702;
             m->between[d] = 50.0f * expf(-0.1f * (float)d);
             m->centre[d] = -(float)(q * sqrt(iso_metric_variance(step) + (double)m->between[d]));
@@ -193,9 +193,9 @@ static void a_noisy_vector_counts_for_less(void **state)
     iso_metric_free(m);
 }
 
-/* log density of n numbers that vary by v about a mean which they share, whose variance is b:
- * covariance diag(v) + b 11'; with V = 1 / sum 1 / v and m the mean weighted by 1 / v, of which
- * the rest of the numbers is independent, determinant prod v (1 + b / V). */
+/* The log density of n numbers that vary by v about a common mean with variance b. The covariance
+ * is diag(v) + b 11'. Let V = 1 / sum 1 / v, and let m be the mean weighted by 1 / v. The rest of
+ * the numbers is independent of m, and the determinant is prod v (1 + b / V). */
 static double log_density(const double *x, const double *v, int n, double b)
 {
     double weight = 0.0, sum = 0.0, square = 0.0, log_det = 0.0;
@@ -213,7 +213,7 @@ static void a_score_is_the_likelihood_ratio_of_one_person_and_two(void **state)
 {
     (void)state;
     struct iso_metric *m = small_metric();
-    /* Weights of 1, 1 and 2: together 4. */
+    /* The weights are 1, 1 and 2: together 4. */
     const struct iso_metric_vector a = {1, 1.0f, 0, 1.0f, {2.0f, -1.0f, 0.5f}},
                                    b = {1, 1.0f, 0, 1.0f, {3.0f, 0.0f, -0.5f}},
                                    c = {1, 2.0f, 2, 1.0f, {2.5f, -0.7f, 0.1f}};
@@ -237,7 +237,7 @@ static void a_score_is_the_likelihood_ratio_of_one_person_and_two(void **state)
     iso_metric_free(m);
 }
 
-/* Person 5 has two templates, 6 has one that is almost empty, 7 has one. */
+/* Person 5 has two templates, person 6 has one that is almost empty, and person 7 has one. */
 static void a_search_takes_all_templates_of_a_person_together(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* The file of a metric: what is written is read back, and nothing damaged is accepted. */
+/* The file of a metric. The reader returns what was written, and refuses every damaged file. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>

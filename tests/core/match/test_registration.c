@@ -1,4 +1,4 @@
-/* Closed-form fits and ICP against transforms that are known. */
+/* Closed-form fits and ICP, compared with known transforms. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -68,7 +68,7 @@ static void rigid_fit_ignores_points_of_weight_zero(void **state)
     assert_true(rigid_difference(&truth, &found) < 1e-9);
 }
 
-/* The rotation must be proper even where a reflection would fit better. */
+/* The result must be a proper rotation even where a reflection would fit better. */
 static void rigid_fit_never_reflects(void **state)
 {
     (void)state;
@@ -150,7 +150,7 @@ static void icp_recovers_a_motion_despite_outliers(void **state)
     make_rings(source, source_weight, &none);
     make_rings(target, target_weight, &truth);
     for (int i = 0; i < N; i += 6) {
-        target[i][2] += 15.0f; /* a sixth is wrong, the trim of 0.8 leaves it out */
+        target[i][2] += 15.0f; /* a sixth is wrong; the trim of 0.8 leaves it out */
     }
     target_weight[7] = 0.0f;
     struct iso_icp_points a = {3, 20, (const float(*)[3])source, source_weight};

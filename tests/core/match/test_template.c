@@ -1,4 +1,4 @@
-/* Template bytes, fusion, cohort and search on made-up templates. */
+/* Template bytes, fusion, cohort and search on artificial templates. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -20,8 +20,8 @@ static struct iso_icp_workspace registration;
 
 enum { COHORT = 12 };
 
-/* The "face" of a made-up person: curves whose shape depends on the number, moved as a whole by
- * `shift_mm` and disturbed by `noise_mm` (a fixed pattern). */
+/* The "face" of an artificial person. The shape of its curves depends on the number; `shift_mm`
+ * moves it as a whole, and `noise_mm` disturbs it with a fixed pattern. */
 static struct iso_template person(int number, float shift_mm, float noise_mm)
 {
     struct iso_template t;
@@ -69,7 +69,7 @@ static void a_template_survives_its_bytes(void **state)
     assert_true(back.learned);
     assert_true(back.weight[1][4][7] == 0.0f && back.weight[0][0][0] == 1.0f);
     assert_memory_equal(&back.upper, &t.upper, sizeof t.upper);
-    /* Without an upper face there are only the two bytes that say so. */
+    /* Without an upper face there are only two bytes, which say so. */
     memset(&t.upper, 0, sizeof t.upper);
     const int plain = iso_template_serialise(&t, bytes, sizeof bytes);
     assert_int_equal(size - plain, ISO_UPPER_KIND_BYTES + 2);
@@ -110,7 +110,7 @@ static void damaged_template_bytes_are_refused(void **state)
     /* An empty block under a correct checksum. */
     bytes[4] = ISO_TEMPLATE_VERSION;
     const size_t block = (size_t)size - 4 - (ISO_UPPER_KIND_BYTES + 2);
-    bytes[block] = 3; /* no kind of a node */
+    bytes[block] = 3; /* not a valid kind of a node */
     (void)iso_put_u32(bytes + size - 4, iso_crc32(0, bytes, (size_t)size - 4));
     assert_int_equal(iso_template_parse(bytes, (size_t)size, &back), -EBADMSG);
     assert_memory_equal(&back, &untouched, sizeof back);
@@ -128,7 +128,7 @@ static void a_template_out_of_range_is_not_written(void **state)
     t.points_mm[1][3][2][1] = 600.0f;
     assert_int_equal(iso_template_serialise(&t, bytes, sizeof bytes), -EINVAL);
     t = person(1, 0.0f, 0.0f);
-    t.upper.z_mm[9][9] = 1.0f; /* of no kind */
+    t.upper.z_mm[9][9] = 1.0f; /* its kind is none */
     assert_int_equal(iso_template_serialise(&t, bytes, sizeof bytes), -EINVAL);
     t = person(1, 0.0f, 0.0f);
     t.n_points = ISO_TEMPLATE_POINTS_MAX + 1;
@@ -171,7 +171,7 @@ static void distance_refuses_what_cannot_be_compared(void **state)
     assert_int_equal(iso_match_distance(&registration, &a, &a, &options, &distance), -EINVAL);
 }
 
-/* A landmark that is left out neither registers, nor counts, nor is missed. */
+/* A landmark that is left out is not used for registration, does not count, and is not missed. */
 static void distance_leaves_landmarks_out(void **state)
 {
     (void)state;
@@ -257,7 +257,8 @@ static void search_finds_the_person_and_only_the_person(void **state)
     struct iso_template gallery[6];
     struct iso_search_entry entries[6];
     for (int i = 0; i < 6; i++) {
-        gallery[i] = person(1 + i / 2, 0.0f, i % 2 ? 0.3f : 0.0f); /* two templates a person */
+        gallery[i] = person(1 + i / 2, 0.0f,
+                            i % 2 ? 0.3f : 0.0f); /* two templates for each person */
         entries[i] = (struct iso_search_entry){1 + i / 2, &gallery[i]};
     }
     struct iso_template probe = person(2, 3.0f, 0.2f);

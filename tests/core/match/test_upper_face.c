@@ -1,5 +1,5 @@
 /* The upper face of a template: its bytes, registration, fusion, and the fused score, on a surface
- * that is a formula. */
+ * that is given by a formula. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -19,8 +19,8 @@
 /* The working memory of the functions under test. */
 static struct iso_rerank_workspace work;
 
-/* A vaulted forehead with a nose, brows that are not symmetric, and a wave that depends on who it
- * is. */
+/* A curved forehead with a nose, brows that are not symmetric, and a wave that depends on the
+ * person. */
 static double height_mm(int who, double x, double y)
 {
     const double nose = 18.0 * exp(-(x * x + (y + 4.0) * (y + 4.0) / 3.0) / 250.0);
@@ -35,7 +35,7 @@ static bool inside(double x, double y)
     return x * x / (64.0 * 64.0) + (y - 30.0) * (y - 30.0) / (54.0 * 54.0) < 1.0;
 }
 
-/* The surface after a motion: its height above a node is found by iteration. */
+/* The surface after a motion. An iteration finds its height above a node. */
 static struct iso_upper_face moved_face(int who, const struct iso_rigid *motion)
 {
     const struct iso_rigid back = iso_rigid_inverse(motion);
@@ -100,7 +100,7 @@ static void damaged_bytes_are_refused(void **state)
         assert_int_equal(iso_upper_face_get(bytes, cut, &back), -EBADMSG);
     }
     assert_int_equal(iso_upper_face_get(bytes, size + 1, &back), -EBADMSG);
-    bytes[200] |= 3; /* no kind */
+    bytes[200] |= 3; /* not a valid kind */
     assert_int_equal(iso_upper_face_get(bytes, size, &back), -EBADMSG);
     (void)iso_upper_face_put(&face, bytes);
     bytes[size - 1] = 0x80; /* 512 mm behind the nose tip */
@@ -143,12 +143,11 @@ static void a_face_fits_itself_however_it_is_moved(void **state)
         const struct iso_upper_face moved = moved_face(2, &motion);
         struct iso_upper_fit fit;
         assert_int_equal(iso_upper_fit(&work.fit, &moved, &surface, &fit), 0);
-        /* A motion along z takes nodes to nodes. Otherwise the surface between them has the error
-         * of linear interpolation: an eighth of the curvature (up to 0.1 / mm) times 3 mm squared.
-         */
+        /* A motion along z moves nodes to nodes. With other motions the surface between the nodes
+         * has the error of linear interpolation: an eighth of the curvature (up to 0.1 / mm) times
+         * 3 mm squared. */
         assert_true(fit.rms_mm < (i == 0 ? 1e-3 : 0.06));
-        assert_true(fit.overlap > 0.75 &&
-                    fit.overlap <= 1.0); /* of the rim the slope is not known */
+        assert_true(fit.overlap > 0.75 && fit.overlap <= 1.0); /* the slope of the rim is unknown */
         const struct iso_rigid whole = iso_rigid_mul(&fit.gallery_from_probe, &motion);
         const struct iso_vec3 corners[] = {{40, 60, -20}, {-40, 60, -20}, {0, -10, 15}};
         for (int k = 0; k < 3; k++) {
@@ -204,7 +203,7 @@ static void fusing_averages_in_the_frame_of_the_first(void **state)
             two.z_mm[v][u] -= two.kind[v][u] ? off_mm : 0.0f;
         }
     }
-    one.kind[18][24] = ISO_UPPER_FILLED; /* the second knows better */
+    one.kind[18][24] = ISO_UPPER_FILLED; /* the second has measured it */
     one.z_mm[18][24] += 9.0f;
     const struct iso_upper_face *faces[] = {&one, &two, &none};
     const struct iso_rigid first_from_face[] = {iso_rigid_identity(), iso_rigid_inverse(&motion),

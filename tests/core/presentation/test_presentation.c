@@ -1,4 +1,5 @@
-/* Cues of a presentation attack: sheets against closed forms, then scenes by the extractor. */
+/* Cues of a presentation attack: sheets compared with closed forms, then scenes by the extractor.
+ */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +18,7 @@
 
 enum { SIDE = 20, GRID = SIDE * SIDE };
 
-/* A grid of 6 mm of z(x, y), the x axis turned by an angle. */
+/* A grid of 6 mm of z(x, y), with the x axis turned by an angle. */
 static int grid_of(double (*z)(double x, double y), double turn_rad, struct iso_vec3 points[GRID])
 {
     for (int i = 0; i < GRID; i++) {
@@ -56,7 +57,7 @@ static void a_plane_fits_a_plane(void **state)
     double plane[3];
     int n = grid_of(tilted, 0.0, points);
     for (int i = 0; i < n / 10; i++) {
-        points[7 * i % n].z += 30.0; /* a finger before it */
+        points[7 * i % n].z += 30.0; /* a finger in front of it */
     }
     assert_int_equal(iso_plane_fit(points, n, 4.0, plane, &fit), 0);
     assert_true(fabs(plane[0] - 7.0) < 1e-6 && fabs(plane[1] - 0.3) < 1e-6 &&
@@ -112,7 +113,7 @@ static void every_cue_has_its_word(void **state)
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_OK);
     cues = face_like();
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_OK);
-    cues.eyes[ISO_EYE_R].depth_mm = 9.0; /* one eye is no mask */
+    cues.eyes[ISO_EYE_R].depth_mm = 9.0; /* one eye hole is no mask */
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_OK);
     cues.eyes[ISO_EYE_L].hole_share = 1.0;
     cues.eyes[ISO_EYE_L].depth_mm = 0.0;
@@ -125,11 +126,11 @@ static void every_cue_has_its_word(void **state)
     cues.size.scale = cues.fitted_scale = 0.75;
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_WRONG_SIZE);
     cues.size.scale = cues.fitted_scale = 1.0;
-    cues.size.cost_mm2 = 8.0; /* of no size at all */
+    cues.size.cost_mm2 = 8.0; /* it fits at no size */
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_WRONG_SIZE);
     cues.relief.bent.inlier_share = 0.95;
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_BENT);
-    cues.relief.bent.inlier_share = 0.78; /* of an odd head */
+    cues.relief.bent.inlier_share = 0.78; /* like an unusual head */
     cues.identity_norm = 1.0;
     assert_int_equal(iso_presentation_judge(&cues, &o), ISO_CAPTURE_BENT);
     cues.identity_norm = 0.4;
@@ -212,8 +213,8 @@ static void pictures_and_masks_are_refused_and_people_are_not(void **state)
             }
             print_message("%s %s: %d accepted, %d called an attack, of %d\n", sensors[s]->name,
                           names[kind], outcomes[ISO_CAPTURE_OK], attacks, EACH);
-            /* One in a hundred people has an extraordinary head: one refusal is allowed, and no
-             * other. */
+            /* One in a hundred people has an extraordinary head. One refusal is allowed, and no
+             * more. */
             if (kind == PERSON) {
                 assert_int_equal(outcomes[ISO_CAPTURE_OK] + outcomes[ISO_CAPTURE_WRONG_SIZE], EACH);
                 assert_true(outcomes[ISO_CAPTURE_WRONG_SIZE] <= 1);
@@ -231,7 +232,7 @@ static void pictures_and_masks_are_refused_and_people_are_not(void **state)
     iso_head_model_free(model);
 }
 
-/* The scale that was given is found, whatever the pose. */
+/* The given scale is found for every pose. */
 static void the_size_of_the_mean_face_is_found(void **state)
 {
     (void)state;
@@ -304,8 +305,8 @@ static double scale_found(const struct iso_head_model *model, const struct iso_v
     return found.scale;
 }
 
-/* A person who is large in the way people are: the shape explains that in part, and less is left to
- * the scale. A mean face that is printed large has the features of other people. */
+/* The head is large in the way people are, so that the shape explains part of it, and less is left
+ * for the scale. A mean face that is printed large has the features of other people. */
 static void a_large_person_is_not_a_large_print(void **state)
 {
     (void)state;
@@ -314,7 +315,7 @@ static void a_large_person_is_not_a_large_print(void **state)
     double by = 0.0, size = 1.0;
     uint32_t mode = 0;
     assert_non_null(shape);
-    for (uint32_t k = 0; k < 2 * 10; k++) { /* what makes a head largest */
+    for (uint32_t k = 0; k < 2 * 10; k++) { /* the modes that make a head largest */
         double sigmas = k % 2 ? 3.0 : -3.0;
         move(model, k / 2, sigmas, shape);
         if (iso_size_of_fit(model, shape) > size) {

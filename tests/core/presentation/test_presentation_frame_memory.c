@@ -1,5 +1,5 @@
-/* Fingerprints of frames and the memory of them: rings of buffers, pixels that flicker, depths that
- * are shifted, noise, time, bounds. */
+/* Fingerprints of frames and the memory of fingerprints: rings of buffers, pixels that flicker,
+ * shifted depths, noise, time, bounds. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -34,8 +34,8 @@ static struct iso_frame *frame_new(void)
     return frame;
 }
 
-/* A head as an ellipsoid before a wall, in whole millimetres, with noise of standard deviation 1 mm
- * that the seed decides. */
+/* A head as an ellipsoid before a wall, in whole millimetres. The noise has a standard deviation of
+ * 1 mm and depends on the seed. */
 static void draw(struct iso_frame *frame, uint64_t seed, double aside_mm)
 {
     struct sim_random random = sim_random_seeded(seed, 4, 0);
@@ -65,8 +65,8 @@ static struct iso_frame_memory *memory_new(int capacity)
     return memory;
 }
 
-/* How many of the frames that a ring of stored buffers delivers in its second to its last round are
- * not known; `spoil` is done to every frame. */
+/* Returns how many frames are not recognised, from the second to the last round of a ring of stored
+ * buffers. `spoil` changes every frame. */
 static int opened_by_ring(int ring, double step_mm, void (*spoil)(struct iso_frame *, int))
 {
     struct iso_frame_memory *memory = memory_new(0);
@@ -79,7 +79,7 @@ static int opened_by_ring(int ring, double step_mm, void (*spoil)(struct iso_fra
         }
         const struct iso_fingerprint print = print_of(frame);
         const bool repeats = iso_frame_memory_repeats(memory, &print, i * period_ns);
-        assert_true(i >= ring || !repeats); /* the first round is news */
+        assert_true(i >= ring || !repeats); /* all frames of the first round are new */
         opened += i >= ring && !repeats;
     }
     iso_frame_free(frame);
@@ -111,7 +111,7 @@ static void flicker(struct iso_frame *frame, int i)
     frame->depth_mm[250 * WIDTH + 350] = (float)(705 + i % 5);
 }
 
-/* One pixel of a hundred, others in every frame. */
+/* Changes one pixel of a hundred, others in every frame. */
 static void sprinkle(struct iso_frame *frame, int i)
 {
     struct sim_random random = sim_random_seeded((uint64_t)i, 8, 0);
@@ -121,7 +121,7 @@ static void sprinkle(struct iso_frame *frame, int i)
     }
 }
 
-/* Everything farther away, by another amount in every frame. */
+/* Moves the background, by another distance in every frame. */
 static void shift(struct iso_frame *frame, int i)
 {
     for (int k = 0; k < WIDTH * HEIGHT; k++) {
@@ -169,10 +169,10 @@ static void a_frame_is_forgotten_after_ten_minutes_and_no_earlier(void **state)
     const struct iso_fingerprint print = print_of(frame);
     assert_false(iso_frame_memory_repeats(memory, &print, begin_ns));
     assert_true(iso_frame_memory_repeats(memory, &print, begin_ns + 10 * minute_ns - 1));
-    /* That showing counts, too: what is shown without an end is never new. */
+    /* A showing of repeated frames counts, too: a frame that is shown without end is never new. */
     assert_true(iso_frame_memory_repeats(memory, &print, begin_ns + 15 * minute_ns));
     assert_false(iso_frame_memory_repeats(memory, &print, begin_ns + 25 * minute_ns));
-    /* A clock that goes back hides nothing. */
+    /* A clock that goes back does not hide a repetition. */
     assert_true(iso_frame_memory_repeats(memory, &print, begin_ns));
     iso_frame_free(frame);
     iso_frame_memory_free(memory);
@@ -188,7 +188,8 @@ static struct iso_fingerprint made_up(uint32_t number)
     return print;
 }
 
-/* Ten minutes of 30 frames a second are remembered, all of them, without one false alarm. */
+/* The memory keeps ten minutes at 30 frames a second. It remembers all frames, without one false
+ * alarm. */
 static void it_holds_ten_minutes_and_forgets_the_oldest_beyond(void **state)
 {
     const int capacity = iso_frame_memory_options_default().capacity;
@@ -200,7 +201,8 @@ static void it_holds_ten_minutes_and_forgets_the_oldest_beyond(void **state)
         const struct iso_fingerprint print = made_up((uint32_t)i);
         assert_false(iso_frame_memory_repeats(memory, &print, i * period_ns));
     }
-    /* Its place is taken by its own repetition; the second's by what is new. */
+    /* The repetition of the first frame takes its place. A new frame takes the second frame's
+     * place. */
     assert_true(iso_frame_memory_repeats(memory, &first, capacity * period_ns - 1));
     const struct iso_fingerprint last = made_up((uint32_t)capacity);
     assert_false(iso_frame_memory_repeats(memory, &last, capacity * period_ns - 1));
@@ -213,10 +215,10 @@ static void a_frame_without_content_is_neither_known_nor_remembered(void **state
     struct iso_frame_memory *memory = memory_new(0);
     struct iso_frame *frame = frame_new();
     (void)state;
-    struct iso_fingerprint print = print_of(frame); /* nothing measured */
+    struct iso_fingerprint print = print_of(frame); /* it has no measurement */
     assert_int_equal(print.filled, 0);
     for (int k = 0; k < WIDTH * HEIGHT; k++) {
-        frame->depth_mm[k] = 710.0F; /* flat: all such frames are alike */
+        frame->depth_mm[k] = 710.0F; /* flat: all such frames look equal */
     }
     print = print_of(frame);
     assert_int_equal(print.filled, 0);
@@ -228,7 +230,7 @@ static void a_frame_without_content_is_neither_known_nor_remembered(void **state
     iso_frame_memory_free(memory);
 }
 
-/* A window of the frame has the fingerprint of the whole. */
+/* A window of the frame has the fingerprint of the whole frame. */
 static void a_crop_is_the_same_frame(void **state)
 {
     enum { LEFT = 131, TOP = 57, SIZE = 360 };

@@ -12,7 +12,8 @@
 
 static const int64_t period_ns = 33333333;
 
-/* A frame at some time, its pose swayed by so many millimetres of a 0.35 Hz sine, and noisy. */
+/* A frame at some time. Its pose sways by so many millimetres of a 0.35 Hz sine, and it has noise.
+ */
 static struct iso_liveness_frame frame_at(int i, double sway_mm, double noise_mm,
                                           struct sim_random *random)
 {
@@ -23,7 +24,8 @@ static struct iso_liveness_frame frame_at(int i, double sway_mm, double noise_mm
     double phase = 2.0 * M_PI * 0.35 * 1e-9 * (double)f.t_ns;
     double turn = noise_mm / 80.0 * sim_random_normal(random);
     f.camera_from_face.rotation = iso_mat3_rotation(iso_vec3(0.0, turn, 0.5 * turn));
-    double x = noise_mm * sim_random_normal(random); /* one by one: in this order everywhere */
+    double x = noise_mm *
+               sim_random_normal(random); /* one by one: a fixed order of the random numbers */
     double y = noise_mm * sim_random_normal(random);
     double z = 3.0 * noise_mm * sim_random_normal(random);
     f.camera_from_face.translation_mm = iso_vec3(sway_mm * sin(phase) + x, y, 600.0 + z);
@@ -50,8 +52,8 @@ static void noise_is_still_and_sway_is_alive(void **state)
     enum { TRIALS = 1000 };
     int still = 0, alive = 0;
     for (int k = 0; k < TRIALS; k++) {
-        /* 4.7 mm/s on average, the least that was ever measured of anybody, is 3.4 mm of 0.35 Hz;
-         * half of it is asked here. */
+        /* The smallest average that was ever measured on a person is 4.7 mm/s, which is 3.4 mm at
+         * 0.35 Hz. This test requires half of it. */
         still += after(60, 0.0, 0.4, (uint64_t)k) == ISO_LIVENESS_STILL;
         alive += after(60, 1.7, 0.4, (uint64_t)k) == ISO_LIVENESS_ALIVE;
     }
@@ -67,7 +69,7 @@ static void a_short_visit_is_neither(void **state)
         assert_int_equal(after(n, 0.0, 0.3, 3), ISO_LIVENESS_NOT_YET);
         assert_int_equal(after(n, 5.0, 0.3, 3), ISO_LIVENESS_NOT_YET);
     }
-    assert_int_equal(after(30, 0.0, 0.3, 3), ISO_LIVENESS_NOT_YET); /* 1 s of nothing */
+    assert_int_equal(after(30, 0.0, 0.3, 3), ISO_LIVENESS_NOT_YET); /* 1 s without any motion */
     assert_int_equal(after(30, 5.0, 0.3, 3), ISO_LIVENESS_ALIVE);
 }
 
@@ -78,7 +80,7 @@ static void frames_that_repeat_are_still_but_a_doubled_one_is_not(void **state)
     struct sim_random random = sim_random_seeded(1, 2, 3);
     struct iso_liveness l;
     iso_liveness_init(&options, &l);
-    for (int i = 0; i < 60; i++) { /* each frame twice, as from a sensor of half the rate */
+    for (int i = 0; i < 60; i++) { /* each frame twice, like a sensor of half the rate */
         struct iso_liveness_frame f = frame_at(i, 3.0, 0.3, &random);
         f.digest = (uint32_t)(i / 2);
         assert_int_not_equal(iso_liveness_feed(&l, &f), ISO_LIVENESS_STILL);

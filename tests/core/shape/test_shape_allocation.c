@@ -1,5 +1,6 @@
-/* Memory runs out anywhere between a mesh and a told class: -ENOMEM, nothing leaks (the sanitised
- * build sees to that). The sources under test are compiled in, so that the linker reaches them. */
+/* Allocations fail at every point between a mesh and its class. The result is -ENOMEM, and nothing
+ * leaks (the sanitised build checks this). The test compiles the sources under test into itself, so
+ * that the linker's --wrap affects them. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,7 +28,7 @@ struct corpus {
     const struct iso_classifier_ops *ops;
 };
 
-/* What fails has nothing but -ENOMEM to say. */
+/* Every failure must be -ENOMEM. */
 static int said(int error, struct iso_fault *fault)
 {
     return error == -ENOMEM ? iso_fault_set(fault, error, "out of memory") : error;

@@ -1,4 +1,4 @@
-/* Classifiers, on features whose classes are known. */
+/* Classifiers, on features with known classes. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -24,7 +24,7 @@ struct cloud {
     struct iso_labelled all;
 };
 
-/* Points about three places; `noise` of the second part by itself. */
+/* Points about three places. The second part has its own `noise`. */
 static void make_cloud(struct cloud *c, double noise, double noise_of_second)
 {
     srand48(97);
@@ -71,14 +71,15 @@ static void every_kind_tells_clear_classes(void **state)
     }
 }
 
-/* A classifier that has learnt from what it is asked would be right on labels without sense. */
+/* A classifier that learns from the item that it classifies would be right even on labels without
+ * meaning. */
 static void nothing_is_learnt_from_what_is_asked(void **state)
 {
     (void)state;
     struct cloud c;
     double score[N * CLASSES];
     make_cloud(&c, 0.3, 0.3);
-    for (int i = 0; i < N; i++) { /* of each place, labels that its features do not decide */
+    for (int i = 0; i < N; i++) { /* the labels do not depend on the features */
         c.label[i] = i / CLASSES % 2;
     }
     for (const struct iso_classifier_ops *const *ops = iso_classifiers; *ops; ops++) {
@@ -88,7 +89,7 @@ static void nothing_is_learnt_from_what_is_asked(void **state)
     }
 }
 
-/* The gallery is ranked as if what is left out had never been learnt. */
+/* The gallery is ranked as if the items that are left out had never been learnt. */
 static void leaving_out_is_not_having_learnt(void **state)
 {
     (void)state;
@@ -112,7 +113,7 @@ static void leaving_out_is_not_having_learnt(void **state)
                 own += left[i] < left[own] ? i - own : 0;
             }
             assert_int_equal(c.label[own], c.label[N - 1]);
-            /* Not left out, a feature is closest to itself. */
+            /* A feature that is not left out is closest to itself. */
             assert_int_equal(iso_classifier_rank(all, c.feature[4], -1, left), 0);
             for (int i = 0; i < N; i++) {
                 assert_true(i == 4 || left[i] > left[4]);
@@ -143,7 +144,7 @@ static void distances_are_norms(void **state)
     }
 }
 
-/* The second part is noise: relaxed coding still tells what the first one says. */
+/* The second part is noise. Relaxed coding still finds the class from the first part. */
 static void a_part_that_disagrees_is_outvoted(void **state)
 {
     (void)state;

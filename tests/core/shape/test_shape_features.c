@@ -1,5 +1,5 @@
-/* From meshes to features: what becomes the shape, what each method says of it, and what does not
- * change that. */
+/* From meshes to features: the part that becomes the shape, the features of each method, and the
+ * changes that do not affect them. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -17,7 +17,7 @@
 #include "tests/core/surfaces/shapes.h"
 #include "tests/support/near.h"
 
-/* A sphere drawn out and bent sideways, so that nothing of it is symmetric. */
+/* A sphere that is stretched and bent sideways, so that it has no symmetry. */
 static struct iso_mesh *pear(int splits, double scale)
 {
     struct iso_mesh *mesh = shape_sphere(splits, 10.0);
@@ -42,8 +42,8 @@ static struct iso_colour *paint(const struct iso_mesh *mesh)
     return colour;
 }
 
-/* Two parts, a lone vertex before them, a triangle without area that would join them: the larger
- * part is the shape, with its own colours. */
+/* The mesh has two parts, a single vertex before them, and a triangle without area that would join
+ * them. The larger part is the shape, and keeps its own colours. */
 static void the_largest_part_is_the_shape(void **state)
 {
     (void)state;
@@ -63,7 +63,7 @@ static void the_largest_part_is_the_shape(void **state)
             all->triangles[nt + t][k] = 1 + nv + big->triangles[t][k];
         }
     }
-    all->vertices_mm[0] = all->vertices_mm[1]; /* so that the joining triangle is a line */
+    all->vertices_mm[0] = all->vertices_mm[1]; /* this makes the joining triangle a line */
     const int32_t line[3] = {0, 1, 1 + nv};
     memcpy(all->triangles[2 * nt], line, sizeof line);
     struct iso_shape *shape = NULL, *alone = NULL;
@@ -182,8 +182,8 @@ static double distance_between(const float *a, const float *b, int32_t n)
     return sum;
 }
 
-/* By every method: the first two of three shapes are the same up to a share of how far the third is
- * from them. Frees the meshes. */
+/* By every method, the first two of three shapes agree. The limit is a share of their distance to
+ * the third. Frees the meshes. */
 static void expect_same(struct iso_mesh *const mesh[3], double share, const char *how)
 {
     struct iso_shape *shape[3];
@@ -220,8 +220,8 @@ static void size_does_not_matter(void **state)
     expect_same(mesh, 0.02, "scaled");
 }
 
-/* Two parallelograms sewn together all around, flat: a closed surface that can be rolled without
- * stretching it. */
+/* Two parallelograms joined all around, flat: a closed surface that can be rolled without
+ * stretching. */
 static struct iso_mesh *pillow(int columns, int rows)
 {
     struct iso_mesh *sheet = shape_sheet(columns, rows, 1.0), *mesh = NULL;
@@ -250,7 +250,8 @@ static struct iso_mesh *pillow(int columns, int rows)
     return mesh;
 }
 
-/* A pillow flat and rolled, against one of another form: isometry as every method sees it. */
+/* A flat and a rolled pillow, compared with one of another form. Every method treats isometric
+ * shapes as equal. */
 static void bending_does_not_matter(void **state)
 {
     (void)state;
@@ -259,7 +260,7 @@ static void bending_does_not_matter(void **state)
     expect_same(mesh, 0.2, "bent");
 }
 
-/* Sizes as the dissertation has them. */
+/* The sizes are those of the dissertation. */
 static void features_have_their_sizes(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Heat signatures, critical points and scale-invariant amplitudes, on surfaces that are known. */
+/* Heat signatures, critical points and scale-invariant amplitudes, on known surfaces. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -32,7 +32,8 @@ static double *signature_of(const struct iso_shape *shape, const double *t, int 
     return out;
 }
 
-/* K(x, x, t) = sum_l (2 l + 1) / (4 pi R^2) exp(-l (l + 1) t / R^2), the same everywhere. */
+/* K(x, x, t) = sum_l (2 l + 1) / (4 pi R^2) exp(-l (l + 1) t / R^2), which is equal at all
+ * vertices. */
 static void the_signature_of_a_sphere_is_constant(void **state)
 {
     (void)state;
@@ -82,8 +83,8 @@ static void a_bent_sheet_keeps_its_signature(void **state)
     iso_mesh_free(mesh);
 }
 
-/* The mean over all others, vertex by vertex; and heat from a vertex is that column of the kernel,
- * whose own entry is the signature and whose integral is 1. */
+/* The mean over all other vertices, for each vertex. The heat from a vertex is its column of the
+ * kernel: its own entry is the signature, and its integral is 1. */
 static void the_mean_signature_is_a_mean(void **state)
 {
     (void)state;
@@ -129,8 +130,8 @@ static void times_are_geometric(void **state)
     assert_near(t[4], 6.0, 1e-12);
 }
 
-/* A sphere drawn out along z has its tips there; x y on a sphere has its extrema on four diagonals;
- * a sheet's lie on its boundary and do not count. */
+/* A sphere stretched along z has its extrema at its tips. x y on a sphere has its extrema on four
+ * diagonals. Those of a sheet are on its boundary and do not count. */
 static void tips_are_critical_points(void **state)
 {
     (void)state;
@@ -139,7 +140,7 @@ static void tips_are_critical_points(void **state)
     double *f = calloc((size_t)mesh->n_vertices, sizeof *f);
     assert_non_null(f);
     for (int32_t v = 0; v < mesh->n_vertices; v++) {
-        /* A little askew, so that no two neighbours are equal. */
+        /* Turned a little, so that no two neighbours are equal. */
         struct iso_vec3 p = mesh->vertices_mm[v];
         f[v] = (p.x + 0.1 * p.z) * (p.y - 0.05 * p.z) + 0.3 * p.x;
     }
@@ -279,7 +280,7 @@ static void less_noise_comes_through_si_hk_than_si_hks(void **state)
     }
 }
 
-/* A cosine has one amplitude; the sum of all of them is 1; shift and factor go away. */
+/* A cosine has one amplitude. The sum of all amplitudes is 1. Shift and factor have no effect. */
 static void amplitudes_are_those_of_waves(void **state)
 {
     (void)state;

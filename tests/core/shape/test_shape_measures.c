@@ -1,4 +1,4 @@
-/* Retrieval and classification measures, against values worked out by hand. */
+/* Retrieval and classification measures, compared with values calculated by hand. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -15,7 +15,7 @@
 #include "core/shape/classify/retrieval.h"
 #include "tests/support/near.h"
 
-/* One query of class 7 and six items: hits at places 1, 3 and 6. */
+/* One query of class 7 and six items. The hits are at the places 1, 3 and 6. */
 static const double one_row[6] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
 static const int32_t of_seven[1] = {7};
 static const int32_t classes[6] = {7, 5, 7, 5, 6, 7};
@@ -30,7 +30,7 @@ static void one_query_is_measured_as_by_hand(void **state)
     assert_near(m.nearest, 1.0, 0.0);
     assert_near(m.first_tier, 2.0 / 3, 1e-12);
     assert_near(m.second_tier, 1.0, 1e-12);
-    assert_near(m.e_measure, 2.0 / (1.0 / 0.5 + 1.0), 1e-12); /* all six are looked at */
+    assert_near(m.e_measure, 2.0 / (1.0 / 0.5 + 1.0), 1e-12); /* all six items count */
     assert_near(m.dcg, (1.0 + 1.0 / log2(3) + 1.0 / log2(6)) / (1.0 + 1.0 + 1.0 / log2(3)), 1e-12);
     assert_near(m.adr, (1.0 + 1.0 / 2 + 2.0 / 3) / 3, 1e-12);
     /* Precision 1 at recall 1/3, 2/3 at 2/3, 1/2 at 1. */
@@ -41,7 +41,8 @@ static void one_query_is_measured_as_by_hand(void **state)
     assert_near(m.precision[ISO_RECALL_LEVELS - 1], 0.5, 1e-12);
 }
 
-/* The first three places count class 7, the next as many as the wider class has left count that. */
+/* The first three places count items of class 7. The next places, as many as the wider class has
+ * left, count items of the wider class. */
 static void dynamic_recall_knows_wider_classes(void **state)
 {
     (void)state;
@@ -54,15 +55,15 @@ static void dynamic_recall_knows_wider_classes(void **state)
     assert_near(m.first_tier, 2.0 / 3, 1e-12);
 }
 
-/* Five shapes of classes 0 0 1 1 2, each its own item: that of class 2 does not count; ties go by
- * number. */
+/* Five shapes of the classes 0 0 1 1 2, each its own item. The shape of class 2 does not count.
+ * Equal distances are sorted by number. */
 static void the_mean_is_over_queries_that_count(void **state)
 {
     (void)state;
     const double distance[25] = {
         0, 1, 2, 3, 4, /* shape 1 first */
         9, 0, 1, 1, 5, /* shapes 2 and 3, of the other class, before 0 */
-        1, 1, 0, 1, 1, /* all the same: 0, 1, 3, 4 */
+        1, 1, 0, 1, 1, /* all equal: 0, 1, 3, 4 */
         4, 3, 2, 0, 1, /* 4, 2, 1, 0 */
         1, 1, 1, 1, 0,
     };
@@ -115,7 +116,7 @@ static void classes_are_counted_as_by_hand(void **state)
     assert_near(rates[0].precision, 0.5, 1e-12);
     assert_near(rates[1].precision, 0.5, 1e-12);
     assert_near(rates[2].precision, 0.0, 0.0);
-    /* Of class 0's 0.9 0.8 0.3 against 0.1 0.3 0.5: 3 + 3 + 1 and a tie. */
+    /* The scores 0.9 0.8 0.3 of class 0 against 0.1 0.3 0.5 of the others: 3 + 3 + 1 and a tie. */
     assert_near(rates[0].roc_area, 7.5 / 9, 1e-12);
     assert_near(rates[1].roc_area, (4.0 + 3.0) / 8, 1e-12);
     assert_near(mean.recall, (3 * 2.0 / 3 + 2 * 0.5 + 0) / 6, 1e-12);

@@ -1,5 +1,5 @@
-/* The weighted operator of chapter 5: against the plain one, a closed form, and integrals by Monte
- * Carlo. */
+/* The weighted operator of chapter 5, compared with the plain one, with a closed form, and with
+ * integrals by Monte Carlo. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -61,8 +61,9 @@ static void a_density_of_one_changes_nothing(void **state)
     iso_mesh_free(mesh);
 }
 
-/* Any density: constant null vector, no negative eigenvalue, x' B x > 0; lumped rows are the sums
- * of consistent ones. Symmetry is in the storage: one triangle is stored. */
+/* For any density the null vector is constant, no eigenvalue is negative, and x' B x > 0. Lumped
+ * rows are the sums of consistent ones. The storage has only one triangle, so that the matrix is
+ * symmetric. */
 static void any_density_keeps_the_operator_what_it_is(void **state)
 {
     (void)state;
@@ -155,7 +156,7 @@ static void columns_of(const struct iso_symmetric *a, double column[CORNERS][COR
     }
 }
 
-/* The stiffness of one triangle by itself, without a density. */
+/* The stiffness of one triangle alone, without a density. */
 static void stiffness_of_triangle(const struct iso_mesh *mesh, int t,
                                   double column[CORNERS][CORNERS])
 {

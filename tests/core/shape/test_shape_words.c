@@ -13,7 +13,7 @@
 #include "core/shape/describe/vocabulary.h"
 #include "tests/support/near.h"
 
-/* Vectors in a plane of 9 dimensions: two components, that keep distances. */
+/* Vectors in a plane of 9 dimensions: two components are enough to keep distances. */
 static void principal_components_span_what_was_learnt(void **state)
 {
     (void)state;
@@ -48,7 +48,7 @@ static void principal_components_span_what_was_learnt(void **state)
     assert_int_equal(iso_principal_init(row, N, SIZE, 4, &p), -EDOM);
 }
 
-/* Rows about three places give three words; a bag holds the share of each. */
+/* Rows about three places give three words. A bag has the share of each word. */
 static void words_are_where_rows_are(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* The face patch on surfaces made from the mean face, for which the right patch is known. */
+/* The face patch on surfaces made from the mean face, for which the correct patch is known. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -18,7 +18,7 @@
 static const struct iso_face_patch_options usual = {
     .radius_mm = 100.0, .spacing_mm = 2.0, .smoothing_mm = 3.0, .outlier_mm = 20.0};
 
-/* A cheek, face frame, and the radius of what is done to it. */
+/* A place on the cheek, in the face frame, and the radius of the change at this place. */
 static const double cheek_x_mm = -35.0, cheek_y_mm = -22.0, spot_mm = 10.0;
 
 struct fixture {
@@ -80,7 +80,7 @@ static void raise_relief(struct fixture *f)
     }
 }
 
-/* Takes out the triangles that touch the spot on the cheek. */
+/* Removes the triangles that touch the spot on the cheek. */
 static void cut_spot(const struct fixture *f, struct iso_mesh *mesh)
 {
     int32_t kept = 0;
@@ -126,7 +126,7 @@ static void the_mean_face_has_no_residual(void **state)
         }
     }
     assert_true(coverage > 0.999 && coverage <= 1.0);
-    /* The domain: most of the disc of 100 mm, since the mean face is narrower than that. */
+    /* The domain is most of the disc of 100 mm, because the mean face is narrower than the disc. */
     double area_mm2 = inside * usual.spacing_mm * usual.spacing_mm;
     assert_true(area_mm2 > 15000.0 && area_mm2 < M_PI * 100.0 * 100.0);
     assert_int_equal(iso_frame_check(frame, NULL), 0);
@@ -189,7 +189,7 @@ static void a_hole_is_filled_and_remembered(void **state)
     assert_true(iso_face_patch_measured(f->patch, -cheek_x_mm, cheek_y_mm) == 1.0);
     assert_true(iso_face_patch_measured(f->patch, 0.0, 0.0) == 1.0);
     assert_true(iso_face_patch_measured(f->patch, 500.0, 0.0) == 0.0);
-    /* The spot and the triangles that it touches: two to eight times its area. */
+    /* The spot and the triangles that it touches have two to eight times its area. */
     double lost = (whole - holed) * 21000.0 / (M_PI * spot_mm * spot_mm);
     assert_true(lost > 1.0 && lost < 8.0);
 }
@@ -229,8 +229,8 @@ static void a_hand_before_the_cheek_is_no_face(void **state)
     double column, row;
     iso_face_patch_pixel(f->patch, cheek_x_mm, cheek_y_mm, &column, &row);
     float mean = f->mean[(int)lround(row) * f->side + (int)lround(column)];
-    /* The places between hand and face are drawn a little to the hand; the hand itself has no
-     * effect. */
+    /* The hand moves the places between hand and face a little towards it. The hand itself has no
+     * other effect. */
     assert_true(fabsf(depth_at(f, cheek_x_mm, cheek_y_mm) - mean) < 20.0f);
 }
 

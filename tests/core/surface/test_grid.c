@@ -1,4 +1,4 @@
-/* A surface as planes is the surface that iso_triangulate makes of the same frame. */
+/* A surface as planes equals the surface that iso_triangulate makes of the same frame. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>

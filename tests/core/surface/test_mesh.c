@@ -1,4 +1,5 @@
-/* Meshes: areas, neighbours, pieces and borders of shapes that can be counted by hand. */
+/* Meshes: areas, neighbours, pieces and borders of shapes that are simple enough to count by hand.
+ */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>

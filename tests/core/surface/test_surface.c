@@ -1,4 +1,4 @@
-/* Cleaning, filling, triangulating and locating on surfaces that are known. */
+/* Cleaning, filling, triangulating and locating on known surfaces. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -17,7 +17,7 @@ enum { W = 9, H = 6 };
 
 static const struct iso_triangulate_options cut_at_10 = {.jump_mm = 10.0};
 
-/* A W x H orthographic frame of 2 mm pitch; depths are the caller's. */
+/* A W x H orthographic frame of 2 mm pitch. The caller sets the depths. */
 static struct iso_frame grid_frame(float depth[W * H])
 {
     return (struct iso_frame){
@@ -70,7 +70,7 @@ static void a_full_grid_gives_two_triangles_a_cell(void **state)
     assert_int_equal(f.mesh->n_vertices, W * H);
     assert_int_equal(f.mesh->n_triangles, 2 * (W - 1) * (H - 1));
     assert_int_equal(iso_mesh_check(f.mesh, NULL), 0);
-    /* Area of the slope: that of its shadow times sqrt(1 + slope^2). */
+    /* The area of the slope is that of its projection times sqrt(1 + slope^2). */
     double shadow = 2.0 * (W - 1) * 2.0 * (H - 1);
     double stretch = sqrt(1.0 + 0.75 * 0.75 + 0.25 * 0.25);
     assert_true(fabs(iso_mesh_area(f.mesh) - shadow * stretch) < 1e-3);
@@ -89,7 +89,7 @@ static void the_shorter_diagonal_is_taken(void **state)
     (void)state;
     struct fixture f;
     set_up(&f, &cut_at_10);
-    /* Raise one corner of cell (3, 2): the diagonal through it is the longer one. */
+    /* Raises one corner of cell (3, 2), so that the diagonal through it is the longer one. */
     for (int corner = 0; corner < 4; corner++) {
         for (int i = 0; i < W * H; i++) {
             f.depth[i] = 500.0f;
@@ -118,7 +118,7 @@ static void holes_and_jumps_are_cut(void **state)
     assert_int_equal(iso_triangulate_locate(f.triangulator, -0.1, 2.0, &p), -ENOENT);
 
     fill_slope(f.depth);
-    for (int row = 0; row < H; row++) { /* columns 6.. lie 50 mm further back */
+    for (int row = 0; row < H; row++) { /* columns from 6 on are 50 mm further back */
         for (int column = 6; column < W; column++) {
             f.depth[row * W + column] += 50.0f;
         }
@@ -171,7 +171,7 @@ static void triangulating_nothing_is_an_error(void **state)
     iso_mesh_free(mesh);
 }
 
-/* A harmonic function is its own membrane: a hole in it is filled almost exactly. */
+/* A harmonic function is its own membrane, so that a hole in it is filled almost exactly. */
 static void a_hole_is_filled_by_the_membrane(void **state)
 {
     (void)state;
@@ -246,8 +246,8 @@ static void cleaning_drops_flyers_and_crumbs(void **state)
             frame->depth_mm[row * CLEAN_W + column] = 600.0f; /* 2 mm a pixel: 100 x 120 mm */
         }
     }
-    frame->depth_mm[40 * CLEAN_W + 50] = 560.0f; /* a flyer */
-    for (int row = 68; row < 76; row++) {        /* a crumb of 16 x 16 mm */
+    frame->depth_mm[40 * CLEAN_W + 50] = 560.0f; /* a single wrong pixel */
+    for (int row = 68; row < 76; row++) {        /* a small piece of 16 x 16 mm */
         for (int column = 84; column < 92; column++) {
             frame->depth_mm[row * CLEAN_W + column] = 600.0f;
         }

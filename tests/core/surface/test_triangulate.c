@@ -1,5 +1,5 @@
-/* The mesh of a frame with missing pixels: the promises of the header hold for all of it. (Regular
- * frames and errors: test_surface.c.) */
+/* The mesh of a frame with missing pixels keeps all promises of the header. (Regular frames and
+ * errors are in test_surface.c.) */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -85,7 +85,7 @@ static void every_triangle_faces_the_camera_and_crosses_no_jump(void **state)
     tear_down(&f);
 }
 
-/* The neighbours that are read off the grid are those that the mesh alone gives. */
+/* The neighbours that the grid gives equal those that the mesh alone gives. */
 static void adjacency_is_read_off_the_grid(void **state)
 {
     (void)state;
@@ -134,7 +134,8 @@ static void the_largest_piece_alone_is_kept(void **state)
     tear_down(&largest);
 }
 
-/* A place that is found lies where the frame would see it: corners exactly, others between them. */
+/* A found place is where the frame would see it. Corners are exact, other places are between them.
+ */
 static void places_are_found_where_they_are_seen(void **state)
 {
     (void)state;
@@ -158,7 +159,7 @@ static void places_are_found_where_they_are_seen(void **state)
         assert_true(fabs(p.weight[0] + p.weight[1] + p.weight[2] - 1.0) < 1e-12);
         double u, v;
         assert_true(iso_camera_project(&f.frame.camera, iso_mesh_point_at(f.mesh, p), &u, &v));
-        /* Weights are those of the image, which perspective shifts a little on a slope. */
+        /* The weights are those of the image. On a slope, perspective shifts them a little. */
         double tolerance = i % 4 == 0 ? 1e-9 : 0.02;
         assert_true(hypot(u - 120.0 - column, v - 90.0 - row) < tolerance);
     }

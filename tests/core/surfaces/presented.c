@@ -107,7 +107,7 @@ void presented_clear(struct presented *p)
     draw_solid(p, wall, &at);
 }
 
-/* Whether a point of the face frame lies within the contour of an eye, seen from the front. */
+/* Whether a point of the face frame is within the contour of an eye, seen from the front. */
 static bool in_eye(const struct iso_vec3 contour[EYE_CORNERS], struct iso_vec3 q)
 {
     bool inside = false;
@@ -120,8 +120,8 @@ static bool in_eye(const struct iso_vec3 contour[EYE_CORNERS], struct iso_vec3 q
     return inside;
 }
 
-/* Draws a head's triangles, those that lie within the lids in pieces, so that the holes have the
- * lids' own outline. */
+/* Draws the triangles of a head. Those within the eyelids are drawn in pieces, so that the holes
+ * have the outline of the lids. */
 static void draw_cut(struct presented *p)
 {
     enum { PIECES = 8 };
@@ -149,7 +149,7 @@ static void draw_cut(struct presented *p)
                 }
                 struct iso_vec3 middle = iso_scale(1.0 / 3.0,
                                                    iso_add(small[0], iso_add(small[1], small[2])));
-                /* The mesh is in the camera frame by now, seen much as from the front. */
+                /* The mesh is already in the camera frame, seen nearly from the front. */
                 if (!in_eye(eye[0], middle) && !in_eye(eye[1], middle)) {
                     assert_int_equal(sim_view_draw(p->view, small, one, 1, SIM_PAPER), 0);
                 }
@@ -201,7 +201,7 @@ struct presented_sheet presented_draw_sheet(struct presented *p, enum presented_
     return sheet;
 }
 
-/* How far the sheet lies behind its middle at the distance `s` along it, and how far to the side.
+/* How far the sheet at the distance `s` along it lies behind its middle, and how far to the side.
  */
 static void profile(const struct presented_sheet *sheet, double s, double *t, double *back)
 {

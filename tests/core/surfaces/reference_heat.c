@@ -30,7 +30,7 @@ static double *vector(int32_t n)
     return v;
 }
 
-/* Solves B x = b by conjugate gradients with the diagonal for preconditioner. */
+/* Solves B x = b by conjugate gradients with the diagonal as preconditioner. */
 static void solve_mass(const struct iso_symmetric *mass, const double *b, double *x)
 {
     int32_t n = mass->n;
@@ -62,8 +62,8 @@ static void solve_mass(const struct iso_symmetric *mass, const double *b, double
     free(bp);
 }
 
-/* No eigenvalue of B^-1 L exceeds the largest over single triangles (Fried 1972): 12 / area, for a
- * consistent mass, times the trace of the triangle's stiffness. */
+/* Every eigenvalue of B^-1 L is at most the largest value over single triangles (Fried 1972): 12 /
+ * area, for a consistent mass, times the trace of the triangle's stiffness. */
 static double largest_eigenvalue_bound(const struct iso_mesh *mesh)
 {
     double bound = 0.0;
@@ -79,8 +79,8 @@ static double largest_eigenvalue_bound(const struct iso_mesh *mesh)
     return bound;
 }
 
-/* c[k] with exp(-z (1 + x)) = sum_k c[k] T_k(x): (2 -) (-1)^k exp(-z) I_k(z), the Bessel functions
- * by Miller's downward recurrence. Returns how many matter. */
+/* c[k] with exp(-z (1 + x)) = sum_k c[k] T_k(x): (2 -) (-1)^k exp(-z) I_k(z), with the Bessel
+ * functions by Miller's downward recurrence. Returns how many coefficients are needed. */
 static int coefficients(double z, double c[DEGREE_MAX])
 {
     int start = (int)(12.0 * sqrt(z) + 60.0);

@@ -49,7 +49,8 @@ struct iso_mesh *shape_sheet(int columns, int rows, double pitch_mm)
     return mesh;
 }
 
-/* The vertex half-way along an edge: found again if the edge was split before. */
+/* Returns the vertex in the middle of an edge. If the edge was split before, it finds that vertex
+ * again. */
 static int32_t split_edge(struct iso_mesh *mesh, int32_t (*split)[3], int32_t *n_split, int32_t a,
                           int32_t b)
 {
@@ -157,7 +158,7 @@ static double bump(double x, double y, double at_x, double at_y, double wide, do
     return exp(-0.5 * (u * u + v * v));
 }
 
-/* Height of a made-up face: nose, eye sockets, cheeks and mouth on a curved ground. */
+/* The height of an artificial face: nose, eye sockets, cheeks and mouth on a curved ground. */
 static double relief(double x, double y)
 {
     return -0.5 * x * x / 90.0 - 0.5 * y * y / 160.0 + 26.0 * bump(x, y, 0, 0, 9, 13) +
@@ -167,7 +168,7 @@ static double relief(double x, double y)
            3.0 * bump(x, y, 2, -36, 18, 2.5);
 }
 
-/* Keeps the triangles within a radius about the z axis, and of the vertices those that they use. */
+/* Keeps the triangles within a radius about the z axis, and the vertices that they use. */
 static void crop(struct iso_mesh *mesh, double radius_mm)
 {
     int32_t *number = calloc((size_t)mesh->n_vertices, sizeof *number);
