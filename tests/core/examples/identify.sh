@@ -1,5 +1,5 @@
 #!/bin/sh
-# The example program identify: who is enrolled is named in every frame, a stranger in none, and a photograph is refused.
+# The example program identify names an enrolled person in every frame and a stranger in none, and it refuses a photograph.
 # usage: identify.sh PROGRAM SOURCE_DIR
 set -eu
 program=$1
@@ -22,7 +22,7 @@ count 3 '^p03-v2, frame [0-2]: p03-enrol \('
 count 3 '^x01-v1, frame [0-2]: nobody \('
 count 3 '^none-photo1, frame [0-2]: flat$'
 
-# What cannot be read is told, and is no success.
+# A recording that cannot be read is reported, and the exit status is not 0.
 for wrong in "$2/core $stored/p01-enrol -- $stored/p01-v1" "$2/core/data $stored/nowhere -- $stored/p01-v1" "$2/core/data --"; do
     # shellcheck disable=SC2086
     if message=$("$program" $wrong 2>&1 >/dev/null) || [ -z "$message" ]; then

@@ -1,21 +1,21 @@
 #!/bin/bash
-# The tests of faults find the mistakes that they are there to find: each of these mistakes is built into a copy of the tree, and one
-# of the commands that are named for it has to fail. Some defences stand behind each other; then the mistake is in both. Takes half
-# an hour on two idle cores.
+# Shows that the tests of faults find mistakes. The script builds each of these mistakes into a copy of the tree, and one of the
+# commands that are named for the mistake has to fail. Some mistakes change two places, because a second defence covers the first one.
+# The script takes half an hour on two idle cores.
 # usage: drill_bites.sh BUILD [--patterns] [PATTERN]
-#        BUILD: of the preset dev; PATTERN: only mistakes to which this regular expression applies, such as "rule 3: stale".
-#        --patterns: builds nothing and takes seconds. It looks only whether each mistake can be built in: whether its text is in its
-#        file exactly once, and whether BUILD knows the programs of the commands that are named for it (gate_mistakes of ctest).
-#        DRILL_LONGEST_S in the environment: seconds after which a command hangs. It also hangs when it takes ten times as long, and
-#        half a minute, as without a mistake.
+#        BUILD: a build of the preset dev; PATTERN: a regular expression that selects mistakes, such as "rule 3: stale".
+#        --patterns: builds nothing and takes seconds. It only checks that each mistake can be built in: its text is in its file
+#        exactly once, and BUILD knows the programs of the commands that are named for it (gate_mistakes of ctest).
+#        DRILL_LONGEST_S in the environment: a command that takes longer than so many seconds hangs. If the command's time without a
+#        mistake is known, the limit is half a minute and ten times this time.
 #
-# Each line says the mistake, the command that found it, and what that command said. The last line counts them, by rule:
-#   1  after an error of COMMIT, or of an exchange of files, the truth is read from the disk
-#   2  relay, exit button, contact and tamper switch wait for nobody, and a grant waits 250 ms for its record, then the answer is DENY
-#   3  a grant is asked how old its frames are when the lock is switched
-#   4  frames that repeat one of the last ten minutes count for nothing
+# Each line has the mistake, the command that found it, and the output of that command. The last line counts the mistakes by rule:
+#   1  after an error of COMMIT, or of an exchange of files, the state is read again from the disk
+#   2  relay, exit button, contact and tamper switch never wait; a grant waits 250 ms for its record, then the answer is DENY
+#   3  the age of a grant's frames is checked when the lock is switched
+#   4  frames that repeat a frame of the last ten minutes do not count
 #   5  files of an earlier time, in any mixture, are refused
-#   6  whatever else the plans of faults (make drill) have to find
+#   6  all other mistakes that the plans of faults (make drill) have to find
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../../.." && pwd)
 build=$(cd "$1" && pwd)
@@ -56,7 +56,7 @@ compile() {
     cmake --build "$copy/build/dev" --target "${targets[@]}" >"$copy/log" 2>&1
 }
 
-# What a command that failed said of it: the oracle's line, else the first that cmocka marks, else the last.
+# Prints the line in which a failed command reports its failure: the oracle's line, else the first that cmocka marks, else the last.
 word_of() {
     if [ "$1" -eq 124 ]; then
         echo "hangs for $limit_s s"
@@ -66,7 +66,7 @@ word_of() {
         tail -n 1 "$copy/said"
 }
 
-# Runs a judge. One that has said that a case failed is ended: it may wait for what a case that ends early leaves behind.
+# Runs a judge. A judge that has reported a failed case is ended, because it may wait for something that the failed case has left.
 run_judge() {
     local words judge_pid
     read -ra words <<<"$1"
@@ -83,7 +83,7 @@ run_judge() {
     wait "$judge_pid"
 }
 
-# Runs the judges until one fails; $judge and $status are then that one's. False: none does.
+# Runs the judges until one fails, and sets $judge and $status to that judge and its exit status. Returns false if none fails.
 find_it() {
     for judge in "${judges[@]}"; do
         limit_s=$longest_s
@@ -98,7 +98,7 @@ find_it() {
     return 1
 }
 
-# The judges find nothing where there is no mistake; each is asked once.
+# Checks that the judges find nothing without a mistake. Each judge runs once.
 declare -A sound_s # how long it takes
 check_judges() {
     local wanted=("${judges[@]}") one begin_s
@@ -120,7 +120,7 @@ check_judges() {
     judges=("${wanted[@]}")
 }
 
-# The file of the copy as it is without a mistake is kept: the tree may change meanwhile. Says it if there is no such file.
+# Keeps the file of the copy without the mistake, because the tree may change meanwhile. Reports a file that does not exist.
 keep() {
     if [ ! -e "$root/$1" ]; then
         echo "there is no $1"
@@ -131,7 +131,7 @@ keep() {
     [ -e "$copy/kept/$1" ] || cp "$copy/$1" "$copy/kept/$1"
 }
 
-# Puts NEW in the place of OLD, which has to be there exactly once. Otherwise it says what is wrong.
+# Replaces OLD, which has to be there exactly once, by NEW. Otherwise it prints the fault.
 replace() {
     OLD=$2 NEW=$3 perl -0pi -e '
         BEGIN { $n = 0 }
@@ -141,7 +141,7 @@ replace() {
     [ ! -s "$copy/times" ] || echo "$1 has $(cat "$copy/times"): $2"
 }
 
-# The judges that the build does not know.
+# Prints the judges that the build does not know.
 strangers() {
     local judge
     for judge in "${judges[@]}"; do
@@ -150,7 +150,7 @@ strangers() {
     done
 }
 
-# Builds the mistake and lets the judges look for it.
+# Builds the mistake and runs the judges.
 try() {
     local name=$1
     if ! compile; then
@@ -193,7 +193,7 @@ mistake() {
     done
 }
 
-# ---- 1: the truth is read from the disk ----
+# ---- 1: the state is read again from the disk ----
 rule=1
 judges=('storage_faults 3 remove')
 mistake 'commit: an error is believed' firmware/gallery/gallery_db.c \
@@ -235,7 +235,7 @@ mistake 'lock-out: nobody asks what the file holds' firmware/appliance/appliance
     firmware/visit/lockout_file.c 'int iso_lockout_save(' 'static int size_of_nothing(const char *path) { return !path; }
 int iso_lockout_save('
 
-# ---- 2: the door waits for nobody ----
+# ---- 2: the door never waits ----
 rule=2
 judges=(test_firmware_slow_disk)
 mistake 'door: it waits for its records' firmware/appliance/appliance_door.c \
@@ -307,7 +307,7 @@ judges=('test_firmware_faults 40 500')
 mistake 'disk: the door opens without a record' firmware/appliance/appliance_visit.c \
     'error ? reason_of(error) : open_door(appliance, visit);' 'error ? open_door(appliance, visit) : open_door(appliance, visit);'
 
-# ---- 3: how old the frames of a grant are ----
+# ---- 3: the age of a grant's frames ----
 rule=3
 judges=(test_firmware_old_verdicts)
 mistake 'stale: nobody asks how old a grant is' firmware/door/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {'

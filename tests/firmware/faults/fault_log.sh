@@ -1,5 +1,5 @@
 #!/bin/bash
-# Runs a program that tries faults and keeps what it says, for tests/gate/summary.sh. Its exit status is that of the program.
+# Runs a program that tries faults, and keeps its output for tests/gate/summary.sh. The exit status is that of the program.
 # usage: fault_log.sh BUILD NAME COMMAND...
 set -euo pipefail
 logs=$1/Testing/faults

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The key of the appliance as a credential of systemd that a TPM has sealed, as isothermd(8) says: a software TPM (swtpm) makes it
-# and opens it, the daemon's log opens with it and not without it. Skipped (77) without swtpm or systemd-creds.
+# The key of the appliance is a credential of systemd that a TPM has sealed, as isothermd(8) describes it. A software TPM (swtpm)
+# seals and opens it. The daemon's log can be opened with it, and not without it. Skipped (77) without swtpm or systemd-creds.
 # usage: credential_tpm.sh BUILD
 set -eu
 isothermd=$1/firmware/isothermd

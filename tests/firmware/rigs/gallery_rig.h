@@ -13,8 +13,8 @@ int gallery_rig_try_open(const char *directory, struct iso_gallery **out, struct
 /* Like gallery_rig_try_open, but a failure fails the test. */
 struct iso_gallery *gallery_rig_open(const char *directory);
 
-/* Adds a person who was enrolled 1000 + face seconds after 1970, and who is valid until that time,
- * or without limit (0). */
+/* Adds a person who was enrolled 1000 + face seconds after 1970, and who is valid until
+ * valid_until_s, or without limit (0). */
 int gallery_rig_add_until(struct iso_gallery *gallery, const char *name, int face,
                           int64_t valid_until_s, struct iso_fault *fault);
 int gallery_rig_add(struct iso_gallery *gallery, const char *name, int face,

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Exit codes and complaints of isotherm-sim's commands: commands.sh PROGRAM SOURCE_DIRECTORY
+# Exit codes and error messages of isotherm-sim's commands: commands.sh PROGRAM SOURCE_DIRECTORY
 set -u
 simulator=$1 source=$2
 # shellcheck source=tests/support/verdict.sh
@@ -15,7 +15,7 @@ expect() {
     shift 2
     "$simulator" "$@" >"$work/stdout" 2>"$work/said"
     got=$?
-    # What says how far a long command is, is no complaint.
+    # The progress of a long command is no error message.
     grep -vE '^isotherm-sim: [a-z ]+: ([0-9]+ of [0-9]+|.* so far$|ended after )' "$work/said" >"$work/stderr"
     lines=$(wc -l <"$work/stderr")
     if [ "$got" -ne "$code" ]; then
@@ -35,7 +35,7 @@ expect() {
     failures=$((failures + 1))
 }
 
-# What cannot be written is a fault, whatever was to be printed.
+# Output that cannot be written is a fault for every command.
 for words in --help --version 'eval --help' 'generate --help' 'train --help'; do
     # shellcheck disable=SC2086
     "$simulator" $words >/dev/full 2>"$work/said"
@@ -139,7 +139,7 @@ expect 0 '' record --sensor "replay:path=$face,pace=asap" --frames 2 --out "$wor
     echo 'record --frames 2 did not record 2 frames'
     failures=$((failures + 1))
 }
-# One visit in one picture.
+# One visit is drawn in one picture.
 expect 2 'and --visit with --picture' replay --corpus "$work/corpus" --out "$work/replay" --picture "$work/visit.png"
 expect 3 "no visit 'nobody'" replay --corpus "$work/corpus" --out "$work/replay" --visit nobody
 expect 0 '' replay --corpus "$work/corpus" --out "$work/replay-photo" --visit none-photo3 --picture "$work/visit.png"
@@ -150,7 +150,7 @@ expect 0 '' replay --corpus "$work/corpus" --out "$work/replay-photo" --visit no
 expect 4 'nowhere/visit.png' replay --corpus "$work/corpus" --out "$work/replay-nowhere" --visit none-photo3 \
     --picture "$work/nowhere/visit.png"
 
-# All levels of the same visits.
+# The same visits are judged at all levels.
 expect 0 '' levels --help
 expect 2 '--corpus or --alike, and --out are needed' levels --out "$work/levels"
 expect 2 "--level: 'safe' is no NAME" replay --level safe
@@ -162,7 +162,7 @@ expect 0 '' levels --corpus "$work/corpus" --out "$work/levels"
 }
 expect 4 'levels: ' levels --corpus "$work/corpus" --out "$work/levels" # it exists
 
-# Where the shipped data files come from: the source tree for a program in a build tree, the installed ones for any other.
+# A program in a build tree takes the shipped data files from the source tree. Any other program takes the installed ones.
 expect 0 '' show --recording "$face" --what isotherms --out "$work/shipped.png"
 expect 0 '' landmarks --corpus "$work/corpus" --out "$work/landmarks-shipped"
 expect 0 '' eval --corpus "$source/sim/stored" --gallery-frames 1 --probe-frames 1 --out "$work/eval-shipped"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What isotherm-sim says where the modules are missing that its commands need: modules_missing.sh PROGRAM LIBRARY [NAME...]
+# The messages of isotherm-sim if the modules are missing that its commands need: modules_missing.sh PROGRAM LIBRARY [NAME...]
 # NAME: the modules that are built. The program runs on a copy of the library, which has no modules beside it.
 set -u
 simulator=$1 library=$2
@@ -34,7 +34,7 @@ for module in "$@"; do
         ;;
     trees)
         misses trees shapes eval --corpus "$work/corpus" --classifier decision-tree
-        # All that there are: without it, and that is told.
+        # `all` leaves out the classifier of a missing module, and says so.
         LD_LIBRARY_PATH=$work/isotherm "$simulator" shapes eval --corpus "$work/corpus" --method shape-dna --classifier all \
             --pictures 0 --out "$work/all" >"$work/stdout" 2>"$work/stderr"
         if [ $? -ne 0 ] || ! grep -q '^isotherm-sim: decision-tree left out: the module ' "$work/stderr" ||

@@ -1,6 +1,6 @@
 #!/bin/sh
-# How the demo ends, on a small corpus: demo_ends.sh BUILD_DIRECTORY SOURCE_DIRECTORY. Its last lines are the verdict and the
-# path of a picture; tables are in files; colours are for terminals whose owner wants them.
+# The end of the demo's output, on a small corpus: demo_ends.sh BUILD_DIRECTORY SOURCE_DIRECTORY. The last lines are the verdict and
+# the path of a picture. Tables are in files. Colours are printed only on terminals, and only if the user wants them.
 set -u
 build=$1 source=$2
 command -v dbus-daemon >/dev/null || exit 77
@@ -40,7 +40,7 @@ for table in enrolled.txt list.txt visits.txt visits.csv status.txt eval/report.
     [ -s "$work/out/$table" ] || fail "there is no $table"
 done
 
-# The same on a terminal. Whoever is let in by mistake turns the verdict red: here p02 is said to be a stranger.
+# The same on a terminal. A person who is admitted by mistake turns the verdict red. Here the corpus calls p02 a stranger.
 sed -i 's/^p02-v1,0,3,p02,v,probe/p02-v1,0,3,x02,v,impostor/' "$work/corpus/manifest.csv"
 command="$source/sim/demo.sh $build $work/again $work/corpus"
 TERM=xterm NO_COLOR='' script -qec "$command" /dev/null >"$work/printed"
