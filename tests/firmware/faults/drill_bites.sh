@@ -6,8 +6,8 @@
 #        BUILD: a build of the preset dev; PATTERN: a regular expression that selects mistakes, such as "rule 3: stale".
 #        --patterns: builds nothing and takes seconds. It only checks that each mistake can be built in: its text is in its file
 #        exactly once, and BUILD knows the programs of the commands that are named for it (gate_mistakes of ctest).
-#        DRILL_LONGEST_S in the environment: a command that takes longer than so many seconds hangs. If the command's time without a
-#        mistake is known, the limit is half a minute and ten times this time.
+#        DRILL_LONGEST_S in the environment: a command that takes longer than so many seconds hangs. A command also hangs if it takes
+#        longer than half a minute plus ten times its time without a mistake.
 #
 # Each line has the mistake, the command that found it, and the output of that command. The last line counts the mistakes by rule:
 #   1  after an error of COMMIT, or of an exchange of files, the state is read again from the disk
