@@ -25,7 +25,7 @@ struct sim_distortion {
     int level; /* 1..3 */
 };
 
-/* "white", "shot", "scale", "missing", "stretch", "bulge"; NULL for SIM_DISTORTION_NONE. */
+/* "white", "shot", "scale", "missing", "stretch", "bulge"; NULL outside the range. */
 const char *sim_distortion_name(enum sim_distortion_kind kind);
 
 /* The value of a level, as listed above: NSR, factor or share. */

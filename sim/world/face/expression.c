@@ -7,7 +7,7 @@
 
 static const double rest_jitter = 0.03, asymmetry = 0.1;
 
-/* A shape (or both halves of one, `name`_L and `name`_R) and the range its weight is drawn from. */
+/* A shape (or both of its halves, `name`_L and `name`_R) and the range of its random weight. */
 struct component {
     enum sim_expression expression;
     const char *name;
@@ -49,8 +49,8 @@ const char *sim_expression_name(enum sim_expression expression)
     return (unsigned)expression < SIM_EXPRESSIONS ? names[expression] : NULL;
 }
 
-/* Shapes that a face at rest moves: not the gaze and pupils, which a depth sensor does not see, nor
- * mouthClose, which only makes sense on an open jaw. */
+/* Shapes that move in a face at rest. Gaze and pupils are left out, because a depth sensor does
+ * not see them; mouthClose is left out, because it only makes sense with an open jaw. */
 static bool moves_at_rest(const char *name)
 {
     return strncmp(name, "eyeLook", 7) != 0 && strncmp(name, "Pupil", 5) != 0 &&

@@ -16,7 +16,7 @@
 
 enum { SHAPES_MAX = 1024, INDICES_BYTES_MAX = 1 << 24 };
 
-/* Shapes that the index file does not name, which some releases of the kit have. */
+/* Shapes that some releases of the kit have and the index file does not name. */
 static const char *const more_expressions[] = {"PupilDilate_L", "PupilDilate_R", "cheekRaiser_L",
                                                "cheekRaiser_R"};
 
@@ -60,7 +60,7 @@ void sim_kit_identity_name(uint32_t i, char name[SIM_KIT_NAME_SIZE])
     (void)snprintf(name, SIM_KIT_NAME_SIZE, "identity%03u", i);
 }
 
-/* `from` itself, or the folder of this name in it. */
+/* `from` itself, or its subfolder with this name. */
 static int find_folder(struct sim_kit *kit, const char *from)
 {
     struct stat status;
@@ -162,7 +162,7 @@ static int read_indices(struct sim_kit *kit)
     return error;
 }
 
-/* Says which file is missing before the first of 150 is read. */
+/* Checks that no file is missing before the first of 150 files is read. */
 static int check_files(const struct sim_kit *kit)
 {
     char name[SIM_KIT_NAME_SIZE], first[SIM_KIT_NAME_SIZE] = "";

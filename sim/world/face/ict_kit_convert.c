@@ -37,7 +37,7 @@ static int read_obj(const struct sim_kit *kit, const char *name, struct sim_obj 
     return error;
 }
 
-/* Adds the vertices that are kept, in millimetres; less those of `origin` if it is not NULL. */
+/* Writes the kept vertices in millimetres, minus those of `origin` if it is not NULL. */
 static void add_points(const struct sim_kit *kit, const struct sim_obj *obj,
                        const struct sim_obj *origin, struct sim_npy_writer *writer)
 {
@@ -74,7 +74,7 @@ static int write_mean(const struct sim_kit *kit)
     return sim_npy_writer_close(writer, true, kit->fault);
 }
 
-/* Triangles all of whose corners are kept. */
+/* Writes the triangles whose three corners are kept. */
 static uint32_t kept_triangles(const struct sim_kit *kit, struct sim_npy_writer *writer)
 {
     uint32_t n = 0;
@@ -105,7 +105,7 @@ static int write_triangles(const struct sim_kit *kit, uint32_t *n)
     return sim_npy_writer_close(writer, true, kit->fault);
 }
 
-/* The differences of n shapes to the neutral one; `names` NULL: the identities. */
+/* Writes the differences between n shapes and the neutral one. `names` NULL: the identities. */
 static int write_modes(const struct sim_kit *kit, const char *file,
                        char (*names)[SIM_KIT_NAME_SIZE], uint32_t n)
 {

@@ -9,7 +9,7 @@
 
 #include "drivers/file/file.h"
 
-enum { ITEMS_MAX = 1 << 28, ITEM_BYTES = 4 /* of what is handed out */ };
+enum { ITEMS_MAX = 1 << 28, ITEM_BYTES = 4 /* of the returned items */ };
 
 #define FILE_BYTES_MAX (8 * (size_t)ITEMS_MAX + 65536) /* doubles, and the header */
 
@@ -82,7 +82,7 @@ static bool parse_shape(const char **text, struct header *header)
     return header->shape.n_dimensions > 0;
 }
 
-/* The dictionary exactly as NumPy writes it: keys sorted. */
+/* Parses the dictionary exactly as NumPy writes it, with sorted keys. */
 static bool parse_dictionary(const char *text, struct header *header)
 {
     return skip_word(&text, "{") && skip_word(&text, "'descr'") && skip_word(&text, ":") &&
@@ -125,7 +125,8 @@ static int parse_header(const char *path, const struct file *file, struct header
     return 0;
 }
 
-/* Opens, parses and checks that the data are n_items of the size that the type's digit says. */
+/* Opens and parses the file, and checks that the data are n_items of the size in the type's digit.
+ */
 static int load_file(const char *path, struct file *file, struct header *header,
                      struct iso_fault *fault)
 {
@@ -152,7 +153,7 @@ static int load_file(const char *path, struct file *file, struct header *header,
     return 0;
 }
 
-/* Puts the value of a file's item, which begins at `bytes`, where it belongs in memory. */
+/* Converts the file's item that begins at `bytes` and stores its value in memory. */
 typedef void take_item(const unsigned char *bytes, void *out);
 
 static uint32_t u32_at(const unsigned char *b)
@@ -180,7 +181,7 @@ static void take_u32(const unsigned char *bytes, void *out)
     memcpy(out, &value, sizeof value);
 }
 
-/* A type that a file may have, and how its items become the caller's of 4 bytes. */
+/* A type that a file may have, and the conversion of its items to the caller's items of 4 bytes. */
 struct item {
     const char *type;
     size_t size;
@@ -199,7 +200,7 @@ static const struct item *find_item(const struct item *items, size_t n_items, co
     return NULL;
 }
 
-/* A whole array of one of these types; `wanted` names them in faults. */
+/* Reads a whole array of one of these types; `wanted` names the types in faults. */
 static int read_array(const char *path, const struct item *items, size_t n_items,
                       const char *wanted, struct sim_npy_shape *shape, void **out,
                       struct iso_fault *fault)

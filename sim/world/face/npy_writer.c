@@ -13,7 +13,7 @@ struct sim_npy_writer {
     FILE *file;
     char *path;
     enum sim_npy_type type;
-    int error; /* the first one, negative errno */
+    int error; /* the first error, a negative errno */
 };
 
 uint16_t sim_npy_half_of_double(double value)
@@ -21,7 +21,7 @@ uint16_t sim_npy_half_of_double(double value)
     const uint16_t sign = signbit(value) ? 0x8000 : 0;
     const double magnitude = fabs(value);
     int exponent = 0;
-    if (!(magnitude < 65520.0)) { /* halfway to what would come next */
+    if (!(magnitude < 65520.0)) { /* halfway to the next representable number */
         return (uint16_t)(sign | (isnan(value) ? 0x7e00 : 0x7c00));
     }
     (void)frexp(magnitude, &exponent);

@@ -23,7 +23,7 @@ static int flaw(const struct reader *reader, const char *what)
     return iso_fault_set(reader->fault, -EBADMSG, "%s:%zu: %s", reader->path, reader->line, what);
 }
 
-/* Room for one more item of an array that grows. */
+/* Makes room for one more item of a growing array. */
 static bool make_room(void **items, uint32_t n, uint32_t *room, size_t size)
 {
     if (n < *room) {
@@ -72,7 +72,7 @@ static int add_triangle(struct reader *reader, uint32_t a, uint32_t b, uint32_t 
     return 0;
 }
 
-/* Corners "12", "12/3" or "12/3/4", counted from 1; what they say of textures is passed over. */
+/* Corners "12", "12/3" or "12/3/4", counted from 1. The texture and normal indices are ignored. */
 static int add_face(struct reader *reader, const char *text)
 {
     uint32_t corner[CORNERS_MAX];

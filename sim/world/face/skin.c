@@ -5,14 +5,14 @@
 
 #include "sim/base/random.h"
 
-/* Inner parts: hardly any light finds its way out. */
+/* Inner parts: hardly any light leaves them. */
 static const double mouth_socket = 0.12, eye_socket = 0.3, pupil = 0.04, sclera = 0.5;
-/* Of the eyeball's radius of 12 mm, seen from its middle: 5.9 and 2 mm. */
+/* Angles seen from the middle of the eyeball (radius 12 mm): radii of 5.9 and 2 mm. */
 static const double iris_rad = 0.51, pupil_rad = 0.17;
-/* Half widths of the curves, mm, and over how much they fade. */
+/* Half widths of the curves, and the widths over which they fade, mm. */
 static const double lash_mm = 1.0, lid_mm = 5.0, lip_mm = 3.2, nostril_mm = 2.5, fade_mm = 2.0;
-/* The model's landmarks of the brows run along their upper edge: real infrared images are darkest
- * so far below (median of 7 people). */
+/* The model's landmarks of the brows run along their upper edge. In real infrared images the
+ * darkest line is this far below it (median of 7 people). */
 static const double brow_below_mm = 6.0;
 
 struct skin {
@@ -48,7 +48,7 @@ static double distance_to_segment(struct iso_vec3 p, struct iso_vec3 a, struct i
     return iso_norm(iso_madd(ap, -along, ab));
 }
 
-/* From p to the polyline through landmarks first..last, closed or not. */
+/* Distance from p to the polyline through landmarks first..last, closed or open. */
 static double distance_to_curve(const struct sim_ict *ict, struct iso_vec3 p, int first, int last,
                                 bool closed)
 {

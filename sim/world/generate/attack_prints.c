@@ -1,4 +1,4 @@
-/* Instruments with a face's shape: rigid prints of a face or a head. */
+/* Instruments with the shape of a face: rigid prints of a face or a head. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,10 +11,11 @@
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 
-/* In the face frame of the mean head: where a pole meets the throat, and the inside of a mask. */
+/* Face frame of the mean head: the points where a pole meets the throat and the inside of a mask.
+ */
 static const struct iso_vec3 throat_mm = {0.0, -120.0, -110.0}, chin_mm = {0.0, -78.0, -38.0};
 
-/* A print, the head it was made from, and how it is shown. */
+/* A print, its original head, and its presentation. */
 struct print_scene {
     struct sim_staging *staging;
     struct sim_face_print print;
@@ -41,7 +42,7 @@ static int start(struct print_scene *scene, struct sim_staging *staging)
     return 0;
 }
 
-/* Hair as a printer makes it: a part of the same solid. */
+/* Printed hair is a part of the same solid. */
 static void add_printed_hair(const struct print_scene *scene)
 {
     const struct sim_staging *staging = scene->staging;
@@ -82,7 +83,7 @@ static void put_on_pole(const struct print_scene *scene)
     sim_staging_add_pole(scene->staging, iso_rigid_apply(&scene->camera_from_face, at), radius);
 }
 
-/* A fist about the throat, or about a stick at the chin. */
+/* A fist holds the print at the throat, or a stick at the chin. */
 static void hold_in_hand(const struct print_scene *scene)
 {
     struct sim_group *things = scene->staging->still->things;
@@ -107,8 +108,8 @@ static void support(const struct print_scene *scene)
     }
 }
 
-/* Somebody stands with his or her face behind the print, in the same direction, `gap_mm` behind it
- * or as much more as it takes for nose and chin to stay inside; sets *gap_mm to that. */
+/* A person stands with their face behind the print, in the same direction, `gap_mm` behind it,
+ * or farther if nose and chin need more room to stay inside. Sets *gap_mm to the result. */
 static int wear(const struct print_scene *scene, double *gap_mm)
 {
     struct sim_staging *staging = scene->staging;

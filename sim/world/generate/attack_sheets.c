@@ -1,4 +1,4 @@
-/* Instruments that are flat by nature: photographs and screens. */
+/* Flat instruments: photographs and screens. */
 #include <stdio.h>
 
 #include "sim/world/generate/attack_scenes.h"
@@ -8,11 +8,10 @@
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 
-/* How much of the edge a hand covers, and where the edge is in the hand's frame
- * (sim/world/prop/hand.h).
- */
+/* Width of the edge that a hand covers, and position of the edge in the hand's frame
+ * (sim/world/prop/hand.h). */
 static const double grip_mm = 14.0, grip_y_mm = -70.0;
-/* How far a roll's edges may have turned: a hollow one would hide itself. */
+/* Greatest turn of a roll's edges; beyond it a hollow roll would hide its own picture. */
 static const double roll_limit_rad = 2.2, hollow_limit_rad = 1.3;
 
 /* Held towards the camera, not quite straight. */
@@ -26,15 +25,15 @@ static struct iso_rigid camera_from_flat(const struct sim_staging *staging)
     return (struct iso_rigid){iso_mat3_mul(&tilt, &turn), sim_staging_place(staging)};
 }
 
-/* What is held: a sheet's surface, and how far behind it there is something. */
+/* The held object: a sheet's surface, and the thickness of the object behind it. */
 struct held {
     struct sim_sheet surface;
     double behind_mm;
-    double reach_mm; /* how far from the middle of the lower edge a hand may be */
+    double reach_mm; /* greatest distance of a hand from the middle of the lower edge */
 };
 
-/* How far a bent sheet stands off its tangent plane at (x, y), on the far side, where the fingers
- * of a hand there lie. */
+/* Distance of a bent sheet from its tangent plane at (x, y), on the far side, where the fingers
+ * of a hand at this point lie. */
 static double sagitta_at(const struct sim_sheet *surface, double x_mm, double y_mm,
                          const struct iso_rigid *flat_from_edge)
 {
@@ -49,7 +48,7 @@ static double sagitta_at(const struct sim_sheet *surface, double x_mm, double y_
     return most;
 }
 
-/* A hand at a point of the lower edge, square to the sheet there. */
+/* A hand at a point of the lower edge, perpendicular to the sheet there. */
 static void add_hand(struct sim_staging *staging, const struct iso_rigid *camera_from_flat,
                      const struct held *held, double x_mm)
 {
@@ -71,7 +70,7 @@ static void add_hand(struct sim_staging *staging, const struct iso_rigid *camera
     sim_hand_add(things, SIM_HAND_GRIP, left, thick, staging->random);
 }
 
-/* Somebody whose face is behind the instrument, seen from the camera. */
+/* A person whose face is behind the instrument, seen from the camera. */
 static int add_bearer(struct sim_staging *staging, struct iso_vec3 middle_mm)
 {
     struct sim_random *random = staging->random;
@@ -84,8 +83,8 @@ static int add_bearer(struct sim_staging *staging, struct iso_vec3 middle_mm)
     return sim_still_add_person(staging->still, staging->ict, "bearers", true, &stance, random);
 }
 
-/* A hand from below (now and then one on either side), with its owner behind or out of sight; or a
- * stand. */
+/* A hand from below (sometimes one on either side), with its owner behind the instrument or out
+ * of sight; or a stand. */
 static int hold_sheet(struct sim_staging *staging, const struct iso_rigid *camera_from_flat,
                       const struct held *held)
 {
@@ -230,7 +229,7 @@ int sim_attack_screen(struct sim_staging *staging)
     struct iso_rigid camera_from_screen = camera_from_flat(staging);
     staging->still->things->placed = camera_from_screen;
     sim_screen_add(staging->still->things, &screen);
-    if (screen.keyboard) { /* it stands on something under the picture */
+    if (screen.keyboard) { /* it stands on a surface below the picture */
         return sim_staging_chance(staging, 0.5)
                    ? add_bearer(staging, camera_from_screen.translation_mm)
                    : 0;

@@ -9,10 +9,11 @@
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 
-/* A session's motion, some 45 mm/s and 14 degrees/s an axis, is that of somebody who shifts about.
- * Who looks at a door stands more still. Assumed: down to a tenth of that; the centre of pressure
- * of people who stand quietly moves at the order of 10 mm/s (Prieto et al., "Measures of postural
- * steadiness", IEEE Trans. Biomedical Engineering 43, 1996). */
+/* A session's usual motion, some 45 mm/s and 14 degrees/s on each axis, is that of a person who
+ * shifts from foot to foot. A person who looks at a door stands more still. Assumed: down to a
+ * tenth of that. The centre of pressure of people who stand quietly moves at the order of 10
+ * mm/s (Prieto et al., "Measures of postural steadiness", IEEE Trans. Biomedical Engineering 43,
+ * 1996). */
 static const double sway_least = 0.1;
 
 struct stage {
@@ -67,7 +68,7 @@ static int record_enrolled(const struct stage *stage, int person)
     return record_session(stage, &session);
 }
 
-/* Somebody enrolled comes: a glance of one frame, or a visit. */
+/* An enrolled person comes for one frame or for a visit. */
 static int record_bona_fide(const struct stage *stage, int number, bool lasting)
 {
     const int person = number % stage->plan->n_people;
@@ -114,7 +115,8 @@ static int record_attack(const struct stage *stage, const struct sim_staged_kind
 
 int sim_attacks_count(const struct sim_attacks_plan *plan)
 {
-    /* Everybody enrolled; of each kind, among them living people twice and frozen ones. */
+    /* All enrolled people, then each kind; living people count as two kinds, frozen frames as one.
+     */
     const int n_kinds = (int)(sizeof kinds / sizeof *kinds) + 3;
     return plan->n_people + n_kinds * plan->per_kind;
 }

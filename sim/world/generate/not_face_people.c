@@ -1,4 +1,4 @@
-/* People who show everything but their face. */
+/* People whose face is not visible. */
 #include <stdio.h>
 
 #include "sim/world/generate/not_face_scenes.h"
@@ -7,11 +7,11 @@
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 
-/* The middle of the skull, and an ear canal, in the face frame of the mean head. */
+/* Face frame of the mean head: the middle of the skull, and an ear canal. */
 static const struct iso_vec3 skull_mm = {0.0, 35.0, -110.0};
 static const double ear_x_mm = 75.0;
 
-/* Somebody turned by `body_yaw_rad`, so that a point of the head comes to lie at `place_mm`. */
+/* A person turned by `body_yaw_rad`, placed so that a point of the head is at `place_mm`. */
 static int add_turned(struct sim_staging *staging, bool hair, double body_yaw_rad,
                       struct iso_vec3 point_mm, struct iso_vec3 place_mm)
 {
@@ -25,7 +25,7 @@ static int add_turned(struct sim_staging *staging, bool hair, double body_yaw_ra
                                 staging->random);
 }
 
-/* To the left or to the right. */
+/* Randomly the left or the right side. */
 static double turn_between(const struct sim_staging *staging, double from_degrees,
                            double to_degrees)
 {
@@ -39,7 +39,7 @@ static void name_turn(struct sim_staging *staging, double body_yaw_rad)
                    body_yaw_rad / DEGREES(1.0));
 }
 
-/* The middle of the head as far behind `place` as half a head is deep. */
+/* Places the middle of the head behind `place`, by half the depth of a head. */
 static struct iso_vec3 skull_place(const struct sim_staging *staging)
 {
     return iso_add(sim_staging_place(staging), iso_vec3(0.0, 0.0, 95.0));
@@ -59,7 +59,8 @@ int sim_not_face_profile(struct sim_staging *staging)
     return add_turned(staging, true, turn, skull_mm, skull_place(staging));
 }
 
-/* As near as the sensor measures well. A head turned to its left shows the right ear. */
+/* The nearest distance that the sensor measures well. A head turned to its left shows the right
+ * ear. */
 int sim_not_face_ear(struct sim_staging *staging)
 {
     const double turn = turn_between(staging, 75.0, 105.0);

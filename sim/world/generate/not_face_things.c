@@ -1,4 +1,4 @@
-/* Walls and things. */
+/* Walls and other objects. */
 #include <stdio.h>
 
 #include "sim/world/generate/not_face_scenes.h"
@@ -7,7 +7,7 @@
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 
-/* A thing of the given depth, its front where a face would be, turned a little. */
+/* Places an object of the given depth, slightly turned, with its front at the place of a face. */
 static void put(struct sim_staging *staging, double half_depth_mm, double turn_degrees)
 {
     const double yaw = DEGREES(sim_random_between(staging->random, -turn_degrees, turn_degrees));
@@ -41,7 +41,7 @@ static void add_plane(struct sim_group *things, const struct iso_rigid *camera_f
     sim_group_add(things, made, plane);
 }
 
-/* A batten, or four about a picture. */
+/* One batten, or four battens around a picture. */
 static void add_battens(struct sim_group *things, bool frame, struct sim_random *random)
 {
     const double broad = sim_random_between(random, 25.0, 80.0);

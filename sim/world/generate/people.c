@@ -4,8 +4,8 @@
 
 #include "sim/world/generate/job.h"
 
-/* The face a person makes: the gallery neutral; where there are sessions of rest, the first of them
- * is neutral too and the others mild. */
+/* The expression of a person. The gallery is neutral. If the preset has sessions of rest, the
+ * first of them is neutral too and the others are mild. */
 static enum sim_expression expression_of(const struct sim_preset *preset, enum sim_role role,
                                          int session)
 {
@@ -21,7 +21,7 @@ static struct sim_person person_of(const struct sim_job *job, int index)
     return sim_person_draw(o->population, o->seed, (uint32_t)index, sim_job_variance(job));
 }
 
-/* A session of person `index`; its number makes its name and its randomness. */
+/* A session of person `index`. Its number determines its name and its random draws. */
 static struct sim_session_plan plan_of(const struct sim_job *job, char letter, int index,
                                        int session, enum sim_role role)
 {
@@ -44,7 +44,8 @@ static struct sim_session_plan plan_of(const struct sim_job *job, char letter, i
     }
     (void)snprintf(plan.row.subject, sizeof plan.row.subject, "%c%04d", letter, index);
     (void)snprintf(plan.row.session, sizeof plan.row.session, "s%d", session);
-    /* Who is in the corpus: what is learned from it must not be tested with it. */
+    /* The origin of the people: a corpus for learning must not share people with a corpus for
+     * tests. */
     (void)snprintf(plan.row.note, sizeof plan.row.note, "%s-%" PRIu64, o->population, o->seed);
     plan.random = sim_random_seeded(plan.person.key, sim_random_hash(preset->name),
                                     (uint64_t)session);
@@ -58,7 +59,7 @@ static int record_session(const struct sim_job *job, char letter, int index, int
     return sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
 }
 
-/* A neutral session of everybody who is enrolled, later ones of them, and strangers. */
+/* Records a neutral session and later sessions of each enrolled person, then the strangers. */
 static int record_visits(const struct sim_job *job, struct iso_fault *fault)
 {
     const int people = sim_job_people(job);
@@ -77,7 +78,7 @@ static int record_visits(const struct sim_job *job, struct iso_fault *fault)
     return error;
 }
 
-/* A visit of person `index` with another one close behind; what that one is stands in the note,
+/* A visit of person `index` with another person close behind. The note describes that person,
  * after the origin. */
 static int record_pair(const struct sim_job *job, int index, int session, enum sim_role role,
                        int behind, const char *note, struct iso_fault *fault)
@@ -92,8 +93,8 @@ static int record_pair(const struct sim_job *job, int index, int session, enum s
     return sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
 }
 
-/* Everybody who is enrolled, and visits of two: an enrolled person with a stranger or with another
- * enrolled one behind, in turns; a stranger with an enrolled one behind. */
+/* The enrolments, then visits of two: an enrolled person with a stranger or another enrolled
+ * person behind, in turns; and a stranger with an enrolled person behind. */
 static int record_pairs(const struct sim_job *job, struct iso_fault *fault)
 {
     const int people = sim_job_people(job);
@@ -102,7 +103,7 @@ static int record_pairs(const struct sim_job *job, struct iso_fault *fault)
     int error = 0;
     for (int i = 0; error == 0 && i < people; i++) {
         struct sim_session_plan plan = plan_of(job, 'p', i, 0, SIM_ROLE_GALLERY);
-        plan.row.count *= 3; /* an enrolment takes its time */
+        plan.row.count *= 3; /* an enrolment needs more frames */
         error = sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
     }
     for (int i = 0; error == 0 && i < probes; i++) {
@@ -118,7 +119,7 @@ static int record_pairs(const struct sim_job *job, struct iso_fault *fault)
     return error;
 }
 
-/* The same sessions of everybody, and nobody enrolled. */
+/* The same sessions for each person, and no one is enrolled. */
 static int record_repeats(const struct sim_job *job, struct iso_fault *fault)
 {
     const int people = sim_job_people(job);

@@ -6,7 +6,7 @@
 #include "sim/world/generate/not_faces.h"
 #include "sim/world/generate/stored.h"
 
-/* ---- presets of things and of one corpus: their recorders have headers of their own ---- */
+/* ---- presets of objects and of one corpus; their recorders have separate headers ---- */
 
 static int count_or(int given, int otherwise)
 {
@@ -71,7 +71,7 @@ static const struct sim_job_kind stored = {record_stored, count_stored};
 
 /* ---- the table ---- */
 
-/* What presets of visits have in common. */
+/* Fields shared by the presets of visits. */
 #define VISITS                                                                     \
     .kind = &sim_job_visits, .n_people = 100, .n_strangers = 100, .n_probes = 400, \
     .frames_per_visit = 1, .noise_scale = 1.0, .png_level = 4
@@ -191,7 +191,7 @@ const struct sim_preset *sim_preset_find(const char *name)
     return NULL;
 }
 
-/* ---- what the options or the preset give ---- */
+/* ---- values of the options or the preset ---- */
 
 int sim_job_people(const struct sim_job *job)
 {

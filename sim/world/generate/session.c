@@ -5,7 +5,7 @@
 
 #include "sim/world/scene/room.h"
 
-/* How a standing person moves between frames (33 ms), per axis: a slow drift plus tremor. */
+/* Motion of a standing person between frames (33 ms), per axis: a slow drift plus tremor. */
 static const double drift_rad = 0.008, drift_mm = 1.5, drift_expression = 0.01;
 static const double off_axis_mm = 40.0;
 static const double disc_flattening = 0.7;
@@ -30,7 +30,7 @@ static double draw_angle(const struct sim_pose_range *range, struct sim_random *
     return sim_random_between(random, -range->limit_rad, range->limit_rad);
 }
 
-/* Yaw and pitch over the disc: uniform in area, by its radius and angle. */
+/* Draws yaw and pitch uniformly over the area of the disc, by its radius and angle. */
 static void draw_direction(const struct sim_pose_range *range, struct sim_random *random,
                            struct sim_stance *stance)
 {
@@ -95,7 +95,7 @@ static int draw_scene(void *context, int frame, struct sim_view *view, struct si
     if (error == 0) {
         error = sim_sitter_draw(scene->sitter, &scene->stance, view, truth);
     }
-    /* A face that looks away has no ground truth worth writing. */
+    /* The ground truth of a face that looks away is useless. */
     *truth_known = error == 0 && truth->camera_from_face.rotation.m[2][2] < 0.0;
     return error;
 }
@@ -120,8 +120,8 @@ static struct sim_corpus_row row_of(const struct sim_session_plan *plan,
     return row;
 }
 
-/* Somebody 0.5 (or what the plan says) to 0.9 m behind the person, far enough to the side to be
- * seen. */
+/* A person 0.5 (or the plan's distance) to 0.9 m behind the visitor, far enough to the side to
+ * be visible. */
 static int add_bystander(struct scene *scene, const struct sim_ict *ict,
                          const struct sim_session_plan *plan)
 {

@@ -35,7 +35,7 @@ static int record_person(const struct stage *stage, const char *subject, int ind
         .expression = visit->expression,
         .pose = {0.0, DEGREES(visit->limit_degrees), 0.0},
         .sway = 1.0,
-        /* A wall's noise would be most of a frame's bytes: one in every four sessions only. */
+        /* A wall's noise takes most of a frame's bytes, so only every fourth session has a wall. */
         .open_hall = (index + visit->number) % 4 != 0,
     };
     (void)snprintf(plan.row.subject, sizeof plan.row.subject, "%s", subject);
@@ -44,7 +44,7 @@ static int record_person(const struct stage *stage, const char *subject, int ind
     return sim_session_record(stage->studio, stage->ict, stage->sensor, &plan, stage->fault);
 }
 
-/* Visits are mild, but for every third person's second, which is strong. */
+/* Visits are mild, except for every third person's second visit, which is strong. */
 static int record_people(const struct stage *stage)
 {
     static const struct visit enrol = {"enrol", 0, SIM_NEUTRAL, 5.0},
@@ -70,7 +70,7 @@ static int record_people(const struct stage *stage)
     return error;
 }
 
-/* A person whose face is of no use: turned away, or half out of the picture. */
+/* A person whose face is not usable: turned away, or half out of the picture. */
 static int record_useless(const struct stage *stage, const char *note, int index,
                           double body_yaw_rad, struct iso_vec3 offset_mm)
 {
@@ -108,7 +108,7 @@ static int draw_still(void *context, int frame, struct sim_view *view, struct si
     *truth_known = false;
     int error = sim_room_draw(still->room, view);
     if (error == 0 && still->sheet) {
-        /* A hand is never still. */
+        /* A hand always moves. */
         still->camera_from_sheet.translation_mm.x += 1.5;
         error = sim_solid_draw(still->sheet, &still->camera_from_sheet, still->scratch_mm, view);
     }

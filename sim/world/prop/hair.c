@@ -11,7 +11,7 @@ static const struct iso_vec3 head_centre_mm = {0.0, 35.0, 5.0};
 static const struct iso_vec3 model_nose_tip_mm = {0.0, 4.06, 130.69};
 
 enum {
-    SPLIT = 3, /* each triangle's edge is cut into so many */
+    SPLIT = 3, /* number of parts of each triangle's edge */
     PATCH_VERTICES = (SPLIT + 1) * (SPLIT + 2) / 2,
     PATCH_TRIANGLES = SPLIT * SPLIT,
     CURTAIN_ROWS = 50,
@@ -50,9 +50,9 @@ struct sim_hair sim_hair_of_session(const struct sim_hair *hair, struct sim_rand
     return today;
 }
 
-/* How far inside the hairline a point of the mean head lies, mm (roughly; < 0: bare skin). The line
- * climbs from the top of the ear over the temple to the forehead, and falls behind the ear to the
- * nape. */
+/* Approximate distance of a point of the mean head inside the hairline, mm (< 0: bare skin). The
+ * line climbs from the top of the ear over the temple to the forehead, and falls behind the ear
+ * to the nape. */
 static double inside_hairline(const float *p, double hairline_mm)
 {
     const double y = p[1], z = p[2];
@@ -67,7 +67,7 @@ static double inside_hairline(const float *p, double hairline_mm)
     return y - line;
 }
 
-/* How far the shell stands off the skin; it dives under the skin just outside the hairline. */
+/* Height of the shell above the skin. Just outside the hairline it is below the skin. */
 static double stand_off(const struct sim_hair *hair, double inside_mm, struct iso_vec3 p)
 {
     const double bumps = 0.35 * sim_noise3(hair->key, iso_scale(1.0 / 28.0, p)) +
@@ -121,7 +121,7 @@ static void build_patch(const struct sim_hair *hair, const struct patch_corner c
     }
 }
 
-/* Whether a triangle of the head carries hair; fills in its corners. */
+/* Whether a triangle of the head has hair; fills in its corners. */
 static bool is_hairy(const struct sim_ict *ict, uint32_t t, const struct iso_vec3 *vertices_mm,
                      const struct sim_hair *hair, struct patch_corner corners[3])
 {

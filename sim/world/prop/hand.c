@@ -2,9 +2,9 @@
 
 enum { FINGERS = 4, JOINTS = 4 };
 
-/* From the little finger to the index: where it begins on the palm, the length of its three
- * phalanges together, and how far it leans when the hand is spread. The thumb is at the right: it
- * is the palm of a left hand, mirrored for a right one. */
+/* The fingers from the little finger to the index: place on the palm, total length of the three
+ * phalanges, and angle when the hand is spread. The thumb is on the right: this is the palm of a
+ * left hand, and a right hand is its mirror image. */
 static const struct finger {
     double x_mm, y_mm, length_mm, radius_mm, lean_rad;
 } fingers[FINGERS] = {
@@ -14,7 +14,7 @@ static const struct finger {
     {31.0, -89.0, 76.0, 8.7, 0.18},
 };
 
-/* Shares of the phalanges in the finger's length. */
+/* Length of each phalanx as a share of the finger's length. */
 static const double phalanges[JOINTS - 1] = {0.46, 0.30, 0.24};
 
 struct hand {
@@ -38,7 +38,8 @@ static void add_tube(const struct hand *hand, const struct iso_vec3 *points, con
     sim_group_add_tube(hand->group, joints, n, material);
 }
 
-/* A finger whose phalanges bend towards the viewer by `bends_rad`, each against the one before. */
+/* A finger whose phalanges bend towards the viewer by `bends_rad`, each relative to the previous
+ * one. */
 static void add_finger(const struct hand *hand, const struct finger *finger, struct iso_vec3 root,
                        double lean_rad, const double bends_rad[JOINTS - 1])
 {
@@ -116,7 +117,7 @@ static void add_grip(const struct hand *hand)
     add_tube(hand, thumb, thumb_radii, 4, SIM_SKIN);
 }
 
-/* Out of the sleeve to the wrist. */
+/* The forearm, from the sleeve to the wrist. */
 static void add_forearm(const struct hand *hand, struct sim_random *random)
 {
     const double x = sim_random_between(random, -40.0, 110.0);

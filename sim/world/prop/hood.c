@@ -7,8 +7,8 @@ enum { ROWS = 50, COLUMNS = 80 };
 static const double top_mm = 150.0, bottom_mm = -190.0; /* above and below the nose tip */
 static const double middle_z_mm = -105.0;
 
-/* The share of its full breadth that the hood has at a height: a dome, and wider on the shoulders.
- */
+/* The hood's breadth at a height, as a share of its full breadth: a dome that is wider on the
+ * shoulders. */
 static double breadth_at(double y_mm)
 {
     const double rise = fmax(y_mm - 20.0, 0.0) / (top_mm - 20.0);
@@ -24,7 +24,8 @@ int sim_hood_new(struct sim_random *random, struct sim_solid **out)
         return error;
     }
     const double loose = sim_random_between(random, 8.0, 30.0);
-    const double reach = sim_random_between(random, 1.9, 2.4); /* round the head, from the back */
+    const double reach = sim_random_between(random, 1.9,
+                                            2.4); /* angle around the head, from the back */
     const uint64_t key = sim_random_u64(random);
     for (int r = 0; r < ROWS; r++) {
         const double f = (double)r / (ROWS - 1);

@@ -1,4 +1,4 @@
-/* The solids of sim/world/prop/solid.h that are round: tubes and superellipsoids. */
+/* The round solids of sim/world/prop/solid.h: tubes and superellipsoids. */
 #include <errno.h>
 
 #include "sim/world/prop/solid.h"
@@ -41,8 +41,8 @@ static struct iso_vec3 direction_at(const struct sim_joint *joints, size_t n, si
     return iso_unit(iso_add(before, after));
 }
 
-/* Some unit vector square to `direction`, near `hint` if that is possible: carried along the tube,
- * so that it does not twist. */
+/* A unit vector perpendicular to `direction`, close to `hint` if possible. It is carried along
+ * the tube, so that the tube does not twist. */
 static struct iso_vec3 square_to(struct iso_vec3 direction, struct iso_vec3 hint)
 {
     struct iso_vec3 flat = iso_madd(hint, -iso_dot(hint, direction), direction);

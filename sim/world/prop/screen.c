@@ -50,8 +50,8 @@ static int whole_glass(const struct sim_screen *screen, struct sim_solid **out)
     return error;
 }
 
-/* Keeps the cells that are measured, or the others, as a solid of its own. Nothing is made, and 0
- * returned with *out NULL, if there are none. */
+/* Keeps either the measured cells or the others as a separate solid. If there are none, returns
+ * 0 with *out NULL. */
 static int part_of_glass(const struct sim_solid *glass, const double value[CELLS], double level,
                          bool measured, struct sim_solid **out)
 {
@@ -113,7 +113,7 @@ static void add_glass(struct sim_group *group, const struct sim_screen *screen)
     free(value);
 }
 
-/* Four bars about the glass, as thick as the device. */
+/* Four bars around the glass, as thick as the device. */
 static void add_rim(struct sim_group *group, const struct sim_screen *screen)
 {
     const double rim = screen->rim_mm, middle_z = 0.5 * screen->thickness_mm - 0.5;

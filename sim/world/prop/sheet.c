@@ -6,8 +6,8 @@
 
 enum { ROWS = 81, COLUMNS = 81 };
 
-/* The arc that starts level at the origin: `along` the sheet to a place beside the axis and a depth
- * away from it. */
+/* An arc that starts level at the origin: converts the length `along` the sheet to a position
+ * beside the axis and a depth away from it. */
 static void bend(double radius_mm, double along_mm, double *beside_mm, double *away_mm)
 {
     const double angle = along_mm / radius_mm;
@@ -37,8 +37,8 @@ struct iso_vec3 sim_sheet_point(const struct sim_sheet *sheet, double x_mm, doub
     return iso_vec3(c * beside - s * along_axis, s * beside + c * along_axis, away);
 }
 
-/* Half the breadth of a face's outline, as a share of the sheet's, from the crown (-1) to the chin
- * (1): a superellipse that tapers over the jaw. */
+/* Half the breadth of a face's outline, as a share of the sheet's breadth, from the crown (-1)
+ * to the chin (1): a superellipse that tapers over the jaw. */
 static double outline_at(double down)
 {
     const double breadth = pow(fmax(1.0 - pow(fabs(down), 2.4), 0.0), 1.0 / 2.4);

@@ -4,7 +4,7 @@
 
 #include "sim/world/prop/solid.h"
 
-/* An edge as one triangle runs along it. */
+/* An edge with the direction in which a triangle traverses it. */
 struct edge {
     uint32_t low, high;
     bool upward; /* from the lower vertex number to the higher */
@@ -17,7 +17,7 @@ static int compare_edges(const void *a, const void *b)
     return order ? order : (p->high > q->high) - (p->high < q->high);
 }
 
-/* Moves those edges to the front that belong to one triangle only; returns how many. */
+/* Moves the edges that belong to only one triangle to the front, and returns their number. */
 static uint32_t keep_borders(struct edge *edges, size_t n)
 {
     uint32_t kept = 0;
@@ -45,7 +45,8 @@ static struct edge *edges_of(const struct sim_solid *solid)
     return edges;
 }
 
-/* Normals of the vertices, weighted by area, not yet of unit length, into normals[n_vertices]. */
+/* Writes the area-weighted normals of the vertices, not of unit length, into normals[n_vertices].
+ */
 static void sum_normals(const struct sim_solid *solid, struct iso_vec3 *normals)
 {
     memset(normals, 0, solid->n_vertices * sizeof *normals);

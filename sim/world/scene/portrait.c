@@ -3,7 +3,7 @@
 #include "sim/world/sensor/infrared.h"
 #include "sim/world/sensor/sensor.h"
 
-/* A camera without a fault, in a lit room. */
+/* An ideal camera in a lit room. */
 static const struct sim_sensor camera = {
     .name = "portrait",
     .camera = {.projection = ISO_ORTHOGRAPHIC,
@@ -17,7 +17,7 @@ static const struct sim_sensor camera = {
 };
 
 static const double distance_mm = 600.0, nose_below_mm = 10.0;
-/* The darkest and the lightest that a print can be. */
+/* The darkest and the lightest albedo of a print. */
 static const float ink = 0.05F, paper = 0.8F;
 
 int sim_portrait(struct sim_sitter *sitter, float *albedo)

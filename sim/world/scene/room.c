@@ -20,7 +20,8 @@ static int add_wall(struct sim_room *room, struct sim_random *random)
     if (error != 0) {
         return error;
     }
-    /* One draw a statement: the order within an expression is the compiler's choice. */
+    /* One random draw in each statement, because the compiler chooses the order within an
+     * expression. */
     const double yaw_rad = sim_random_between(random, -0.15, 0.15);
     const double pitch_rad = sim_random_between(random, -0.05, 0.05);
     const double z_mm = sim_random_between(random, 1300.0, 2600.0);

@@ -8,7 +8,7 @@
 #include "sim/world/prop/solid.h"
 #include "sim/world/prop/torso.h"
 
-/* The trunk turns this much of the head's yaw with it, about the base of the neck. */
+/* The trunk follows the head by this share of its yaw, about the base of the neck. */
 static const double torso_yaw_share = 0.25;
 static const struct iso_vec3 neck_base_mm = {0.0, -125.0, -125.0};
 
@@ -135,7 +135,7 @@ struct iso_rigid sim_stance_camera_from_face(const struct sim_stance *stance)
                               stance->nose_mm};
 }
 
-/* The trunk hangs upright from the base of the neck, wherever the head's pose takes that. */
+/* The trunk is upright below the base of the neck, which moves with the head. */
 static struct iso_rigid camera_from_torso(const struct sim_stance *stance,
                                           const struct iso_rigid *camera_from_face)
 {

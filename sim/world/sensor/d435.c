@@ -4,9 +4,10 @@
  *   with a subpixel error s of 0.08 px on well-textured planes, i.e. 1.36 mm at 0.6 m: Intel,
  *   "Tuning depth cameras for best performance".
  * - Disparities in steps of 1/32 px: Intel, "Subpixel linearity improvement".
- * - Assumed: errors correlate over 5 px, outlines wander by 1.2 px (how stereo matching works is in
+ * - Assumed: errors correlate over 5 px, outlines shift by 1.2 px (stereo matching is described in
  *   Keselman et al., "Intel RealSense Stereoscopic Depth Cameras", CVPRW 2017).
- * - The left camera is the reference: what only it sees, at the left of things, is not measured. */
+ * - The left camera is the reference: surface that only it sees, at the left of objects, is not
+ * measured. */
 #include "sim/world/sensor/sensor.h"
 #include "sim/world/sensor/triangulation.h"
 

@@ -2,10 +2,10 @@
 
 #include "sim/world/sensor/sensor.h"
 
-/* One pixel in so many is the middle of a dot. */
+/* On average one pixel of this number is the middle of a dot. */
 static const double dot_share = 0.1;
 
-/* What a material scatters back that nobody has painted (assumed). */
+/* Albedo of each material without paint (assumed). */
 static double material_albedo(enum sim_material material)
 {
     switch (material) {
@@ -25,7 +25,7 @@ static double material_albedo(enum sim_material material)
     }
 }
 
-/* Of one pixel of the view: what comes back, before the sensor's own level. */
+/* Light that returns to one pixel of the view, before the sensor's own level. */
 static double returned(const struct sim_infrared *infrared, const struct sim_view *view, int column,
                        int row)
 {
@@ -56,7 +56,7 @@ static double mean_returned(const struct sim_infrared *infrared, const struct si
     return sum / (s * s);
 }
 
-/* A plane of mean 1: dots as the lens blurs them, one pixel to its neighbours. */
+/* A plane of mean 1: dots that the lens blurs into the neighbouring pixels. */
 static void draw_dots(int width, int height, double share, struct sim_random *random,
                       float *scratch, float *out)
 {

@@ -9,7 +9,7 @@
  *   Sala, "A metrological characterization of the Kinect V2 time-of-flight camera", Robotics and
  *   Autonomous Systems 75 (2016); here an offset common to the frame and a smooth error of half a
  *   millimetre over a face.
- * - Assumed: the albedos in the near infrared, and what mixed pixels lose. */
+ * - Assumed: the albedos in the near infrared, and the loss of mixed pixels. */
 #include "sim/world/sensor/noise_plane.h"
 #include "sim/world/sensor/sensor.h"
 
@@ -46,7 +46,7 @@ static double albedo(enum sim_material material)
     return 0.0;
 }
 
-/* What the view's samples of one sensor pixel amount to; amplitude 0 if there is nothing. */
+/* The sum of a sensor pixel's samples in the view; amplitude 0 if there is no surface. */
 static struct pixel mixed(const struct sim_view *view, int column, int row)
 {
     const int s = view->supersample;

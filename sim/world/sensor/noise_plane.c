@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Sums over a window of 2 radius + 1 along one line of n values, `stride` apart, wrapped around. */
+/* Sums over windows of 2 radius + 1 along one line of n values, `stride` apart, wrapped around. */
 static void line_sums(const float *in, size_t n, size_t stride, size_t radius, float scale,
                       float *out)
 {

@@ -1,5 +1,5 @@
-/* Two cameras, really: renders what both see, and matches the pictures with the product's own
- * stereo path (drivers/stereo), calibrated as well as a calibration is.
+/* Two real cameras: renders both pictures and matches them with the product's own
+ * stereo path (drivers/stereo), with the accuracy of a real calibration.
  *
  * - 1280 x 800, f 900 px (71 degrees wide), baseline 60 mm: a pixel of disparity is 6.7 mm at
  *   0.6 m. sim/world/stereo/rig.c has the other constants.
@@ -103,8 +103,8 @@ static void picture(const void *own, float *intensity)
     memcpy(intensity, pair->intensity, pair->n_pixels * sizeof *intensity);
 }
 
-/* The rectified left camera: iso_rectification_of makes it so for every calibration of such a
- * rig, whose focal length is 900 px to the nearest pixel. */
+/* The rectified left camera. iso_rectification_of gives the same camera for every calibration of
+ * such a rig, whose focal length is 900 px to the nearest pixel. */
 #define CAMERA                                                                         \
     {                                                                                  \
         .projection = ISO_PINHOLE, .width_px = 1280, .height_px = 800, .fx_px = 900.0, \

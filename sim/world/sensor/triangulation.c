@@ -2,7 +2,7 @@
 
 #include "sim/world/sensor/noise_plane.h"
 
-/* Depths that differ by less are one surface. */
+/* Depths with a smaller difference belong to one surface. */
 static const float jump_mm = 12.0f;
 
 struct size {
@@ -39,8 +39,8 @@ static void jitter_outlines(const struct sim_view *view, double edge_px, const f
     }
 }
 
-/* Step 2 along one line of n values, `stride` apart: means over the part of the window that is on
- * the surface of the middle. */
+/* Step 2 along one line of n values, `stride` apart: means over the part of the window that lies
+ * on the same surface as its middle. */
 static void smooth_line(const float *in, int n, size_t stride, int radius, float *out)
 {
     for (int i = 0; i < n; i++) {
@@ -69,9 +69,9 @@ static void smooth_windows(struct size s, int window_u, int window_v, float *scr
     }
 }
 
-/* Step 3. Seen from the second eye at the left, a pixel moves right by its disparity: walking to
- * the right, one that lands behind where an earlier one landed is hidden by it. At the right,
- * mirrored. */
+/* Step 3. Seen from a second eye at the left, a pixel moves right by its disparity. The loop
+ * walks to the right; a pixel that lands behind the position of an earlier pixel is hidden by
+ * it. For a second eye at the right everything is mirrored. */
 static void cast_shadows(struct size s, const struct sim_triangulation *model, float *depth_mm)
 {
     const double fb = model->focal_px * model->baseline_mm;
@@ -93,8 +93,8 @@ static void cast_shadows(struct size s, const struct sim_triangulation *model, f
     }
 }
 
-/* Growth of the noise with the angle between surface and line of sight: little below 60 degrees,
- * then steep (the form of Nguyen, Izadi and Lovell 2012, eq. 3). */
+/* Growth of the noise with the angle between surface normal and line of sight: slow below 60
+ * degrees, then steep (the form of Nguyen, Izadi and Lovell 2012, eq. 3). */
 static double grazing_factor(double cosine)
 {
     const double angle = acos(fmin(cosine, 1.0)), rest = 1.5707963 - angle;
@@ -105,7 +105,7 @@ static double grazing_factor(double cosine)
 static double dropout_level(double cosine, enum sim_material material)
 {
     const double level = 5.0 * (cosine - 0.12) /
-                         0.25; /* below about 83 degrees all goes, above 70 nothing */
+                         0.25; /* no pixel drops out below about 70 degrees, all above 83 */
     switch (material) {
     case SIM_HAIR:
         return fmin(level, 1.1 + 0.8 * cosine);

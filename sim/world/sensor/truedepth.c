@@ -1,10 +1,10 @@
 /* Fine structured light at arm's length: the class of Apple's TrueDepth.
  *
- * No noise model of it has been published by its maker. What is known:
- * - "accuracies in the millimeter range": Breitbarth et al., "Measurement accuracy and dependence
- * on external influences of the iPhone X TrueDepth sensor", Proc. SPIE 11144 (2019). Assumed here:
- * 640 x 480, f 600 px, baseline 27 mm; 0.4 mm of noise at 0.4 m, which is 0.040 px of disparity,
- * smooth over 5 px; steps of 1/64 px; counts of 0.1 mm. */
+ * Its maker has not published a noise model. Known from Breitbarth et al., "Measurement accuracy
+ * and dependence on external influences of the iPhone X TrueDepth sensor", Proc. SPIE 11144
+ * (2019): "accuracies in the millimeter range". Assumed here: 640 x 480, f 600 px, baseline 27
+ * mm; 0.4 mm of noise at 0.4 m, which is 0.040 px of disparity, smooth over 5 px; steps of 1/64
+ * px; counts of 0.1 mm. */
 #include "sim/world/sensor/sensor.h"
 #include "sim/world/sensor/triangulation.h"
 

@@ -25,7 +25,8 @@ static int is_picture(const struct dirent *entry)
     return length > 4 && strcmp(entry->d_name + length - 4, ".png") == 0;
 }
 
-/* Rec. 709 luma in place: a grey sample lies before the three that it is made of. */
+/* Rec. 709 luma in place. Each grey sample is stored before the three samples it is computed from.
+ */
 static void make_grey(struct iso_image *image)
 {
     uint8_t *samples = image->samples;
@@ -37,7 +38,7 @@ static void make_grey(struct iso_image *image)
     }
 }
 
-/* Reads a picture and adds it; the first decides the size of all. */
+/* Reads a picture and adds it. The first picture determines the size of all. */
 static int add_picture(const struct sim_lens_calibration_options *options, const char *name,
                        struct iso_image *image, struct iso_board_views **views,
                        struct iso_fault *fault)

@@ -2,9 +2,9 @@
 
 #include "sim/base/noise3.h"
 
-/* Light of the room that reaches every point, of a frontal surface's share at 600 mm. */
+/* Room light at every point, relative to the projector's light on a frontal surface at 600 mm. */
 static const double ambient = 0.03;
-/* A point this far behind what the projector sees lies in shadow. */
+/* A point this far behind the surface that the projector sees is in shadow. */
 static const double shadow_mm = 4.0;
 
 static double texture(struct iso_vec3 p, double size_mm, uint64_t key)
@@ -17,12 +17,12 @@ static double base(enum sim_material material)
 {
     static const double levels[] = {
         [SIM_SKIN] = 0.55, [SIM_HAIR] = 0.18,   [SIM_CLOTH] = 0.45, [SIM_WALL] = 0.7,
-        [SIM_PAPER] = 0.8, [SIM_PLASTIC] = 0.6, [SIM_GLASS] = 0.03, /* throws light elsewhere */
+        [SIM_PAPER] = 0.8, [SIM_PLASTIC] = 0.6, [SIM_GLASS] = 0.03, /* reflects light away */
     };
     return (size_t)material < sizeof levels / sizeof *levels ? levels[material] : 0.0;
 }
 
-/* What varies from millimetre to millimetre, about 1. */
+/* Variation from millimetre to millimetre, with values around 1. */
 static double grain(enum sim_material material, struct iso_vec3 p, uint64_t key)
 {
     switch (material) {
@@ -77,7 +77,7 @@ double sim_dots(const struct sim_stereo_rig *rig, double x, double y, double rad
     return sum * spacing * spacing / (6.283185307179586 * radius * radius);
 }
 
-/* What the projector sends to a point that it can reach: mean 1. */
+/* Projector light at a point that is not in shadow; mean 1. */
 static double pattern(const struct sim_light *light, struct iso_vec3 p, bool skin)
 {
     const struct sim_stereo_rig *rig = light->rig;

@@ -2,7 +2,7 @@
 
 static struct iso_stereo_calibration built(void)
 {
-    /* Lenses with some barrel distortion, cameras glued in with a few milliradians of error. */
+    /* Lenses with some barrel distortion; cameras mounted with a few milliradians of error. */
     return (struct iso_stereo_calibration){
         .camera = {{.projection = ISO_PINHOLE,
                     .width_px = 1280,
@@ -30,8 +30,8 @@ static struct iso_stereo_calibration built(void)
     };
 }
 
-/* What is left after a calibration, in proportion to `error`. The baseline's length is only as good
- * as the board's print. */
+/* The errors that remain after a calibration, in proportion to `error`. The baseline's length is
+ * only as exact as the board's print. */
 static struct iso_stereo_calibration believed(double error)
 {
     struct iso_stereo_calibration c = built();

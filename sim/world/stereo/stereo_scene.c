@@ -114,7 +114,8 @@ void sim_stereo_scene_attach(struct sim_stereo_scene *scene, struct sim_view *vi
 
 /* ---- light to pixels -------------------------------------------------------- */
 
-/* Where a ray meets what the view shows around its pixel; false if that is nothing. */
+/* The intersection of a ray with the surface that the view shows around its pixel; false if there
+ * is none. */
 static bool meet_surface(const struct sim_view *view, double x, double y, struct iso_vec3 *point,
                          const struct sim_facet **seen)
 {
@@ -134,7 +135,7 @@ static bool meet_surface(const struct sim_view *view, double x, double y, struct
     struct iso_vec3 ray = {x, y, 1.0};
     const double across = iso_dot(facet->normal, ray);
     double t = fabs(across) > 0.05 ? iso_dot(facet->normal, on) / across : depth;
-    /* Beyond the facet's edge its plane may run away. */
+    /* Beyond the facet's edge its plane may be far from the surface. */
     t = fabs(t - depth) < 0.02 * depth ? t : depth;
     *point = iso_scale(t, ray);
     *seen = facet;

@@ -11,8 +11,8 @@ static size_t pixels(const struct sim_view *view)
     return (size_t)view->camera.width_px * (size_t)view->camera.height_px;
 }
 
-/* Pixel centres are at integers, so sensor pixel u covers view pixels s u .. s u + s - 1, whose
- * middle is s u + (s - 1) / 2. */
+/* Pixel centres are at integers, so that sensor pixel u covers view pixels s u .. s u + s - 1,
+ * and its middle is s u + (s - 1) / 2. */
 static struct iso_camera supersampled(const struct iso_camera *camera, int s)
 {
     struct iso_camera fine = *camera;
