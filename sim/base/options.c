@@ -62,7 +62,8 @@ int sim_option_list(const char *text, void *field)
     return 0;
 }
 
-/* The option whose name is the first `length` characters, and the struct it belongs to. */
+/* Finds the option whose name is the first `length` characters, and the struct that it belongs to.
+ */
 static const struct sim_option *find(const struct sim_option_set *sets, size_t n_sets,
                                      const char *name, size_t length, char **target)
 {
@@ -113,7 +114,7 @@ static enum sim_options_outcome unknown(struct iso_fault *fault, const char *wor
     return refuse(fault, word, why);
 }
 
-/* Reads argv[i], an option of the table, and what belongs to it; *i is then its last word. */
+/* Reads argv[i], an option of the table, and its value; *i is then the index of its last word. */
 static enum sim_options_outcome take(const struct sim_option *option, void *field, int argc,
                                      char **argv, int *i, struct iso_fault *fault)
 {

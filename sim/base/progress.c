@@ -2,8 +2,8 @@
 
 #include "drivers/terminal/progress.h"
 
-static FILE *stream;                  /* NULL: nothing is shown */
-static struct iso_progress *progress; /* NULL: nothing is begun */
+static FILE *stream;                  /* NULL: progress is not shown */
+static struct iso_progress *progress; /* NULL: no task has begun */
 
 void sim_progress_to(FILE *out)
 {

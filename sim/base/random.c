@@ -79,6 +79,6 @@ double sim_random_normal(struct sim_random *random)
 
 uint32_t sim_random_below(struct sim_random *random, uint32_t n)
 {
-    /* The bias is below n / 2^32, far under what any simulation here resolves. */
+    /* The bias is below n / 2^32, far below the resolution of any simulation here. */
     return (uint32_t)(((sim_random_u64(random) >> 32) * n) >> 32);
 }

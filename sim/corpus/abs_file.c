@@ -5,10 +5,10 @@
 
 #include "sim/corpus/scan_file.h"
 
-/* Coordinates beyond this are no face; what was not measured has -999999. */
+/* Larger coordinates do not belong to a face; unmeasured pixels have -999999. */
 static const double coordinate_max_mm = 1e5;
 
-/* Where the parser is. */
+/* The position of the parser. */
 struct reader {
     const char *name, *at;
     struct iso_fault *fault;

@@ -10,13 +10,13 @@ enum { PLANES = 5 };
 
 static const double coordinate_max_mm = 1e5;
 
-/* What has not been read yet. */
+/* The unread part of the file. */
 struct reader {
     const uint8_t *at;
     size_t left;
 };
 
-/* The next n bytes, or NULL if there are not so many. */
+/* The next n bytes, or NULL if fewer are left. */
 static const uint8_t *take(struct reader *reader, size_t n)
 {
     const uint8_t *at = reader->at;

@@ -46,7 +46,7 @@ static bool is_recording_name(const char *name)
     return *name && *name != '.' && !strchr(name, '/');
 }
 
-/* Which column of a row is unsound, or -1. */
+/* The first invalid column of a row, or -1. */
 static int unsound_column(const struct sim_corpus_row *row)
 {
     const char *const words[COLUMNS] = {
@@ -78,7 +78,7 @@ static enum sim_role role_of(const char *word)
     return (enum sim_role)role;
 }
 
-/* Fills in a row; returns the column that is at fault, or -1. */
+/* Fills in a row. Returns the invalid column, or -1. */
 static int fill_row(char *const field[COLUMNS], struct sim_corpus_row *row)
 {
     char *const words[COLUMNS] = {[0] = row->recording, [3] = row->subject,    [4] = row->session,
@@ -101,9 +101,9 @@ static int fill_row(char *const field[COLUMNS], struct sim_corpus_row *row)
     return unsound_column(row);
 }
 
-/* ---- rows against each other ------------------------------------------------ */
+/* ---- comparison of rows ------------------------------------------------ */
 
-/* A row and the line it stands on, for faults. */
+/* A row and its line number, for faults. */
 struct line {
     const struct sim_corpus_row *row;
     unsigned number;
@@ -132,7 +132,7 @@ static unsigned order_of_rows(const struct line *a, const struct line *b)
     return a->number > b->number ? a->number : b->number;
 }
 
-/* No row twice, and no impostor enrolled. Sorts `lines`. */
+/* Checks that no row is repeated and no impostor is enrolled. Sorts `lines`. */
 static int check_rows(const char *name, struct line *lines, size_t n, struct iso_fault *fault)
 {
     qsort(lines, n, sizeof *lines, compare_ranges);
@@ -260,11 +260,12 @@ static int count_frames(const char *directory, const char *recording, size_t *fr
     return error;
 }
 
-/* The frames of every row are there. A parsed manifest has no blank lines: row i is line i + 2. */
+/* Checks that the frames of every row exist. A parsed manifest has no blank lines, so that row i is
+ * on line i + 2. */
 static int check_ranges(const char *directory, const char *manifest,
                         const struct sim_corpus *corpus, struct iso_fault *fault)
 {
-    const char *counted = NULL; /* rows of one recording mostly stand together */
+    const char *counted = NULL; /* rows of one recording mostly follow each other */
     size_t frames = 0;
     for (size_t i = 0; i < corpus->n_rows; i++) {
         const struct sim_corpus_row *row = &corpus->rows[i];
@@ -308,7 +309,7 @@ int sim_corpus_read(const char *directory, struct sim_corpus **out, struct iso_f
     return error;
 }
 
-/* The rows are ones that sim_corpus_parse would take. */
+/* Checks that sim_corpus_parse would accept the rows. */
 static int check_writable(const char *path, const struct sim_corpus_row *rows, size_t n_rows,
                           struct iso_fault *fault)
 {

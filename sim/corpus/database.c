@@ -13,7 +13,8 @@
 typedef int scan_parser(const char *name, const char *bytes, size_t size, struct iso_mesh **out,
                         struct iso_fault *fault);
 
-/* Whether sscanf read all fields and the rest of the name, of which it says where it begins. */
+/* Whether sscanf read all fields and the rest of the name matches; sscanf returns where the rest
+ * begins. */
 static bool whole_name(const char *file, int fields, int wanted, int at, const char *rest)
 {
     return fields == wanted && at > 0 && strcmp(file + at, rest) == 0;
@@ -63,7 +64,7 @@ static int read_vrml(const char *path, const struct sim_database_options *option
     return read_scan(path, sim_scan_parse_vrml, out, fault);
 }
 
-/* NAME_Portrait.png of NAME_Range.png; *found says whether there is one. */
+/* Finds NAME_Portrait.png for NAME_Range.png; *found: whether it exists. */
 static int read_portrait(const char *range, struct iso_image *portrait, bool *found,
                          struct iso_fault *fault)
 {
@@ -112,7 +113,7 @@ static bool describe_texas(const char *file, struct sim_corpus_row *row, bool *n
     }
     set_field(row->subject, "t", person);
     set_field(row->session, "s", session);
-    *neutral = true; /* the list of expressions is apart */
+    *neutral = true; /* the names do not contain the expression */
     return true;
 }
 

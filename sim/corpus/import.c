@@ -57,7 +57,7 @@ static int add_scan(struct scans *scans, const char *path, const struct scan *fo
     return 0;
 }
 
-/* The file's name without its last extension names the recording. */
+/* The recording has the file's name without its last extension. */
 static bool name_recording(const char *file, char name[SIM_CORPUS_NAME_MAX])
 {
     const char *dot = strrchr(file, '.');
@@ -130,7 +130,7 @@ static int write_recording(const struct sim_import_options *o, const struct scan
     return error;
 }
 
-/* Records those scans that can be read and forgets the others. */
+/* Records the scans that can be read and drops the others. */
 static int record_scans(const struct sim_import_options *o, struct scans *scans,
                         struct sim_import_report *report, struct iso_fault *fault)
 {
@@ -162,7 +162,7 @@ static int record_scans(const struct sim_import_options *o, struct scans *scans,
                                              o->from, o->database->name);
 }
 
-/* Of the scans [first, first + n) of one person. */
+/* Fills in the rows of one person's scans [first, first + n). */
 static void give_roles(struct scan *scans, size_t n, bool stranger)
 {
     size_t enrolled = 0;

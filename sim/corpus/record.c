@@ -9,7 +9,7 @@
 #include "sim/base/progress.h"
 #include "sim/corpus/tape.h"
 
-enum { PNG_LEVEL = 1 }; /* the camera does not wait for the disk */
+enum { PNG_LEVEL = 1 }; /* fast, because the camera does not wait for the disk */
 
 /* Waits for the next frame: 0, -ETIMEDOUT after `patience_ns`, or another error of the sensor. */
 static int fetch(struct iso_sensor *sensor, const struct iso_clock *clock, int64_t patience_ns,
@@ -35,14 +35,14 @@ static int fetch(struct iso_sensor *sensor, const struct iso_clock *clock, int64
     }
 }
 
-/* What is being written. */
+/* The output while it is written. */
 struct output {
-    struct sim_recording_writer *writer; /* NULL: nothing */
+    struct sim_recording_writer *writer; /* NULL: no output */
     struct sim_tape *tape;
     int64_t first_ns;
 };
 
-/* Begins the recording with what its first frame says. */
+/* Begins the recording with the properties of its first frame. */
 static int begin(struct iso_sensor *sensor, const char *directory, const struct iso_frame *frame,
                  struct output *output, struct iso_fault *fault)
 {

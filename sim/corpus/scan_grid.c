@@ -33,7 +33,7 @@ void sim_scan_grid_done(struct sim_scan_grid *grid)
 
 static bool joined(struct iso_vec3 a, struct iso_vec3 b)
 {
-    return iso_norm(iso_sub(a, b)) <= edge_max_mm; /* false with a NAN */
+    return iso_norm(iso_sub(a, b)) <= edge_max_mm; /* false for a NAN */
 }
 
 static void add_triangle(const struct sim_scan_grid *grid, const int32_t *vertex, int a, int b,

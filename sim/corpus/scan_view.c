@@ -19,7 +19,7 @@ const struct iso_camera sim_scan_camera = {
     .cy_px = 239.5,
 };
 
-/* Puts the scan before the camera: y down, z away, and a shift. */
+/* Moves the scan into the camera's frame: y down, z away, and a shift. */
 static int place(struct iso_mesh *scan)
 {
     const size_t n = (size_t)scan->n_vertices;
@@ -63,7 +63,8 @@ int sim_scan_view(struct iso_mesh *scan, struct iso_frame **out)
         .depth_mm = frame->depth_mm,
     };
     iso_raster_clear(&raster);
-    /* Scanners do not agree which way round triangles go. Indices are not negative. */
+    /* Both sides are drawn, because scanners order the corners differently. Indices are not
+     * negative. */
     iso_raster_triangles(&raster, scan->vertices_mm, (const uint32_t(*)[3])scan->triangles,
                          scan->n_triangles, 0, near_plane_mm, 0);
     *out = frame;

@@ -34,7 +34,8 @@ static void *write_frames(void *context)
         if (!tape->error) {
             struct iso_fault fault = {.text = ""};
             const struct iso_frame *frame = tape->frames[tape->first];
-            pthread_mutex_unlock(&tape->lock); /* its place is not free before it is counted out */
+            pthread_mutex_unlock(
+                &tape->lock); /* the frame keeps its place in the ring until the count is reduced */
             const int error = sim_recording_writer_append(tape->writer, frame, &fault);
             pthread_mutex_lock(&tape->lock);
             tape->error = error;

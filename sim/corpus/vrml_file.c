@@ -8,7 +8,7 @@
 
 static const double coordinate_max_mm = 1e5;
 
-/* Grows by doubling; elements of one size. */
+/* A list of elements of one size that grows by doubling. */
 struct list {
     void *items;
     size_t n, capacity, item_bytes;
@@ -18,7 +18,7 @@ struct parser {
     const char *name, *at;
     struct iso_fault *fault;
     struct list points, triangles; /* struct iso_vec3; int32_t[3] */
-    size_t first_point;            /* of the node read last: what its faces count from */
+    size_t first_point;            /* of the last node read; its faces count from here */
 };
 
 static void *list_add(struct list *list)
@@ -45,7 +45,7 @@ static int out_of_memory(const struct parser *p)
     return iso_fault_set(p->fault, -ENOMEM, "%s: out of memory", p->name);
 }
 
-/* Past blanks, commas and comments. */
+/* Skips blanks, commas and comments. */
 static void skip_blanks(struct parser *p)
 {
     for (;;) {
@@ -146,7 +146,7 @@ static int add_triangle(struct parser *p, const int32_t corner[3])
     return 0;
 }
 
-/* Polygons ended by -1, the last one perhaps by the end of the list. */
+/* Polygons end with -1; the last one may end with the list. */
 static int read_faces(struct parser *p)
 {
     int error = open_list(p);
@@ -174,7 +174,7 @@ static int read_faces(struct parser *p)
     return error;
 }
 
-/* Walks over the file; a list counts by the field that it is and the node that it is in. */
+/* Walks through the file. The field name and the node of a list determine its meaning. */
 static int parse_nodes(struct parser *p)
 {
     const char *word, *last = "", *node = "";

@@ -74,8 +74,8 @@ static int call_get_status(struct sim_door_watch *watch, sd_bus_message **reply,
     return 0;
 }
 
-/* Moves into the dictionary's value of this key: 1 and the reply stands before it, 0 there is none.
- */
+/* Moves to the value of this key in the dictionary. Returns 1 if the reply is positioned there,
+ * 0 if the key is missing. */
 static int find_key(sd_bus_message *reply, const char *key, const char *type)
 {
     const char *name;

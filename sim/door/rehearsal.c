@@ -13,12 +13,12 @@
 #include "sim/door/slot.h"
 #include "sim/door/visit_picture.h"
 
-/* Time passes in steps of at most this, as it would for a daemon. */
+/* Greatest step of the clock, as in a daemon. */
 static const int64_t step_ns = 20 * ISO_NS_PER_MS;
-/* Longest enrolment and longest visit, by the virtual clock. */
+/* Time limits of an enrolment and of a visit, by the virtual clock. */
 static const int64_t limit_ns = 30 * ISO_NS_PER_S;
 
-/* One run: the doors stand side by side, and whoever comes is seen by all of them at once. */
+/* One run. The doors are side by side, and all of them see each visitor at the same time. */
 struct rehearsal {
     const struct sim_rehearsal_options *options;
     struct iso_fault *fault;
@@ -27,7 +27,7 @@ struct rehearsal {
     struct sim_shared_extraction shared;
     size_t n_doors;
     struct sim_rehearsal_door doors[SIM_LEVELS];
-    struct sim_trace *trace; /* of the visit to be drawn; NULL: none is */
+    struct sim_trace *trace; /* of the visit to draw; NULL: none */
 };
 
 const char *sim_level_name(enum iso_level level)
@@ -36,7 +36,7 @@ const char *sim_level_name(enum iso_level level)
     return (unsigned)level < SIM_LEVELS ? names[level] : NULL;
 }
 
-/* Where the gallery and the log of a door are kept; of several doors, each has a folder. */
+/* The directory of a door's gallery and log. Each of several doors has its own folder. */
 static int make_state(const struct rehearsal *r, enum iso_level level, char state[PATH_MAX])
 {
     const bool alone = r->n_doors == 1;
@@ -82,7 +82,7 @@ static int open_doors(struct rehearsal *r)
     return error;
 }
 
-/* What is due now is done, then time passes until something else is. */
+/* Runs the work that is due now, then advances the clock to the next due time. */
 static void step_doors(struct rehearsal *r)
 {
     int64_t next_ns = r->clock.now_ns + step_ns;
@@ -103,7 +103,8 @@ static bool all_locked(const struct rehearsal *r)
     return true;
 }
 
-/* Nobody is there for longer than the appliance remembers a visitor, and the doors lock again. */
+/* Leaves the doors empty until the appliance has forgotten the visitor and the doors are locked
+ * again. */
 static int clear_doors(struct rehearsal *r)
 {
     const int64_t start_ns = r->clock.now_ns;
@@ -132,7 +133,7 @@ static bool all_enrolled(const struct rehearsal *r)
     return true;
 }
 
-/* What came of an enrolment that has ended: -ENOMSG if somebody is not enrolled somewhere. */
+/* The result of a finished enrolment: -ENOMSG if a door could not enrol the person. */
 static int check_enrolled(const struct rehearsal *r, const struct sim_corpus_row *row)
 {
     for (size_t i = 0; i < r->n_doors; i++) {
@@ -181,8 +182,8 @@ static bool all_through(const struct rehearsal *r)
     return true;
 }
 
-/* Until every door has a verdict, or until all frames were seen and nothing came of them. out[i] is
- * where the visit goes of door i. */
+/* Runs until every door has a verdict, or until all frames were examined without one. out[i] is
+ * the result of door i. */
 static int await_verdicts(struct rehearsal *r, const struct sim_corpus_row *row,
                           struct sim_visit *out[SIM_LEVELS])
 {
@@ -196,7 +197,7 @@ static int await_verdicts(struct rehearsal *r, const struct sim_corpus_row *row,
     }
     if (!error) {
         error = clear_doors(r);
-    } /* in which a late verdict still counts */
+    } /* time in which a late verdict still counts */
     for (size_t i = 0; i < r->n_doors; i++) {
         const struct sim_rehearsal_door *door = &r->doors[i];
         *out[i] = (struct sim_visit){
@@ -205,7 +206,7 @@ static int await_verdicts(struct rehearsal *r, const struct sim_corpus_row *row,
     return error;
 }
 
-/* A visit that is drawn; of one door. */
+/* Plays a visit at one door and draws it. */
 static int visit_and_draw(struct rehearsal *r, const struct sim_corpus_row *row,
                           struct sim_visit *out[SIM_LEVELS])
 {
@@ -219,7 +220,7 @@ static int visit_and_draw(struct rehearsal *r, const struct sim_corpus_row *row,
     return sim_visit_picture(r->trace, out[0], lent->gallery, r->options->picture, r->fault);
 }
 
-/* Whether a row is a visit that is to be played. */
+/* Whether a row is a visit to play. */
 static bool is_wanted(const struct rehearsal *r, const struct sim_corpus_row *row)
 {
     return row->role != SIM_ROLE_GALLERY &&
@@ -242,8 +243,8 @@ static int enrol_all(struct rehearsal *r, const struct sim_corpus *corpus)
     return error;
 }
 
-/* One visit, at every door; `visits` is where it goes of the first door, and those of the others
- * are n_rows further each. */
+/* Plays one visit at every door. `visits` is the result of the first door; the results of the
+ * other doors follow at intervals of n_rows. */
 static int play_visit(struct rehearsal *r, const struct sim_corpus_row *row, size_t n_rows,
                       sim_visit_listener *listener, void *context, struct sim_visit *visits)
 {

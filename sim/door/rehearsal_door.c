@@ -116,8 +116,8 @@ static int make_config(const struct sim_rehearsal_setup *setup, struct iso_confi
             return iso_fault_set(fault, -ENAMETOOLONG, "%s: path too long", paths[i].directory);
         }
     }
-    c->log.journal = false;  /* it is no visit of today's */
-    c->lockout.failures = 0; /* a corpus has more strangers in a row than a door */
+    c->log.journal = false;  /* the journal is for real visits */
+    c->lockout.failures = 0; /* a corpus has more strangers one after another than a real door */
     c->lockout.attacks = 0;
     c->decision.level = setup->level;
     c->decision.threshold = isnan(setup->threshold) ? c->decision.threshold : setup->threshold;

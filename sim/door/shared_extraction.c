@@ -20,7 +20,7 @@ static bool is_known(const struct iso_frame *known, const struct iso_frame *fram
            same_plane(known->intensity, frame->intensity, plane_bytes(frame));
 }
 
-/* Keeps a copy of the frame, in the planes that are there if they fit. -ENOMEM. */
+/* Keeps a copy of the frame, and reuses the existing planes if they fit. -ENOMEM. */
 static int keep(struct sim_shared_extraction *shared, const struct iso_frame *frame)
 {
     struct iso_frame *kept = shared->frame;
@@ -62,7 +62,7 @@ static int extract(void *self, const struct iso_frame *frame, const char *sensor
     return 0;
 }
 
-/* ---- what each does by itself ---- */
+/* ---- operations of each appliance's own pipeline ---- */
 
 static const struct iso_pipeline *own_of(const void *self)
 {
@@ -97,7 +97,7 @@ static void close_nothing(void *self)
     (void)self;
 }
 
-/* Of the frame extracted last, so that the one who extracted it has to be asked. */
+/* This is about the frame extracted last, so it goes to the pipeline that extracted it. */
 static enum iso_face_seen seen(const void *self)
 {
     const struct iso_pipeline *extractor =

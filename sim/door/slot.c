@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* 1 if there is a link, 0 if there is nothing. */
+/* 1 if the path is a link, 0 if it does not exist. */
 static int look(const char *slot, struct iso_fault *fault)
 {
     struct stat info;
@@ -36,7 +36,7 @@ int sim_slot_point(const char *slot, const char *corpus, const char *recording,
         snprintf(beside, sizeof beside, "%s.next", slot) >= (int)sizeof beside) {
         return iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", slot);
     }
-    (void)unlink(beside); /* left by a run that was killed */
+    (void)unlink(beside); /* may be left over from a run that was killed */
     if (symlink(target, beside) != 0 || rename(beside, slot) != 0) {
         return iso_fault_set(fault, -errno, "%s: %s", slot, strerror(errno));
     }

@@ -6,7 +6,7 @@
 
 /* ---- the pipeline ---- */
 
-/* A frame for which there is no memory is missing in the picture. */
+/* If memory runs out, the frame is missing in the picture. */
 static void note_frame(struct sim_trace *trace, const struct iso_frame *frame,
                        const struct iso_extraction *extraction)
 {

@@ -8,11 +8,11 @@
 #include "sim/base/progress.h"
 #include "sim/door/slot.h"
 
-/* Rarely enough for what a caller of the daemon is allowed (firmware/bus/call_rate.h); signals wake
+/* Slow enough for the daemon's limit on calls (firmware/bus/call_rate.h). Signals wake the loop
  * earlier. */
 enum { LOOK_MS = 60 };
 
-/* One run; what the functions below share. */
+/* One run: data shared by the functions below. */
 struct play {
     const struct sim_visit_options *options;
     struct sim_door_watch *watch;
@@ -36,8 +36,8 @@ static int64_t now_ms(void)
     return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
-/* Until a verdict, or until the visitor's frames have all been seen and nothing came of them. The
- * frames are counted so that a slow machine has all the time it needs. */
+/* Waits for a verdict, or until all the visitor's frames were examined without one. The frames
+ * are counted, so that a slow machine has enough time. */
 static int wait_for_verdict(const struct play *play, uint64_t last_frame)
 {
     const int64_t end_ms = now_ms() + play->options->limit_ms;
@@ -62,7 +62,7 @@ static int wait_for_verdict(const struct play *play, uint64_t last_frame)
     return 0;
 }
 
-/* Until the door is locked, and for the settling time from now at least. */
+/* Waits until the door is locked, at least for the settling time. */
 static int wait_for_quiet(const struct play *play)
 {
     const int64_t start_ms = now_ms();
@@ -102,7 +102,7 @@ static int play_row(const struct play *play, const struct sim_corpus_row *row,
     }
     if (!error) {
         error = wait_for_quiet(play);
-    } /* in which a late verdict still counts */
+    } /* time in which a late verdict still counts */
     if (error) {
         return error;
     }
@@ -152,7 +152,7 @@ int sim_visit_play(const struct sim_visit_options *options, const struct sim_cor
     }
     sim_progress_end(shown);
     if (error) {
-        (void)!sim_slot_clear(options->slot, NULL); /* the first fault is the one to tell */
+        (void)!sim_slot_clear(options->slot, NULL); /* keep the first fault */
     } else {
         *n_visits = count;
     }
@@ -160,13 +160,13 @@ int sim_visit_play(const struct sim_visit_options *options, const struct sim_cor
     return error;
 }
 
-/* A door that unlocked counts against the appliance whatever it said, and so does a verdict. */
+/* Either an unlocked door or the verdict "allow" counts as admission of an impostor. */
 static bool is_let_in(const struct sim_visit *visit)
 {
     return visit->unlocked || (visit->verdict.given && visit->verdict.allow);
 }
 
-/* Somebody enrolled has come in if the verdict was "allow" and the door did unlock for it. */
+/* An enrolled person was admitted if the verdict was "allow" and the door was unlocked. */
 static bool is_admitted(const struct sim_visit *visit)
 {
     return visit->verdict.given && visit->verdict.allow &&
@@ -178,8 +178,8 @@ static bool is_own_name(const struct sim_visit *visit)
     return visit->verdict.given && strcmp(visit->verdict.person, visit->row->subject) == 0;
 }
 
-/* Whether visit number `visit` is its subject's first, and whether any of the subject's admitted
- * them as themselves. */
+/* Whether visit number `visit` is its subject's first, and whether any visit of the subject was
+ * admitted under the correct name. */
 static bool is_first_of_subject(const struct sim_visit *visits, size_t visit)
 {
     for (size_t i = 0; i < visit; i++) {

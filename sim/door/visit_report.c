@@ -23,7 +23,7 @@ static enum iso_paint verdict_paint(const struct sim_visit *visit)
     return visit->verdict.allow ? ISO_PAINT_GOOD : ISO_PAINT_BAD;
 }
 
-/* What a verdict tells in numbers; NaN where nothing is known. */
+/* The numbers of a verdict; NaN where unknown. */
 struct figures {
     double score, threshold, frames, latency_ms;
 };
@@ -42,13 +42,13 @@ static const char *door_name(const struct sim_visit *visit)
     return visit->unlocked ? "unlocked" : "locked";
 }
 
-/* Why, "" without a verdict. */
+/* The reason of the verdict; "" without a verdict. */
 static const char *reason_of(const struct sim_visit *visit)
 {
     return visit->verdict.given ? visit->verdict.reason : "";
 }
 
-/* A number right-aligned in `width` columns, "-" for one that is not known. */
+/* Prints a number right-aligned in `width` columns, or "-" if it is unknown. */
 static void print_number(double value, int width, int decimals, FILE *out)
 {
     if (isfinite(value)) {

@@ -173,8 +173,8 @@ static void weighted_gram(const float *fields, uint32_t n_fields, uint32_t n_ver
     }
 }
 
-/* Rows of `factor` become the eigenvectors of `moment`, times the roots of their eigenvalues: the
- * fields they combine to have independent coefficients of variance 1. */
+/* Replaces the rows of `factor` by the eigenvectors of `moment` times the roots of their
+ * eigenvalues. The fields that they combine then have independent coefficients of variance 1. */
 static void factorise_moment(const double *moment, uint32_t n, double *scratch, double *factor)
 {
     double value[SIM_FIELDS_MAX];
@@ -187,7 +187,7 @@ static void factorise_moment(const double *moment, uint32_t n, double *scratch, 
     }
 }
 
-/* The sign of a component is arbitrary: make its largest value positive. */
+/* The sign of a component is arbitrary, so make its largest value positive. */
 static void fix_sign(float *component, size_t n_values)
 {
     size_t largest = 0;

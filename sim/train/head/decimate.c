@@ -7,7 +7,7 @@
 #include <string.h>
 
 enum {
-    FAN_MAX = 24, /* triangles about a vertex */
+    FAN_MAX = 24, /* triangles around a vertex */
     NEIGHBOURS_MAX = 2 * FAN_MAX,
     NONE = UINT32_MAX,
 };
@@ -18,10 +18,10 @@ static const double turn_cos_min = 0.5;
 /* 4 sqrt(3) area / sum of squared edges: 1 for an equilateral triangle, 0 for a line. */
 static const double quality_min = 0.2;
 
-/* A step off the boundary counts as much as this share of one off the surface. */
+/* Weight of a distance from the boundary, relative to a distance from the surface. */
 static const double boundary_weight = 0.3;
 
-/* Per squared length of the edge: keeps triangles from growing without end where it is flat. */
+/* Cost for each squared edge length. It limits the size of triangles where the surface is flat. */
 static const double length_weight = 5e-4;
 
 /* Sum of area-weighted squared distances to planes: p'Ap + 2 b'p + c, A symmetric. */
@@ -149,8 +149,9 @@ static uint32_t shared_triangles(const struct state *s, uint32_t v, uint32_t u)
     return n;
 }
 
-/* The surface stays a surface: v is an inner vertex, or goes along the boundary; and the two have
- * no common neighbours but those across their edge (the link condition, Dey et al. 1999). */
+/* The surface stays a manifold: v is an inner vertex or moves along the boundary, and the two
+ * vertices have no common neighbours except those across their edge (the link condition, Dey et
+ * al. 1999). */
 static bool topology_allows(const struct state *s, uint32_t v, uint32_t u,
                             const struct neighbours *around_v)
 {
@@ -167,7 +168,7 @@ static bool topology_allows(const struct state *s, uint32_t v, uint32_t u,
     return n_common == n_shared && s->fan[v].n + s->fan[u].n - 2 * n_shared <= FAN_MAX;
 }
 
-/* No triangle of v that remains flips or becomes a sliver (or a worse one than it was). */
+/* No remaining triangle of v flips, becomes a sliver, or becomes a worse sliver. */
 static bool shape_allows(const struct state *s, uint32_t v, uint32_t u)
 {
     for (uint32_t i = 0; i < s->fan[v].n; i++) {
@@ -248,7 +249,7 @@ static void merge_into(struct state *s, uint32_t v, uint32_t u)
     add_quadric(&s->quadric[u], &s->quadric[v]);
 }
 
-/* A merge into u changes what is allowed to u's neighbours and to theirs. */
+/* A merge into u changes the allowed merges of u's neighbours and of their neighbours. */
 static void update_around(struct state *s, uint32_t u)
 {
     struct neighbours ring = neighbours_of(s, u);

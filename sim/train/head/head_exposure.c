@@ -6,7 +6,7 @@
 
 #include "core/surface/raster.h"
 
-/* The plane on which the head is drawn: 260 mm a side. */
+/* The image plane of the head: 260 mm on each side. */
 enum { SIDE_PX = 521 };
 static const double pitch_mm = 0.5, origin_mm = 500.0;
 
@@ -16,7 +16,7 @@ static const double facing_cosine = 0.35;
 struct exposure {
     const struct sim_head_surface *surface;
     struct iso_raster raster;
-    struct iso_vec3 *seen_mm; /* the vertices from the direction at hand */
+    struct iso_vec3 *seen_mm; /* the vertices seen from the current direction */
     struct iso_vec3 *normal;  /* [n_vertices], face frame */
     int *faced, *shown;       /* directions */
 };
@@ -63,7 +63,7 @@ static int prepare(const struct sim_head_surface *s, struct exposure *e)
     return 0;
 }
 
-/* Looks at the head, turned by yaw and pitch, along the optical axis. */
+/* Renders the head, turned by yaw and pitch, along the optical axis. */
 static void look(struct exposure *e, double yaw_rad, double pitch_rad)
 {
     const struct sim_head_surface *s = e->surface;

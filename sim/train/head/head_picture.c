@@ -22,7 +22,7 @@ struct painter {
     uint8_t grey[VIEWS * PIXELS];
 };
 
-/* Lambert's law with the light above the subject's left; facets show, which is the point. */
+/* Lambert's law with the light above the subject's left. Facets are visible on purpose. */
 static uint8_t shade_of(const struct iso_vec3 p[3])
 {
     const struct iso_vec3 to_light = {0.4, -0.4, -0.82};
@@ -50,7 +50,7 @@ static bool on_edge(const struct iso_vec3 p[3], const float weight[2])
 static void paint_view(struct painter *painter, int view, bool edges)
 {
     const struct iso_head_model *model = painter->model;
-    /* Turned about the middle of the head, not about the nose. */
+    /* The head turns about its middle, not about the nose. */
     const struct iso_vec3 middle_mm = {0.0, 5.0, -60.0};
     const struct iso_mat3 frontal = {{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}};
     struct iso_mat3 turn = iso_mat3_rotation(iso_vec3(0.0, view * turn_rad, 0.0));

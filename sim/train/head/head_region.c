@@ -9,8 +9,8 @@
 /* In the face frame: from the forehead below the hair line to just under the chin. */
 static const double face_top_mm = 70.0, face_depth_mm = 85.0, under_chin_mm = 5.0;
 
-/* Where expressions move the surface less than this along its normal, it stays with the skull;
- * lids, which a depth sensor sees badly, do not count as such. */
+/* A vertex that expressions move less than this along its normal moves with the skull. Lids are
+ * excluded, because a depth sensor measures them badly. */
 static const double rigid_rms_mm = 0.7, lids_mm = 14.0;
 
 enum { CHIN_IBUG = 8, BROWS_IBUG = 17, SUBNASALE_IBUG = 33, EYES_IBUG = 36, EYE_POINTS = 6 };

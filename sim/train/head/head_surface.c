@@ -8,10 +8,10 @@
 
 #include "sim/train/head/opening.h"
 
-/* The crop, in the face frame. Behind this depth come the ears. */
+/* The crop, in the face frame. The ears are behind this depth. */
 static const double radius_mm = 114.0, behind_mm = 104.0;
 
-/* What closing the openings may add. */
+/* Room for the vertices and triangles that close the openings. */
 enum { EXTRA_VERTICES = 256, EXTRA_TRIANGLES = 1024, NOWHERE = UINT32_MAX };
 
 void sim_head_surface_free(struct sim_head_surface *surface)
@@ -39,7 +39,7 @@ static struct sim_head_surface *surface_alloc(size_t n_vertices, size_t n_triang
     return NULL;
 }
 
-/* The outer skin of face, head and neck. */
+/* Takes the outer skin of face, head and neck. */
 static int add_skin(struct sim_surface_builder *builder, const struct sim_ict *ict)
 {
     int error = 0;
@@ -61,7 +61,7 @@ static bool in_crop(struct iso_vec3 p)
     return hypot(p.x, p.y) <= radius_mm && p.z >= -behind_mm;
 }
 
-/* Leaves out the triangles with a corner out of the crop. */
+/* Removes the triangles with a corner outside the crop. */
 static void crop(struct sim_head_surface *s)
 {
     uint32_t n = 0;
@@ -74,7 +74,7 @@ static void crop(struct sim_head_surface *s)
     s->n_triangles = n;
 }
 
-/* Leaves out the teeth along the crop's edge: triangles with a corner that nothing else uses. */
+/* Removes the spikes along the crop's edge: triangles with a corner that no other triangle uses. */
 static int trim(struct sim_head_surface *s)
 {
     uint32_t *uses = calloc(s->n_vertices, sizeof *uses), n = 0;
@@ -144,7 +144,7 @@ static int place_landmarks(const struct sim_ict *ict, struct sim_head_surface *s
     return 0;
 }
 
-/* Keeps what is to be seen of the face, with its landmarks. */
+/* Keeps the visible part of the face, with its landmarks. */
 static int cut_face(const struct sim_ict *ict, struct sim_head_surface *s, struct iso_fault *fault)
 {
     crop(s);

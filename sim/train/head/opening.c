@@ -62,7 +62,8 @@ static uint64_t edge_key(uint32_t from, uint32_t to)
     return (uint64_t)from << 32 | to;
 }
 
-/* next[v]: where the boundary goes on from v, the surface on its left; NONE inside. */
+/* next[v]: the vertex after v along the boundary, with the surface on the left; NONE for inner
+ * vertices. */
 static int find_boundary(const struct sim_head_surface *surface, uint32_t *next)
 {
     const size_t n = 3 * (size_t)surface->n_triangles;
@@ -92,7 +93,7 @@ static int find_boundary(const struct sim_head_surface *surface, uint32_t *next)
     return error;
 }
 
-/* Walks the rim that `start` is on and takes it out of `next`. */
+/* Walks along the rim of `start` and removes it from `next`. */
 static int take_rim(const struct sim_head_surface *surface, uint32_t start, uint32_t *next,
                     struct chain *rim, double *length_mm)
 {
@@ -113,8 +114,9 @@ static int take_rim(const struct sim_head_surface *surface, uint32_t start, uint
     }
 }
 
-/* Joins two chains that share both ends by a strip; `upper` lies above `lower`, both run to +x.
- * Of the two possible next triangles the one with the shorter new edge is taken. */
+/* Joins two chains that share both ends with a strip of triangles. `upper` lies above `lower`,
+ * and both run towards +x. Of the two possible next triangles, the one with the shorter new edge
+ * is taken. */
 static int add_strip(struct sim_surface_builder *builder, const struct chain *upper,
                      const struct chain *lower)
 {
@@ -160,7 +162,8 @@ static bool eyeball_z(const struct sim_ict *ict, double x, double y, double *z)
                           twice_area;
         const double w2 = ((p[1].x - p[0].x) * (y - p[0].y) - (p[1].y - p[0].y) * (x - p[0].x)) /
                           twice_area;
-        if (!(w1 >= 0.0 && w2 >= 0.0 && w1 + w2 <= 1.0)) { /* or seen edge on */
+        if (!(w1 >= 0.0 && w2 >= 0.0 &&
+              w1 + w2 <= 1.0)) { /* or the triangle is seen from its edge */
             continue;
         }
         const double here = p[0].z + w1 * (p[1].z - p[0].z) + w2 * (p[2].z - p[0].z);
@@ -183,8 +186,8 @@ static uint32_t nearest_in_x(const struct sim_head_surface *surface, const struc
     return best;
 }
 
-/* A row of vertices between the lids from corner to corner: empty but for the corners where the
- * lids are close or no eyeball is behind (the mouth). */
+/* A row of vertices between the lids from corner to corner. It contains only the corners if the
+ * lids are close together or if no eyeball is behind them (the mouth). */
 static int add_middle_row(struct sim_surface_builder *builder, const struct sim_ict *ict,
                           const struct chain *upper, const struct chain *lower, struct chain *row)
 {
@@ -214,8 +217,8 @@ static int add_middle_row(struct sim_surface_builder *builder, const struct sim_
     return 0;
 }
 
-/* Splits a rim at its ends in x. The surface being on the left, the hole is on the right, and the
- * way from the end at -x over the top comes first. Both halves run to +x. */
+/* Splits a rim at its ends in x. The surface is on the left and the hole on the right, so that
+ * the path from the end at -x over the top comes first. Both halves run towards +x. */
 static void split_rim(const struct sim_head_surface *surface, const struct chain *rim,
                       struct chain *upper, struct chain *lower)
 {

@@ -16,7 +16,7 @@
 
 enum { EXPRESSIONS_DRAWN = 2000 };
 
-/* What is worked on; each array is over the coarse surface's vertices. */
+/* The working data; each array is over the vertices of the coarse surface. */
 struct training {
     const struct sim_ict *ict;
     const struct sim_train_head_options *options;
@@ -36,7 +36,7 @@ struct sim_train_head_options sim_train_head_options_default(void)
         .seed = 1, .n_vertices = 1180, .n_identity = 60, .n_expression = 12};
 }
 
-/* `exposure` is that of the fine surface, which the coarse one still is. */
+/* `exposure` is for the fine surface; `coarse` is still equal to it here. */
 static int decimate_mesh(struct training *t, const double *exposure)
 {
     struct sim_head_surface *s = t->coarse;
@@ -110,7 +110,7 @@ static int allocate_arrays(struct training *t)
                : -ENOMEM;
 }
 
-/* The head model's fields at the vertices that were kept. */
+/* The head model's fields at the kept vertices. */
 static void carry_fields(const struct training *t, const float *from_mm, uint32_t n_fields,
                          float *to_mm)
 {
@@ -121,8 +121,9 @@ static void carry_fields(const struct training *t, const float *from_mm, uint32_
     }
 }
 
-/* Second moments of the expression weights of people at a door: often at rest or nearly so,
- * sometimes anything. About zero, not about their mean: zero weights are the neutral face. */
+/* Second moments of the expression weights of people at a door, who are often at rest or nearly
+ * so and sometimes have any other expression. The moments are about zero, not about the mean,
+ * because zero weights are the neutral face. */
 static void draw_expressions(struct training *t)
 {
     static const enum sim_expression mix[] = {SIM_NEUTRAL, SIM_MILD, SIM_MILD, SIM_STRONG,
@@ -154,7 +155,7 @@ static struct iso_vec3 vertex_normal(const struct sim_head_surface *s, uint32_t 
     return iso_unit(sum);
 }
 
-/* How far each vertex moves along its normal, rms over the expressions drawn. */
+/* Movement of each vertex along its normal, rms over the drawn expressions. */
 static void measure_expressions(struct training *t)
 {
     const uint32_t n = t->ict->n_expression, n_vertices = t->coarse->n_vertices;
@@ -272,7 +273,7 @@ static void fill_in_mesh(const struct training *t)
     }
 }
 
-/* Five parts, which progress counts. */
+/* Progress counts five parts. */
 enum { PARTS = 5 };
 
 static int run_training(struct training *t, struct iso_fault *fault)

@@ -11,7 +11,7 @@
 
 enum { SPARE = 10 /* directions beyond those kept */, ITERATIONS = 12 };
 
-/* rows[n][width] without the mean, which goes to mean[width]. */
+/* Subtracts the mean from rows[n][width] and stores it in mean[width]. */
 static void centre_rows(const struct sim_metric_samples *s, size_t width, float *rows, double *mean)
 {
     memset(mean, 0, width * sizeof *mean);
@@ -49,7 +49,7 @@ static void apply_covariance(const float *rows, size_t n, size_t width, size_t k
 static void orthonormalise_columns(float *basis, size_t width, size_t k)
 {
     for (size_t d = 0; d < 2 * k; d++) {
-        const size_t at = d / 2; /* every column twice, against all before it */
+        const size_t at = d / 2; /* each column twice, against all previous columns */
         for (size_t e = 0; e < at; e++) {
             double dot = 0.0;
             for (size_t v = 0; v < width; v++) {
@@ -123,7 +123,8 @@ static int rotate_to_principal(const double *y, size_t n, size_t width, size_t k
             }
         }
         for (size_t d = 0; d < k_kept; d++) {
-            basis[v * k_kept + d] = (float)row[d]; /* ends before what is still to be read */
+            basis[v * k_kept + d] = (float)
+                row[d]; /* does not reach the values that are still to be read */
         }
     }
     free(moment);
@@ -131,7 +132,7 @@ static int rotate_to_principal(const double *y, size_t n, size_t width, size_t k
     return 0;
 }
 
-/* The principal directions basis[width][k_kept]; room for SPARE more. */
+/* Finds the principal directions basis[width][k_kept], which has room for SPARE more. */
 static int find_principal(const float *rows, size_t n, size_t width, size_t k_kept, float *basis,
                           double *explained)
 {
@@ -166,8 +167,8 @@ static int find_principal(const float *rows, size_t n, size_t width, size_t k_ke
     return error;
 }
 
-/* Covariances within and between people, [k][k], by moments: with n_i samples of person i the
- * means' own spread has within / n_i in it. */
+/* Covariances within and between people, [k][k], by moments. With n_i samples of person i, the
+ * spread of the means contains within / n_i. */
 static int split_covariance(const struct sim_metric_samples *s, const double *y, size_t k,
                             double *within, double *between)
 {
@@ -329,7 +330,7 @@ int sim_metric_calibrate(double *ratio, size_t n, float *gain, float *bias)
         return -ENODATA;
     }
     qsort(ratio, n, sizeof *ratio, by_falling);
-    /* Least squares of -log10(rate) on the ratio that it is reached at. */
+    /* Least squares fit of -log10(rate) to the ratio that has this rate. */
     double sum[5] = {0.0};
     const int points = (int)floor(PER_DECADE * (log10((double)n / TAIL_MIN) - 2.0));
     for (int i = 0; i <= points; i++) {

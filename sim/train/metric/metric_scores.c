@@ -10,13 +10,15 @@
 #include "sim/train/metric/metric_learn.h"
 #include "sim/train/metric/rerank_learn.h"
 
-enum { OTHERS_FITTED = 60000 }; /* comparisons of strangers whose upper faces are fitted, at most */
+enum {
+    OTHERS_FITTED = 60000
+}; /* greatest number of comparisons of strangers with fitted upper faces */
 
 /* A comparison of two templates of people held out. */
 struct pair {
     const struct iso_template *enrolled, *probe;
     double score; /* the metric's */
-    double fit;   /* -ln(rms / 1 mm) of the upper faces' misfit; NaN: not known */
+    double fit;   /* -ln(rms / 1 mm) of the upper faces' misfit; NaN: unknown */
 };
 
 struct pairs {
@@ -24,7 +26,8 @@ struct pairs {
     struct pair *list;
 };
 
-/* Comparisons of the people held out: everybody's first template against the later ones of all. */
+/* Comparisons of the people held out: each person's first template with the later templates of all.
+ */
 struct held_out {
     struct pairs mated, other;
 };
@@ -49,7 +52,7 @@ static void add_pair(struct pairs *pairs, struct pair pair)
     }
 }
 
-/* A template of somebody held out, as the metric sees it. */
+/* The metric's vector of a template of a person held out. */
 struct seen {
     struct iso_metric_vector vector;
     const struct iso_template *tmpl;
@@ -61,11 +64,11 @@ static void compare_seen(const struct iso_metric *metric, const struct seen *see
 {
     for (size_t g = 0; g < n; g++) {
         if (g > 0 && seen[g - 1].person == seen[g].person) {
-            continue; /* not the first of its person */
+            continue; /* not the person's first template */
         }
         for (size_t p = 1; p < n; p++) {
             if (seen[p - 1].person != seen[p].person) {
-                continue; /* the first of its own */
+                continue; /* the first template of its own person */
             }
             const bool mated = seen[g].person == seen[p].person;
             add_pair(mated ? &out->mated : &out->other,
@@ -152,7 +155,7 @@ static int fit_upper_faces(void *context, int worker, size_t number)
     return 0;
 }
 
-/* Of people who are the same, and of those who are not. */
+/* Fits the pairs of the same person and the pairs of different people. */
 static int fit_pairs(int threads, const struct pairs *mated, const struct pairs *other)
 {
     struct iso_rerank_workspace *work = calloc((size_t)threads, sizeof *work);
@@ -170,7 +173,8 @@ static int fit_pairs(int threads, const struct pairs *mated, const struct pairs 
     return error;
 }
 
-/* Leaves one comparison in so many: a misfit takes a thousand times longer than a score. */
+/* Keeps an even selection of the comparisons, because a misfit takes a thousand times longer than a
+ * score. */
 static void thin_pairs(struct pairs *pairs, size_t one_in)
 {
     size_t n = 0;
@@ -200,18 +204,19 @@ static int learn_rerank(int threads, struct held_out *held, struct iso_metric *m
     return error;
 }
 
-/* People held out are drawn at large, and so alike by chance only; relatives come to one door. All
- * scores are lowered by this, so that they promise even of the one stranger in ten who is most
- * alike what they would promise of all: log10 of one in ten. */
+/* The people held out are drawn from the whole population and are similar only by chance, but
+ * relatives may come to one door. All scores are lowered by this value, log10 of one in ten.
+ * Then they promise the same rate for the most similar tenth of strangers as for all strangers. */
 static const float caution = 1.0f;
 
 static void be_cautious(struct iso_metric *metric)
 {
     metric->bias -= caution;
-    metric->rerank.bias += caution * (metric->rerank.metric - 1.0f); /* its metric's score, too */
+    metric->rerank.bias += caution * (metric->rerank.metric -
+                                      1.0f); /* the metric's score in the sum is lowered, too */
 }
 
-/* The share of comparisons that score so high, fused or not. */
+/* The share of comparisons with at least this score, fused or not. */
 static double share_at_least(const struct pairs *pairs, const struct iso_rerank_weights *weights,
                              double threshold)
 {
@@ -230,7 +235,7 @@ static void report_rates(const struct held_out *held, const struct iso_rerank_we
     out->n_mated = held->mated.n;
     out->n_others = held->other.n;
     for (int i = 0; i < 3; i++) {
-        const double score = 2.0 + i + (double)caution; /* what will be 2 + i */
+        const double score = 2.0 + i + (double)caution; /* becomes 2 + i */
         out->fmr_at[i] = share_at_least(&held->other, weights, score);
         out->false_non_match_at[i] = 1.0 - share_at_least(&held->mated, weights, score);
     }

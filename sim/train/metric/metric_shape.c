@@ -11,8 +11,8 @@
 
 enum { REGISTRATIONS = 3 };
 
-/* Adds a template's points to the sums of the curves, and of their number behind those: where they
- * are, or if there are residuals where they are once registered. */
+/* Adds a template's points to the sums of the curves, and counts them after the sums. It takes
+ * the points as they are or, if there are residuals, their registered positions. */
 static void add_curves(const struct iso_metric *metric, const struct iso_template *tmpl,
                        const float *residual_mm, double *sum)
 {
@@ -36,7 +36,8 @@ static void add_curves(const struct iso_metric *metric, const struct iso_templat
     }
 }
 
-/* The mean curves: those of the face frame first, then of what is registered to them. */
+/* The mean curves: first the mean in the face frame, then the mean of the curves registered to
+ * it. */
 static int learn_curves(const struct sim_metric_templates *t, struct iso_metric *metric)
 {
     const size_t width = (size_t)metric->n_curve_values;
@@ -78,7 +79,7 @@ void sim_metric_choose_nodes(const struct sim_metric_templates *t, struct iso_me
     }
 }
 
-/* The mean heights of the upper face, of those who have them. */
+/* The mean heights of the upper face, over the templates that have one. */
 static void learn_heights(const struct sim_metric_templates *t, struct iso_metric *metric)
 {
     for (int i = 0; i < metric->n_nodes; i++) {
@@ -87,21 +88,21 @@ static void learn_heights(const struct sim_metric_templates *t, struct iso_metri
         double sum_mm = 0.0;
         size_t n = 0;
         for (size_t s = 0; s < t->n; s++) {
-            sum_mm += (double)t->tmpl[s].upper.z_mm[row][column]; /* 0 where there is none */
+            sum_mm += (double)t->tmpl[s].upper.z_mm[row][column]; /* 0 where there is no height */
             n += t->tmpl[s].upper.kind[row][column] != ISO_UPPER_NONE;
         }
         metric->upper_mm[i] = (float)(sum_mm / fmax((double)n, 1.0));
     }
 }
 
-/* The people that are learned from are renumbered without those held out. */
+/* Numbers the people for the learning again, without the people held out. */
 int sim_metric_learn_axes(const struct sim_metric_templates *t, struct iso_metric *metric,
                           struct sim_train_metric_report *report)
 {
     const size_t width = (size_t)metric->n_values;
     float *residual_mm = calloc(t->n * width + 1, sizeof *residual_mm);
     size_t *person = calloc(t->n + 1, sizeof *person);
-    size_t *number = calloc(t->n_people + 1, sizeof *number); /* 0: nothing of them yet */
+    size_t *number = calloc(t->n_people + 1, sizeof *number); /* 0: no template of the person yet */
     int error = residual_mm && person && number ? 0 : -ENOMEM;
     struct sim_metric_samples samples = {0};
     const bool shown = sim_progress_begin("registering the templates", t->n);

@@ -47,7 +47,8 @@ static void number_people(struct sim_metric_templates *t, const struct sim_corpu
     }
 }
 
-/* Everybody in a corpus comes from one population and seed; nobody may be learned from twice. */
+/* All people of a corpus come from one population and seed. The learning must not use a person
+ * twice. */
 static int check_origin(const struct sim_corpus *corpus, const char *directory,
                         struct iso_metric *shape, struct iso_fault *fault)
 {

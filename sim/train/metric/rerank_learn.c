@@ -7,7 +7,7 @@
 
 #include "sim/train/metric/metric_learn.h"
 
-/* `sum` and `fit` are those of the n comparisons that have both. */
+/* `sum` and `fit` belong to the n comparisons that have both values. */
 static int learn(double *sum, double *fit, size_t n, struct iso_rerank_weights *out)
 {
     double *sorted = calloc(n + 1, sizeof *sorted);

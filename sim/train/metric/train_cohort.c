@@ -11,12 +11,12 @@
 #include "sim/world/scene/room.h"
 #include "sim/world/scene/sitter.h"
 
-enum { DAYS = 3 /* on which a person may come */, PEOPLE_PER_TEMPLATE_MAX = 2 };
+enum { DAYS = 3 /* on which a person may try */, PEOPLE_PER_TEMPLATE_MAX = 2 };
 
-/* How people stand before a door: standard deviation of each angle, and how far off the axis. */
+/* Stance before a door: standard deviation of each angle, and distance from the axis. */
 static const double angle_sd_rad = 0.07, off_axis_mm = 40.0;
 
-/* A sensor with what is needed to take frames with it and extract templates from them. */
+/* A sensor, with the tools to take its frames and to extract templates from them. */
 struct booth {
     const struct sim_sensor *sensor;
     struct sim_view *view;
