@@ -34,8 +34,7 @@ static void *write_frames(void *context)
         if (!tape->error) {
             struct iso_fault fault = {.text = ""};
             const struct iso_frame *frame = tape->frames[tape->first];
-            pthread_mutex_unlock(
-                &tape->lock); /* the frame keeps its place in the ring until the count is reduced */
+            pthread_mutex_unlock(&tape->lock); /* the frame stays in the ring until `count--` */
             const int error = sim_recording_writer_append(tape->writer, frame, &fault);
             pthread_mutex_lock(&tape->lock);
             tape->error = error;

@@ -22,7 +22,7 @@ uint8_t sim_colour_byte(float linear)
     return (uint8_t)lrint(255.0 * s);
 }
 
-/* Between colours at equal steps. */
+/* Interpolates between colours at equal steps. */
 static struct sim_colour interpolate(const uint32_t *stops, size_t n, double value)
 {
     const double at = fmin(fmax(value, 0.0), 1.0) * (double)(n - 1);

@@ -15,7 +15,7 @@ struct colour {
     double r, g, b;
 };
 
-/* Okabe and Ito 2008: told apart with any colour vision. */
+/* Okabe and Ito 2008: distinguishable with any colour vision. */
 static const struct colour series_colours[] = {
     {0.00, 0.45, 0.70}, {0.84, 0.37, 0.00}, {0.00, 0.62, 0.45}, {0.80, 0.47, 0.65},
     {0.90, 0.62, 0.00}, {0.34, 0.71, 0.91}, {0.10, 0.10, 0.10}, {0.55, 0.35, 0.20},
@@ -129,7 +129,7 @@ static void draw_series(cairo_t *cr, const struct sim_plot *plot, const struct s
     }
 }
 
-/* Along the top, right of the subtitle. */
+/* Draws the legend along the top, right of the subtitle. */
 static void draw_legend(cairo_t *cr, const struct sim_plot *plot)
 {
     double x = right_px;
@@ -152,7 +152,7 @@ static void draw_legend(cairo_t *cr, const struct sim_plot *plot)
     }
 }
 
-/* A line for each, in a corner of the axes' box. */
+/* Draws the legend in a corner of the axes' box, one line for each series. */
 static void draw_legend_lines(cairo_t *cr, const struct sim_plot *plot)
 {
     enum { LINE_PX = 22, WIDTH = 190 };

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* (c[0] + c[1] x + ...) of n coefficients. */
+/* The polynomial c[0] + c[1] x + ... of n coefficients. */
 static double polynomial(const double *c, int n, double x)
 {
     double y = 0.0;
@@ -55,7 +55,7 @@ double sim_axis_place(const struct sim_axis *axis, double value)
 
 static size_t linear_ticks(const struct sim_axis *axis, struct sim_tick *ticks)
 {
-    /* The step 1, 2 or 5 times a power of ten that makes about six of them. */
+    /* The step is 1, 2 or 5 times a power of ten, chosen for about six ticks. */
     const double rough = (axis->to - axis->from) / 6.0, decade = pow(10.0, floor(log10(rough)));
     const double ratio = rough / decade; /* 1..10 */
     double factor = 10.0;

@@ -8,7 +8,7 @@
 const double sim_fmr_targets[SIM_FMR_TARGETS] = {1e-1, 1e-2, 1e-3, 1e-4};
 const double sim_fpir_targets[SIM_FPIR_TARGETS] = {1e-1, 1e-2, 1e-3};
 
-/* What the functions below read and fill in. */
+/* The data that the functions below read and fill in. */
 struct analysing {
     const struct sim_corpus *corpus;
     const struct sim_acquisition *acquisition;
@@ -27,7 +27,7 @@ static const struct sim_corpus_row *row_of(const struct analysing *w, size_t pro
     return &w->corpus->rows[sample_of(w, probe)->row];
 }
 
-/* Whose probe each is; people are numbered in the order in which they first appear. */
+/* Sets the person of each probe. People are numbered in the order of their first probe. */
 static void identify_probes(const struct analysing *w)
 {
     struct sim_analysis *a = w->analysis;
@@ -96,15 +96,16 @@ static struct sim_interval wider_interval(struct sim_interval a, struct sim_inte
     return (struct sim_interval){fmin(a.low, b.low), fmax(a.high, b.high)};
 }
 
-/* What the counts alone allow for a rate of the mated comparisons. */
+/* The interval of a rate of mated comparisons from the counts alone. */
 static struct sim_interval interval_of_counts(const struct sim_verification *v, double rate)
 {
     const size_t n = v->scores.n_mated;
     return sim_rate_interval((struct sim_rate){(size_t)lround(rate * (double)n), n});
 }
 
-/* The bootstrap sees the dependence of one person's comparisons but thinks that what never happened
- * cannot; the counts are the other way round. The wider of both. */
+/* The bootstrap takes account of the dependence of one person's comparisons, but it treats an
+ * event that did not occur as impossible. For the counts both are the other way round. The
+ * result is the wider of both intervals. */
 static int verify_intervals(struct sim_verification *v, uint32_t n_subjects)
 {
     struct sim_interval eer, fnmr[SIM_FMR_TARGETS];
@@ -113,7 +114,7 @@ static int verify_intervals(struct sim_verification *v, uint32_t n_subjects)
     if (error == -ENOMEM) {
         return error;
     }
-    /* One person cannot be resampled: nothing is known. */
+    /* One person cannot be resampled, so the interval is unknown. */
     const struct sim_interval anything = {0.0, 1.0};
     v->eer_interval = error ? anything : wider_interval(eer, interval_of_counts(v, v->eer));
     for (size_t k = 0; k < SIM_FMR_TARGETS; k++) {
@@ -192,7 +193,7 @@ static void count_not_faces(const struct analysing *w)
     }
 }
 
-/* The figures of the probes whose row says `value` in a column. */
+/* The figures of the probes whose row has `value` in a column. */
 static void condition_figures(const struct analysing *w, size_t column_offset,
                               struct sim_scores *scores, struct sim_det_point *det,
                               struct sim_condition *condition)
@@ -219,8 +220,8 @@ static void condition_figures(const struct analysing *w, size_t column_offset,
     condition->eer = sim_det_eer(det, n);
 }
 
-/* One condition for each value of a column of the manifest that enough searches share, in the order
- * in which they appear. */
+/* Adds one condition for each value of a manifest column with enough searches, in the order of
+ * first occurrence. */
 static void break_down(const struct analysing *w, const char *column, size_t column_offset,
                        struct sim_scores *scores, struct sim_det_point *det)
 {
@@ -277,7 +278,8 @@ static void time_searches(const struct analysing *w, int64_t *times_ns)
     w->analysis->search_wall = sim_latency_of(times_ns, n_wall);
 }
 
-/* Times of usable captures: of a stage (0 .. ISO_STAGES - 1), or of the whole by either clock. */
+/* Times of usable captures: of a stage (0 .. ISO_STAGES - 1), or of the whole run by one of the
+ * clocks. */
 enum { WHOLE_CPU = ISO_STAGES, WHOLE_WALL };
 
 static int64_t time_of(const struct sim_capture *capture, int what)

@@ -100,7 +100,8 @@ static struct sim_curve cut(const struct search *searches, size_t n)
 {
     struct sim_curve curve = {0};
     for (size_t i = 0; i < n; i++) {
-        const size_t due = i * SIM_CURVE_BINS / n; /* the bin if values did not matter */
+        const size_t due = i * SIM_CURVE_BINS /
+                           n; /* the bin by index alone, without regard to equal values */
         const bool fresh = i == 0 || searches[i].value > searches[i - 1].value;
         if (i == 0 || (fresh && due >= curve.n_bins)) {
             curve.n_bins++;

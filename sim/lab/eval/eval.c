@@ -11,7 +11,7 @@
 #include "sim/lab/match/method_match.h"
 #include "sim/world/face/person.h"
 
-/* What a visit of fewer frames would be: the rest of each row is not looked at. */
+/* Shortens each row to its first frames, as in a visit with fewer frames. */
 static void shorten_rows(struct sim_corpus *corpus, const struct sim_eval_options *options)
 {
     for (size_t i = 0; i < corpus->n_rows; i++) {
@@ -53,7 +53,7 @@ static int check_metric(const struct sim_eval *eval, struct iso_fault *fault)
                              eval->options.metric, (unsigned)metric->algorithm,
                              (unsigned)eval->acquisition->origin.algorithm);
     }
-    /* What was learned must not be tested with those it was learned from. */
+    /* A test must not use people from the training of the metric. */
     for (size_t row = 0; row < eval->corpus->n_rows; row++) {
         for (int i = 0; i < metric->n_origins; i++) {
             if (sim_corpus_row_is_of(&eval->corpus->rows[row], metric->origin[i])) {
@@ -75,8 +75,8 @@ static bool wants_faces(const struct sim_eval *eval)
     return false;
 }
 
-/* A cohort does not say whose templates it holds, but they are of the population `train`: nobody of
- * it may be tested with a cohort. */
+/* A cohort does not state its people, but they are of the population `train`. People of this
+ * population must not be tested with a cohort. */
 static int check_cohort(const struct sim_eval *eval, struct iso_fault *fault)
 {
     const char trained[] = SIM_POPULATION_TRAIN "-";
@@ -123,7 +123,7 @@ static int acquire_samples(struct sim_eval *eval, struct iso_fault *fault)
                : sim_scans_fuse(directory, eval->corpus, eval->acquisition, eval->faces, fault);
 }
 
-/* What the method knows before it sees anybody. */
+/* Prepares the method's knowledge before the comparison. */
 static int teach_method(struct sim_eval *eval, const struct sim_method *method,
                         const void **knowledge, struct iso_fault *fault)
 {
@@ -182,7 +182,7 @@ static int compare_by(struct sim_eval *eval, struct sim_eval_method *m, struct i
     const int64_t begin_ns = sim_wall_ns(NULL);
     int error = search_gallery(eval, m, &m->fault);
     if (error == -EINVAL && eval->options.lenient && sim_method_pairwise(m->method)) {
-        return 0; /* left out */
+        return 0; /* skipped */
     }
     if (!error) {
         error = out_of_range(
@@ -193,8 +193,8 @@ static int compare_by(struct sim_eval *eval, struct sim_eval_method *m, struct i
     return error ? iso_fault_set(fault, error, "%s", m->fault.text) : 0;
 }
 
-/* The appliance's own methods come last: they alone may call a sample not acquired after all, and
- * the others are to be measured on every sample that was. */
+/* The appliance's own methods run last. Only they may mark a sample as not acquired afterwards,
+ * and the other methods must be measured on every acquired sample. */
 static int compare_methods(struct sim_eval *eval, struct iso_fault *fault)
 {
     int error = sim_gallery_new(eval->corpus, eval->acquisition, eval->options.gallery_limit,
@@ -217,7 +217,7 @@ static int compare_methods(struct sim_eval *eval, struct iso_fault *fault)
                : iso_fault_set(fault, -EINVAL, "%s", eval->methods[0].fault.text);
 }
 
-/* The mean length of a deviation without the constant offsets; NaN if nothing is known. */
+/* The mean length of a deviation without the constant offsets; NaN if no landmark is known. */
 static double mean_error(const struct sim_deviation *deviation,
                          const struct iso_vec3 offset_mm[ISO_LANDMARKS])
 {
@@ -232,7 +232,8 @@ static double mean_error(const struct sim_deviation *deviation,
     return n > 0 ? sum / n : NAN;
 }
 
-/* Errors of the landmarks, all together and (error_mm, [n_captures], NaN: not known) of each. */
+/* Errors of the landmarks: figures over all captures, and error_mm ([n_captures], NaN: unknown) of
+ * each. */
 static int measure_landmarks(struct sim_eval *eval, double *error_mm, struct iso_fault *fault)
 {
     const struct sim_acquisition *a = eval->acquisition;
@@ -278,7 +279,7 @@ static int draw_curves(struct sim_eval *eval, const double *error_mm)
     return error;
 }
 
-/* What the first method's results depend on. */
+/* Computes the results that depend on the first method. */
 static int look_closer(struct sim_eval *eval, struct iso_fault *fault)
 {
     double *error_mm = calloc(eval->acquisition->n_captures + 1, sizeof *error_mm);

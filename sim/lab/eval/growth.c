@@ -11,9 +11,9 @@ struct growing {
     size_t n_enrolled; /* people with a template */
     size_t n_strangers, n_mated;
     double *stranger;   /* [n_strangers][n_enrolled] scores, each row rising */
-    double *candidates; /* the same, all together, rising */
+    double *candidates; /* all of these scores together, rising */
     double *mate_score; /* [n_mated]; -INFINITY: lost */
-    size_t *n_before;   /* [n_mated] others that score at least as much */
+    size_t *n_before;   /* [n_mated] number of other people with at least the mate's score */
 };
 
 double sim_growth_missed(size_t m, size_t k, size_t n)
@@ -25,7 +25,7 @@ double sim_growth_missed(size_t m, size_t k, size_t n)
     return chance;
 }
 
-/* How many of n rising scores are at least the threshold. */
+/* The number of n rising scores that are at least the threshold. */
 static size_t count_from(const double *score, size_t n, double threshold)
 {
     size_t low = 0, high = n;
@@ -61,7 +61,7 @@ static double fnir_of(const struct growing *g, size_t n_people, double threshold
     return 1.0 - found / (double)g->n_mated;
 }
 
-/* The lowest threshold, just above a stranger's score, whose FPIR is not above the target. */
+/* The lowest threshold, just above a stranger's score, whose FPIR is at most the target. */
 static double threshold_for(const struct growing *g, size_t n_people, double target)
 {
     size_t low = 0, high = g->n_strangers * g->n_enrolled - 1;

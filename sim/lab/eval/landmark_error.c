@@ -4,13 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A deviation and whose it is; sorted by person, then session, then as they came. */
+/* A deviation and its person; sorted by person, then session, then original order. */
 struct entry {
     const char *subject, *session;
     const struct sim_deviation *deviation;
 };
 
-/* Lengths of one kind: those of the landmark in hand stand behind those of the landmarks before. */
+/* Lengths of one kind. The lengths of the current landmark follow those of the previous landmarks.
+ */
 struct lengths {
     double *mm;
     size_t n, capacity, first;
@@ -86,7 +87,7 @@ static void add_length(struct lengths *lengths, struct iso_vec3 v)
     }
 }
 
-/* How many of the entries from the first on are of its person. */
+/* The number of leading entries that belong to the first entry's person. */
 static size_t person_size(const struct entry *e, size_t n)
 {
     size_t size = 1;
@@ -96,8 +97,8 @@ static size_t person_size(const struct entry *e, size_t n)
     return size;
 }
 
-/* The mean over sessions of the mean over a session's frames; returns how many sessions there are
- * that know the landmark. */
+/* The mean over sessions of the mean over a session's frames. Returns the number of sessions in
+ * which the landmark is known. */
 static size_t person_mean(const struct entry *e, size_t n, int landmark, struct iso_vec3 *mean)
 {
     struct iso_vec3 sum = {0, 0, 0};
@@ -160,7 +161,7 @@ static void measure_landmark(struct work *work, int landmark, struct iso_vec3 of
     }
 }
 
-/* Of the lengths from `first` on. */
+/* The spread of the lengths from `first` on. */
 static struct sim_landmark_error summarise_lengths(struct work *work, struct iso_vec3 offset_mm)
 {
     struct sim_spread spread[KINDS];

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The lowest FMR, not below that of the table, which the comparisons support: its index, or 0. */
+/* The index of the lowest FMR, not below the table's, that the comparisons support, or 0. */
 static int supported_fmr(const struct sim_verification *v)
 {
     int k = SIM_VERDICT_FMR;
@@ -14,7 +14,7 @@ static int supported_fmr(const struct sim_verification *v)
     return k;
 }
 
-/* Where a method errs, search by search: rank above 1, or no match at the threshold. */
+/* Marks the errors of a method for each search: rank above 1, or no match at the threshold. */
 static void mark_errors(const struct sim_analysis *a, int fmr, uint8_t *rank, uint8_t *match)
 {
     const struct sim_identification *id = &a->identification;
@@ -25,7 +25,7 @@ static void mark_errors(const struct sim_analysis *a, int fmr, uint8_t *rank, ui
     }
 }
 
-/* Whose each mated search is, in the order of the searches. */
+/* The person of each mated search, in the order of the searches. */
 static void list_people(const struct sim_analysis *a, size_t n_probes, uint32_t *person)
 {
     size_t n = 0;

@@ -63,7 +63,7 @@ static bool is_bona_fide(const struct work *w, const struct sim_measured_frame *
 
 /* ---- conditions ------------------------------------------------------------------- */
 
-/* Whether a genuine frame is of a condition. */
+/* Whether a genuine frame belongs to a condition. */
 static bool is_of(const struct work *w, const struct sim_measured_frame *f,
                   const struct sim_condition_figures *condition)
 {
@@ -123,7 +123,7 @@ static struct sim_spread spread_of_errors(const struct work *w,
     return sim_spread_of(w->lengths, n);
 }
 
-/* Fills in everything but what the condition is. */
+/* Fills in all fields except the definition of the condition. */
 static void measure_condition(const struct work *w, struct sim_condition_figures *c)
 {
     for (size_t i = 0; i < w->n_frames; i++) {
@@ -163,7 +163,7 @@ static void list_expressions(const struct work *w)
     }
 }
 
-/* Drops conditions without a frame. */
+/* Removes conditions without a frame. */
 static void measure_conditions(const struct work *w)
 {
     struct sim_landmark_analysis *a = w->analysis;

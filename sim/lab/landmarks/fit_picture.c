@@ -14,7 +14,7 @@ static double degrees(double rad)
     return rad * 180.0 / M_PI;
 }
 
-/* The fitted head in the camera frame; the arrays are to be freed whatever comes of it. */
+/* The fitted head in the camera frame. Free the arrays even after a failure. */
 static int place_head(const struct sim_fit_subject *s, struct iso_vec3 **vertices_mm,
                       bool **measured, struct sim_fit_view *view)
 {

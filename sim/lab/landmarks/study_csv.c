@@ -23,7 +23,7 @@ static void write_landmarks(const void *context, FILE *out)
     }
 }
 
-/* A field, empty if there is no such figure. */
+/* Writes a field, which is empty if the figure is missing. */
 static void write_number(FILE *out, bool known, double value)
 {
     if (known) {

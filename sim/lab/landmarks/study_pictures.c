@@ -23,7 +23,7 @@ static int by_falling_error(const void *a, const void *b)
     return order ? order : (p->number > q->number) - (p->number < q->number);
 }
 
-/* Whether two frames show the same kind of thing with the same outcome. */
+/* Whether two frames have the same outcome and the same kind of content. */
 static bool alike(const struct sim_corpus *corpus, const struct sim_measured_frame *a,
                   const struct sim_measured_frame *b)
 {

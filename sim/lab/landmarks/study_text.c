@@ -2,7 +2,8 @@
 
 enum { RATE_COLUMNS = 40 }; /* characters of a column with a rate */
 
-/* Columns like "1.25 [ 0.40,   2.88] (5 of 400)": percent, exact 95% interval. No end of line. */
+/* Prints columns like "1.25 [ 0.40,   2.88] (5 of 400)": percent, exact 95% interval. No line end.
+ */
 static void print_rates(FILE *out, const struct sim_rate *rates, int n)
 {
     for (int i = 0; i < n; i++) {

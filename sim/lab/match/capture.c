@@ -16,8 +16,8 @@ struct capturing {
     sim_capture_visitor *visit;
     void *visit_context;
     size_t *first_number;              /* of each row */
-    struct iso_extractor **extractors; /* one a worker */
-    struct iso_fault *faults;          /* one a worker */
+    struct iso_extractor **extractors; /* one for each worker */
+    struct iso_fault *faults;          /* one for each worker */
 };
 
 const char *sim_reason_name(int reason)
@@ -115,7 +115,7 @@ static int new_extractors(struct capturing *work, const struct sim_capture_optio
     if (error) {
         return error;
     }
-    /* Templates of one run are compared with each other, whatever the recordings' sensors. */
+    /* Templates of one run are compared with each other, even from different sensors. */
     (void)snprintf(origin->sensor, sizeof origin->sensor, "%.*s", ISO_TEMPLATE_SENSOR_MAX - 1,
                    iso_recording_meta(recording)->sensor);
     memcpy(extract.sensor, origin->sensor, sizeof extract.sensor);

@@ -9,7 +9,7 @@
 #include "drivers/file/text.h"
 #include "sim/lab/match/landmark_choice.h"
 
-/* The field is the whole of the options. */
+/* The field is the whole options struct. */
 static int parse_radii(const char *text, void *field)
 {
     struct iso_extract_options *options = field;

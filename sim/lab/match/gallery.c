@@ -14,7 +14,7 @@ size_t sim_gallery_find(const struct sim_gallery *gallery, const char *name)
     return SIM_NOBODY;
 }
 
-/* The person's number, added if there is room; SIM_NOBODY beyond the limit. */
+/* The person's number. A new person is added up to the limit; SIM_NOBODY beyond it. */
 static size_t add_person(struct sim_gallery *gallery, const char *name, size_t limit)
 {
     size_t person = sim_gallery_find(gallery, name);

@@ -12,7 +12,7 @@ const bool sim_landmarks_below[ISO_LANDMARKS] = {
     [ISO_LM_MOUTH_L] = true,
 };
 
-/* ISO_LANDMARKS if there is none of that name. */
+/* The landmark with this name, or ISO_LANDMARKS. */
 static int find(const char *name)
 {
     int l = 0;

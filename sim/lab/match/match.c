@@ -28,7 +28,7 @@ static int measure_distances(const struct matching *work, int worker,
         const int error = iso_match_distance(&work->registration[worker], probe,
                                              gallery->templates[i], &work->scoring->match, &d);
         if (error == -ENODATA) {
-            continue; /* too few points in common: as far away as can be */
+            continue; /* too few common points: the distance stays infinite */
         }
         if (error) {
             return error;
@@ -57,7 +57,7 @@ static int enrol_vectors(const struct matching *work)
     return 0;
 }
 
-/* A probe that the score cannot be told of is one that was not acquired. */
+/* A probe that cannot be scored counts as not acquired. */
 static int give_up(struct sim_sample *sample, int error)
 {
     if (error == -ENODATA) {
@@ -68,7 +68,7 @@ static int give_up(struct sim_sample *sample, int error)
     return error;
 }
 
-/* The best people by score, best first; returns how many. */
+/* Writes the best people by score, best first, and returns their number. */
 static int shortlist_people(const double *score, size_t n_people,
                             size_t best[ISO_RERANK_CANDIDATES])
 {

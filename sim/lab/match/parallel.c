@@ -16,7 +16,7 @@ struct work {
     size_t n_jobs;
     atomic_size_t next;
     atomic_int error;
-    bool shown; /* its progress */
+    bool shown; /* whether its progress is shown */
 };
 
 struct worker {

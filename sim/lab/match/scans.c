@@ -45,7 +45,8 @@ int sim_scans_inspect(void *context, size_t number, const struct iso_extractor *
     return sim_scan_of(extractor, frame, &capture->extraction, &faces->of_capture[number]);
 }
 
-/* Marks of the frames [first, first + count) of a recording, whose captures begin at number. */
+/* Reads the marks of the frames [first, first + count) of a recording. Their captures begin at
+ * `number`. */
 static int mark_row(const char *directory, const struct sim_corpus_row *row, size_t number,
                     const struct sim_acquisition *acquisition, struct sim_scans *faces,
                     struct iso_fault *fault)
@@ -56,7 +57,7 @@ static int mark_row(const char *directory, const struct sim_corpus_row *row, siz
     int error = sim_recording_open(directory, row->recording, &recording, fault);
     if (!error) {
         error = iso_recording_landmarks(recording, &marks, &n_marks, fault);
-        error = error == -ENOENT ? 0 : error; /* nobody marked it */
+        error = error == -ENOENT ? 0 : error; /* the recording has no marks */
     }
     for (size_t i = 0; !error && i < n_marks; i++) {
         const int mark = sim_mark_find(marks[i].name);

@@ -45,7 +45,7 @@ static bool is_somebody(const struct sim_corpus_row *row)
     return strcmp(row->subject, "none") != 0;
 }
 
-/* Numbers people in the order in which they first appear. */
+/* Numbers people in the order of their first row. */
 static int label(struct sim_training_set *set)
 {
     const struct sim_acquisition *a = set->acquisition;
@@ -162,7 +162,7 @@ int sim_training_set_teach(struct sim_training_set *set, const struct sim_method
         i++;
     }
     struct lesson *lesson = &set->lessons[i];
-    bool known[SIM_MARKS]; /* in every face that is learned from, too */
+    bool known[SIM_MARKS]; /* known in every face of the training set as well */
     for (int m = 0; m < SIM_MARKS; m++) {
         known[m] = method->marked && marks[m];
         for (size_t f = 0; f < set->n && known[m]; f++) {

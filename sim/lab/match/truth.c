@@ -6,7 +6,8 @@
 
 #include "sim/lab/match/capture.h"
 
-/* The frames of one recording; one is kept, since rows mostly follow each other. */
+/* The frames of one recording. The last recording is kept, because its rows mostly follow each
+ * other. */
 struct known {
     const char *recording;
     struct sim_truth *frames;

@@ -32,7 +32,7 @@ static uint64_t total(const struct sim_score *scores, size_t n, const uint32_t *
     return sum;
 }
 
-/* Counts scores equal to `score` from *i on. */
+/* Counts the scores equal to `score` from *i on. */
 static uint64_t take(const struct sim_score *scores, size_t n, size_t *i, double score,
                      const uint32_t *copies)
 {
@@ -84,7 +84,7 @@ double sim_det_eer(const struct sim_det_point *points, size_t n)
 
 struct sim_det_point sim_det_at_fmr(const struct sim_det_point *points, size_t n, double fmr)
 {
-    /* FMR falls with the index: the first point that is low enough, by bisection. */
+    /* FMR falls with the index. Bisection finds the first point with a sufficiently low FMR. */
     size_t low = 0, high = n - 1;
     while (low < high) {
         const size_t middle = (low + high) / 2;
@@ -134,7 +134,7 @@ int sim_det_bootstrap(const struct sim_scores *scores, uint32_t n_people, const 
         }
         const size_t n = sim_det_points(scores, copies, points);
         if (n == 0) {
-            continue; /* nobody drawn who has a mate: draw again */
+            continue; /* no drawn person has a mate, so draw again */
         }
         drawn[i] = sim_det_eer(points, n);
         for (size_t k = 0; k < n_fmr; k++) {

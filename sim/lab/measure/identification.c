@@ -32,7 +32,7 @@ struct sim_open_set_point sim_open_set_at_fpir(const struct sim_mated_search *se
 {
     qsort(top_score, n_top, sizeof *top_score, by_falling_value);
     const size_t allowed = (size_t)floor(fpir * (double)n_top + 1e-9);
-    /* Just above the best of those that must not pass. */
+    /* Just above the best score that must not pass. */
     const double threshold = allowed < n_top ? nextafter(top_score[allowed], INFINITY) : -INFINITY;
     struct sim_open_set_point point = {threshold, {0, n_top}, {0, n}};
     while (point.fpir.events < n_top && top_score[point.fpir.events] >= threshold) {

@@ -7,7 +7,7 @@
 
 enum { ALL_SIGNS_MAX = 16, DRAWS = 99999 };
 
-/* Sum of the differences with the signs given by the bits. */
+/* The sum of the differences with the signs in `bits`. */
 static long signed_sum(const long *difference, size_t n, uint64_t bits)
 {
     long sum = 0;

@@ -1,6 +1,6 @@
 #include "sim/lab/measure/promise.h"
 
-/* How many of n rising scores are below one. */
+/* The number of n rising scores below a given score. */
 static size_t count_below(const struct sim_score *scores, size_t n, double score)
 {
     size_t low = 0, high = n;

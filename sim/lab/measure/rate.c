@@ -16,7 +16,7 @@ struct sim_interval sim_rate_interval(struct sim_rate rate)
     const double n = (double)rate.trials, p = sim_rate_value(rate);
     const double middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
     const double half = z / (1.0 + z * z / n) * sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n));
-    /* At the ends the formula gives 0 and 1 but for rounding. */
+    /* At the ends the formula gives 0 and 1 except for rounding errors. */
     return (struct sim_interval){rate.events == 0 ? 0.0 : middle - half,
                                  rate.events == rate.trials ? 1.0 : middle + half};
 }

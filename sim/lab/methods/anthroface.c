@@ -37,7 +37,7 @@ enum {
     FEATURES_MAX = POINTS_MAX * (POINTS_MAX - 1),
 };
 
-/* All of the appliance's but for subnasale and upper lip. */
+/* All of the appliance's landmarks except subnasale and upper lip. */
 static const enum iso_landmark automatic[AUTOMATIC] = {
     ISO_LM_NASION,   ISO_LM_NOSE_TIP,  ISO_LM_ALA_R,     ISO_LM_ALA_L,   ISO_LM_EYE_IN_R,
     ISO_LM_EYE_IN_L, ISO_LM_EYE_OUT_R, ISO_LM_EYE_OUT_L, ISO_LM_MOUTH_R, ISO_LM_MOUTH_L,
@@ -47,7 +47,7 @@ static const double energy = 0.999, shrinkage = 0.1;
 
 struct knowledge {
     bool marked;
-    bool marks[SIM_MARKS]; /* that are used, if marked */
+    bool marks[SIM_MARKS]; /* marks in use, if marked */
     size_t n_features;
     float *scale; /* [n_features] 1 / standard deviation over the training faces */
     struct sim_subspace *subspace;
@@ -63,7 +63,7 @@ static void forget_knowledge(void *knowledge)
     }
 }
 
-/* The points on the surface; -ENODATA if one of them is off it. */
+/* Projects the points onto the surface; -ENODATA if one is outside the surface. */
 static int place_points(const struct knowledge *k, const struct sim_scan *face,
                         struct iso_vec3 *points, int *n_points)
 {
@@ -131,7 +131,7 @@ static void rescale_features(const struct knowledge *k, float *feature)
     }
 }
 
-/* Faces whose points are off the surface are left out of the training. */
+/* The training skips faces with points outside the surface. */
 static int learn_subspace(const struct sim_training *training, struct knowledge *k)
 {
     size_t n = 0;

@@ -1,5 +1,5 @@
-/* CP-HK of the face crop (Abdelrahman 2013, 4.3.3; core/shape): what a description of creatures is
- * worth on faces, by itself or as a filter before a finer comparison. */
+/* CP-HK of the face crop (Abdelrahman 2013, 4.3.3; core/shape): measures how well a description
+ * for creatures works on faces, alone or as a filter before a finer comparison. */
 #include <math.h>
 
 #include "isotherm/shape_method.h"
@@ -35,7 +35,7 @@ static int describe(const void *knowledge, const struct sim_scan *face, void **d
     return error;
 }
 
-/* L1, by which CP-HK's nearest neighbour is looked for. */
+/* The L1 distance, as in CP-HK's nearest neighbour search. */
 static int distance(const void *knowledge, const void *probe, const void *gallery, double *out)
 {
     (void)knowledge;

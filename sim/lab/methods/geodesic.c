@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* One quadrant of the steps: coprime and within 3; the others by rotation. */
+/* The steps of one quadrant: coprime and within 3. Rotation gives the other quadrants. */
 static const int quadrant[8][2] = {{1, 0}, {3, 1}, {2, 1}, {3, 2}, {1, 1}, {2, 3}, {1, 2}, {1, 3}};
 
 enum { NEIGHBOURS = 32 };
@@ -19,7 +19,7 @@ struct sim_geodesic {
     double spacing_mm;
     double *distance_mm; /* [side * side] */
     bool *final;         /* likewise */
-    struct entry *heap;  /* a pixel may stand in it several times, with falling distances */
+    struct entry *heap;  /* may contain a pixel several times, with falling distances */
     size_t n_heap;
     int step[NEIGHBOURS][2];
     double flat_mm2[NEIGHBOURS]; /* squared length of the step in the grid's plane */
@@ -92,7 +92,7 @@ static struct entry pop(struct sim_geodesic *g)
     return top;
 }
 
-/* Offers a pixel a way of that length. */
+/* Gives a pixel a path of this length, if it is shorter than the known path. */
 static void offer(struct sim_geodesic *g, int pixel, double distance_mm)
 {
     if (distance_mm < g->distance_mm[pixel]) {
@@ -119,7 +119,8 @@ static void spread(struct sim_geodesic *g, const struct sim_scan *face, struct e
     }
 }
 
-/* The grid points about a place, with the straight way to each; returns how many have a surface. */
+/* The grid points around a place, with the straight path to each. Returns the number with a
+ * surface. */
 static int corners(const struct sim_scan *face, struct iso_vec3 place, int pixel[4],
                    double distance_mm[4])
 {

@@ -1,11 +1,12 @@
 /* Whole-face registration: iterative closest point from point to plane.
  *
- * Besl and McKay 1992; Chen and Medioni 1991 (point to plane); Lu, Jain and Colbry 2006 (matching
- * 2.5D face scans: registration from landmarks, then ICP, the distance that is left is the score).
- * Here: both faces start in the face frame of the fitted head. The gallery's face is a height
- * field, so that a probe point's partner is looked up below it, not searched for (projective
- * association: Blais and Levine 1995). Of the pairs the closest 80 % count (Chetverikov and others
- * 2002). The distance is the root mean square of what is left from point to plane. */
+ * Besl and McKay 1992; Chen and Medioni 1991 (point to plane); Lu, Jain and Colbry 2006
+ * (matching 2.5D face scans: registration from landmarks, then ICP; the remaining distance is
+ * the score). Here both faces start in the face frame of the fitted head. The gallery's face is
+ * a height field, so that the partner of a probe point is looked up below it and needs no search
+ * (projective association: Blais and Levine 1995). The closest 80 % of the pairs count
+ * (Chetverikov and others 2002). The distance is the root mean square of the remaining
+ * point-to-plane distances. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -22,10 +23,10 @@ enum {
 };
 static const double trim = 0.8, cutoff_mm = 20.0, step_small_mm = 0.02, lever_mm = 60.0;
 static const double overlap_min = 0.3;
-/* The upper face ends below the nose: what moves least with expression. */
+/* The upper face ends below the nose. Expressions move it least. */
 static const double upper_y_mm = -18.0;
 
-/* A place of the height field: z, its slopes, and whether it was measured. */
+/* A grid point of the height field: z, its slopes, and whether it was measured. */
 struct cell {
     float z_mm, slope_x, slope_y, measured;
 };
@@ -33,7 +34,7 @@ struct cell {
 struct surface {
     int side;
     double spacing_mm;
-    struct cell *cells; /* [side * side]; z NAN where the slopes are not known */
+    struct cell *cells; /* [side * side]; z is NAN where the slopes are unknown */
     size_t n_points;
     struct iso_vec3 *points_mm; /* measured ones, every STEP_PX */
 };
@@ -158,7 +159,8 @@ static size_t pair_all(const struct surface *probe, const struct surface *galler
     return n;
 }
 
-/* The distance that the closest `trim` of the pairs do not exceed, to a bin's width. */
+/* The distance that the closest share `trim` of the pairs does not exceed, exact to the width of a
+ * bin. */
 static double trim_limit(const struct pair *pairs, size_t n)
 {
     size_t count[BINS] = {0}, wanted = (size_t)ceil(trim * (double)n), sum = 0;
@@ -172,7 +174,7 @@ static double trim_limit(const struct pair *pairs, size_t n)
     return cutoff_mm * (double)(bin + 1) / BINS;
 }
 
-/* One step of Gauss and Newton on the pairs within the limit; -EDOM if it is not determined. */
+/* One Gauss-Newton step on the pairs within the limit; -EDOM if it is underdetermined. */
 static int solve_step(const struct pair *pairs, size_t n, double limit_mm, double x[6])
 {
     double a[36] = {0.0}, b[6] = {0.0};
@@ -211,7 +213,7 @@ static double rms_within(const struct pair *pairs, size_t n, double limit_mm)
     return sqrt(sum / (double)count);
 }
 
-/* Moves the probe step by step; *rms_mm is of the last pairing. */
+/* Moves the probe step by step; *rms_mm belongs to the last pairing. */
 static int register_pair(const struct surface *probe, const struct surface *gallery,
                          struct pair *pairs, double *rms_mm)
 {

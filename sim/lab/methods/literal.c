@@ -1,11 +1,12 @@
 /* Heat front propagation contours as printed (Abdelrahman 2013, sections 6.2.2 and 6.2.3).
  *
- * The heat kernel from the first 100 eigenpairs (6.1); at each of the 12 landmarks one contour of
- * equal heat value, the same value for every face (that of the plane at 18 mm); fixed points along
- * it, equally spaced by arc length; rigid ICP (appendix F) of the one set of points to the other;
- * then the L2 norm of the differences of corresponding points, here their root mean square, so that
- * contours which left the face do not count as alike. Mesh, landmarks and t are the appliance's:
- * what is compared is how contours are made and matched. */
+ * The heat kernel comes from the first 100 eigenpairs (6.1). Each of the 12 landmarks has one
+ * contour of equal heat value; the value is the same for every face (the value in the plane at
+ * 18 mm). Fixed points are equally spaced along the contour by arc length. Rigid ICP (appendix
+ * F) registers one set of points to the other. The distance is the L2 norm of the differences of
+ * corresponding points, here their root mean square, so that contours that leave the face do not
+ * count as similar. Mesh, landmarks and t are the appliance's, so that the comparison is only
+ * about how contours are made and matched. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -26,7 +27,7 @@ struct contours {
     float weight[ALL_POINTS];      /* 1, or 0 for a contour that runs off the face */
 };
 
-/* Everything between a face and its contours. */
+/* Intermediate data between a face and its contours. */
 struct work {
     struct sim_scan_mesh *face;
     struct iso_symmetric *stiffness, *mass;
@@ -70,7 +71,7 @@ static int release_heat(struct work *w)
     return error;
 }
 
-/* Where the heat in the plane is as it is at the radius (isotherm/heat_kernel.h). */
+/* The heat value in the plane at the radius (isotherm/heat_kernel.h). */
 static double contour_level(void)
 {
     const double pi = 3.14159265358979323846;

@@ -8,11 +8,11 @@
 enum { REACH_MAX = 128 }; /* pixels; enough for 0.5 mm a pixel */
 
 static const double same_surface_mm = 10.0;
-static const double cosine_min = 0.2; /* what is seen from the side says little */
+static const double cosine_min = 0.2; /* surface seen at a flat angle has little information */
 static const double fine_mm = 2.5, around_mm = 15.0;
 static const double least = 0.25, most = 4.0;
 
-/* A plane of the grid with holes: value where weight is 1, both 0 in holes. */
+/* A plane of the grid with holes. Weight is 1 where there is a value; both are 0 in holes. */
 struct plane {
     int side;
     double *value, *weight; /* [side * side] */
@@ -38,7 +38,8 @@ static bool normal_at(const struct sim_scan *face, int column, int row, struct i
     return true;
 }
 
-/* Mean of the image about a point of the camera frame, of pixels at its depth; NAN without any. */
+/* Mean of the image around a point of the camera frame, over pixels at its depth; NAN if there are
+ * none. */
 static double seen(const struct iso_frame *frame, struct iso_vec3 at, double spacing_mm)
 {
     double u, v, sum = 0.0;
@@ -61,7 +62,7 @@ static double seen(const struct iso_frame *frame, struct iso_vec3 at, double spa
     return n > 0 ? sum / n : NAN;
 }
 
-/* Steps 1 and 2 at one pixel; NAN where nothing is known. */
+/* Steps 1 and 2 at one pixel; NAN where the image is unknown. */
 static double unlit(const struct iso_frame *frame, const struct iso_rigid *camera_from_face,
                     const struct sim_scan *face, int column, int row)
 {
@@ -113,8 +114,8 @@ static void blur_lines(const struct plane *p, const double *from, double *to,
     }
 }
 
-/* The mean about each pixel, by a Gaussian over what is known (normalised convolution: Knutsson and
- * Westin 1993); 0 where there is nothing. */
+/* The Gaussian mean around each pixel over the known values (normalised convolution: Knutsson
+ * and Westin 1993); 0 where no value is known. */
 static void mean_around(const struct plane *p, double sigma_px, double *out)
 {
     const size_t n = (size_t)p->side * (size_t)p->side;

@@ -8,10 +8,10 @@
 #include "core/surface/face_patch.h"
 #include "isotherm/triangulate.h"
 
-/* What only the making needs. */
+/* Data that only the construction needs. */
 struct making {
     const struct sim_scan *face;
-    int step, first, side; /* of the grid that becomes the mesh */
+    int step, first, side; /* of the part of the grid that becomes the mesh */
     struct iso_frame *frame;
     struct iso_triangulator *triangulator;
 };
@@ -44,7 +44,7 @@ static int make_frame(struct making *m)
     return error;
 }
 
-/* Moves the vertices into the face frame and says of which pixel each is. */
+/* Moves the vertices into the face frame and sets the pixel of each. */
 static void place(const struct making *m, struct sim_scan_mesh *out)
 {
     for (int32_t i = 0; i < out->mesh->n_vertices; i++) {

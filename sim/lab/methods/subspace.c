@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Components below this share of the largest are rounding. */
+/* Components below this share of the largest are rounding errors. */
 static const double variance_min = 1e-9;
 
 void sim_subspace_free(struct sim_subspace *subspace)
@@ -61,7 +61,7 @@ static void mean_of(const float *samples, size_t n, size_t n_in, float *mean)
     }
 }
 
-/* In four parts, since gcc does not reorder a sum by itself. */
+/* Four partial sums, because gcc does not reorder a sum. */
 static double dot_product(const float *a, const float *b, size_t n)
 {
     double sum[4] = {0.0};
@@ -94,7 +94,7 @@ static void gram_of(const float *samples, size_t n, size_t n_in, const float *me
     }
 }
 
-/* How many of the rising eigenvalues, from the last, hold the energy. */
+/* The number of rising eigenvalues, counted from the last, that hold the energy. */
 static size_t count_components(const double *value, size_t n, double energy, size_t n_most)
 {
     double total = 0.0, sum = 0.0;
@@ -170,7 +170,7 @@ void sim_subspace_project(const struct sim_subspace *s, const float *sample, flo
     }
 }
 
-/* Scatter of samples about the means of their people and of these about the mean of all, both
+/* Scatter of samples about their person's mean, and of these means about the mean of all, both
  * [d][d], divided by the number of samples. */
 struct scatter {
     size_t d;

@@ -18,7 +18,7 @@ static const double energy = 0.99, shrinkage = 0.1;
 
 struct knowledge {
     size_t n_pixels; /* of the face's grid */
-    uint32_t *pixel; /* [subspace->n_in] the ones that count */
+    uint32_t *pixel; /* [subspace->n_in] the pixels in use */
     struct sim_subspace *subspace;
 };
 

@@ -1,13 +1,14 @@
-/* Heat front propagation contours on a weighted manifold: chapter 5 brought back to the faces.
+/* Heat front propagation contours on a weighted manifold: chapter 5 applied to faces.
  *
- * Heat flows on the face as if the skin that scatters much infrared light were denser (Abdelrahman
- * 2013, 5.11 to 5.13; the weight is that of sim/lab/methods/reflectance.h), so that isotherms bend
- * about brows, lips and lids as well as about the relief. All else is what the appliance does when
- * it compares by distance: mesh, sources, t, radii (the areas enclosed are those of the surface,
- * not of the density), sampling by polar angle, trimmed distance.
+ * Heat flows on the face as if skin that scatters more infrared light were denser (Abdelrahman
+ * 2013, 5.11 to 5.13; the weight is that of sim/lab/methods/reflectance.h). So isotherms bend
+ * around brows, lips and lids as well as along the relief. All other steps are the appliance's
+ * comparison by distance: mesh, sources, t, radii (the enclosed areas are areas of the surface, not
+ * of the density), sampling by polar angle, trimmed distance.
  *
- * `hfpc-weighted-1` is the control: the same on the same mesh with density 1 everywhere. What sets
- * the two apart is the weight, what sets it apart from `hfpc` is the way here. */
+ * `hfpc-weighted-1` is the control: the same computation on the same mesh with density 1
+ * everywhere. The two differ only by the weight. The control and `hfpc` differ only by this
+ * implementation. */
 #include <errno.h>
 #include <stdlib.h>
 
@@ -17,7 +18,7 @@
 #include "sim/lab/methods/method.h"
 #include "sim/lab/methods/scan_mesh.h"
 
-/* Everything between a face and its template. */
+/* Intermediate data between a face and its template. */
 struct work {
     struct sim_scan_mesh *face;
     double *density; /* [n_vertices] */
@@ -57,7 +58,7 @@ static int make_room(struct work *w)
     return error || (w->density && w->heat) ? error : -ENOMEM;
 }
 
-/* reflectance: of the face's grid, or NULL for density 1. */
+/* `reflectance` is on the face's grid, or NULL for density 1. */
 static int release_heat(const float *reflectance, double t_mm2, struct work *w)
 {
     const struct iso_mesh *mesh = w->face->mesh;
@@ -73,7 +74,7 @@ static int release_heat(const float *reflectance, double t_mm2, struct work *w)
                            &t_mm2, 1, w->heat);
 }
 
-/* Surface that was filled in does not count. */
+/* Filled surface does not count. */
 static void weigh(const struct sim_scan *face, struct iso_template *tmpl)
 {
     for (int i = 0; i < tmpl->n_radii * ISO_LANDMARKS * tmpl->n_points; i++) {

@@ -3,7 +3,8 @@
 
 #include "sim/lab/picture/scene_data.h"
 
-/* What lies this little behind the surface still shows: curves run on it. */
+/* Points up to this distance behind the surface are still visible, because curves lie on the
+ * surface. */
 static const double on_surface_mm = 2.5;
 
 static double sample_width(double px)
@@ -29,7 +30,7 @@ static bool visible(const struct sim_scene *scene, int x, int y, double z_mm)
     return depth == 0.0 || z_mm < depth + on_surface_mm;
 }
 
-/* Whether the middle of a spot can be seen. */
+/* Whether the middle of a spot is visible. */
 static bool spot_visible(const struct sim_scene *scene, struct spot s)
 {
     const int x = (int)lrint(s.x), y = (int)lrint(s.y);

@@ -57,7 +57,7 @@ static void draw_pixels(cairo_t *cr, const struct iso_frame *frame, struct range
     }
 }
 
-/* Bright is near. */
+/* Near is bright. */
 static struct sim_colour colour_of_share(double share)
 {
     return sim_colour_depth(1.0 - share);

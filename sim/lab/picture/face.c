@@ -22,7 +22,7 @@ struct sim_face sim_face_of(const struct iso_extractor *extractor,
     return face;
 }
 
-/* All of the mesh, its middle in the middle. */
+/* A view of the whole mesh, centred. */
 static struct sim_view view_of(const struct iso_mesh *mesh, struct sim_face_angle angle)
 {
     struct iso_vec3 low = mesh->vertices_mm[0], high = low;
@@ -40,7 +40,7 @@ static struct sim_view view_of(const struct iso_mesh *mesh, struct sim_face_angl
     };
 }
 
-/* Replaces each value by the mean over the triangles around its vertex, so many times. */
+/* Replaces each value by the mean over the triangles around its vertex, a given number of times. */
 static int smooth_over(const struct iso_mesh *mesh, int passes, double *value)
 {
     const size_t n = (size_t)mesh->n_vertices;
@@ -65,8 +65,8 @@ static int smooth_over(const struct iso_mesh *mesh, int passes, double *value)
     return error;
 }
 
-/* The mesh's border is jagged, for it is where a grid was cut off: a smooth edge a little inside
- * looks better and says as much. */
+/* The border of the mesh is jagged, because the grid was cut there. A smooth edge slightly
+ * inside looks better and shows the same information. */
 static int trim_border(const struct iso_mesh *mesh, float *opacity)
 {
     const double reach_mm = 24.0, clear_mm = 6.0, opaque_mm = 6.4;
@@ -177,8 +177,9 @@ int sim_picture_isotherms(const struct sim_face *face, struct sim_face_angle ang
     return error;
 }
 
-/* Colours of heat over grey, on a logarithmic scale of so many decades down from the hottest place:
- * heat falls off like a Gaussian, which on a linear scale would be one bright spot. */
+/* Colours of heat over grey, on a logarithmic scale of a given number of decades down from the
+ * hottest point. Heat falls off like a Gaussian, which would be a single bright spot on a linear
+ * scale. */
 static void heat_colours(const double *heat, int32_t n, struct sim_colour *out)
 {
     const double decades = 4.0;
@@ -196,7 +197,7 @@ static void heat_colours(const double *heat, int32_t n, struct sim_colour *out)
 
 enum { PANEL_COLUMNS = 4, PANEL_WIDTH_PX = 280, PANEL_HEIGHT_PX = 300 };
 
-/* One panel of the heat picture, drawn at its place. */
+/* Draws one panel of the heat picture at its place. */
 static int draw_heat_panel(cairo_t *cr, const struct sim_face *face, struct sim_face_angle angle,
                            int landmark, struct sim_colour *colours)
 {

@@ -14,8 +14,8 @@ enum { GAP_PX = 8, BAR_PX = 84, LINE_PX = 22 };
 
 static const uint32_t found_hex = 0xffd23f, true_hex = 0x3ddc84, background_hex = 0x14161b;
 
-/* The square about the places of some points, larger than their extent by a factor; false if none
- * of them can be placed. */
+/* The square around the positions of some points, larger than their extent by a factor. False if
+ * none of the points has a position. */
 static bool window_about(const struct iso_frame *frame, const struct iso_vec3 *points_mm,
                          const bool *chosen, size_t n, double factor, struct sim_fit_window *out)
 {
@@ -65,7 +65,7 @@ struct picture {
 
 enum panel { PANEL_FRAME, PANEL_LANDMARKS, PANEL_MESH, PANEL_RESIDUALS, PANELS };
 
-/* A dark strip at the bottom of a panel, for words. */
+/* A dark strip at the bottom of a panel, for text. */
 static void draw_strip(const struct picture *p)
 {
     cairo_set_source_rgba(p->cr, 0.05, 0.055, 0.07, 0.75);
@@ -94,7 +94,7 @@ static void draw_mark(cairo_t *cr, double x, double y, double radius, uint32_t h
     cairo_stroke(cr);
 }
 
-/* Rings where the landmarks are, dots where they were found, and what lies between. */
+/* Rings at the true landmarks, dots at the found ones, and lines between them. */
 static void draw_landmarks(const struct picture *p)
 {
     const struct sim_fit_view *v = p->view;
@@ -132,7 +132,7 @@ static void draw_landmarks(const struct picture *p)
                      SIM_FIT_PANEL_PX - 10.0, 1.0);
 }
 
-/* What is drawn on top of a panel's pixels. */
+/* Draws the marks and text on top of a panel's pixels. */
 static void draw_marks(const struct picture *p, enum panel panel)
 {
     const struct sim_fit_window all = whole_window(p->view->frame);

@@ -8,7 +8,7 @@
 
 struct sim_colour *sim_fit_grey_new(const struct iso_frame *frame)
 {
-    const double fade_mm = 900.0; /* from the nearest point to where it is darkest */
+    const double fade_mm = 900.0; /* distance from the nearest point to the darkest place */
     const size_t n = (size_t)frame->width_px * (size_t)frame->height_px;
     struct sim_colour *grey = calloc(n, sizeof *grey);
     const struct sim_colour hole = sim_colour_hex(0x0c1a33);
@@ -43,7 +43,7 @@ void sim_fit_paint_frame(struct sim_canvas *canvas, const struct iso_frame *fram
     }
 }
 
-/* The frame's camera, so that the window fills so many samples. */
+/* The frame's camera, scaled so that the window fills the given number of samples. */
 static struct iso_camera camera_of(const struct iso_frame *frame, struct sim_fit_window window)
 {
     const double zoom = SIM_FIT_SAMPLES / window.side;
@@ -80,7 +80,7 @@ int sim_fit_head_new(const struct sim_fit_view *view, struct sim_fit_window wind
     return 0;
 }
 
-/* How bright a triangle is under a light at the upper left. */
+/* The brightness of a triangle under a light at the upper left. */
 static float triangle_light(const struct sim_fit_view *view, int32_t triangle)
 {
     const uint32_t *c = view->triangles[triangle];
@@ -107,7 +107,7 @@ void sim_fit_paint_mesh(struct sim_canvas *canvas, const struct sim_fit_view *vi
     }
 }
 
-/* The colour of the residual between the corners of a triangle; grey towards those not measured. */
+/* The interpolated residual colour in a triangle; grey towards unmeasured corners. */
 static struct sim_colour residual_colour(const struct sim_fit_view *view, int32_t triangle,
                                          const float weight[2])
 {

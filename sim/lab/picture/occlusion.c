@@ -6,11 +6,10 @@
 
 static const double occlusion_step_mm = 5.6, occlusion_fade_mm = 45.0;
 
-/* What the occlusion looks at: one sample of each pixel, the middle one, close together in memory.
- */
+/* The input of the occlusion: the middle sample of each pixel, stored close together in memory. */
 struct coarse {
     int width, height;
-    float *depth_mm; /* [height * width], 0: nothing seen */
+    float *depth_mm; /* [height * width], 0: no surface */
 };
 
 static int new_coarse(const struct sim_scene *scene, struct coarse *out)
@@ -71,7 +70,8 @@ static double openness(const struct sim_scene *scene, const struct coarse *coars
         sim_scene_interpolate(scene, sample, r->triangle[sample], scene->normals));
     double step_px = occlusion_step_mm * r->camera.fx_px / p.z / S, hidden = 0.0;
     for (int d = 0; d < DIRECTIONS; d++) {
-        /* Turned from pixel to pixel by a fixed pattern, so that no direction shows. */
+        /* A fixed pattern turns the directions from pixel to pixel, so that none becomes visible.
+         */
         const double angle = 2.0 * M_PI * (d + 0.25 * ((x + 2 * y) % 4)) / DIRECTIONS;
         hidden += horizon_of(scene, coarse, x, y, p, n, step_px * cos(angle),
                              step_px * sin(angle)) /
@@ -80,7 +80,7 @@ static double openness(const struct sim_scene *scene, const struct coarse *coars
     return fmax(0.0, 1.0 - 1.25 * hidden);
 }
 
-/* Mean over the 5 x 5 pixels about one: takes away the pattern of the directions. */
+/* Mean over the surrounding 5 x 5 pixels. It removes the pattern of the directions. */
 static float mean_open(const struct sim_occlusion *o, int x, int y)
 {
     float sum = 0.0f, n = 0.0f;

@@ -32,7 +32,7 @@ static struct iso_camera lens_of(const struct sim_view *view, int width, int hei
     };
 }
 
-/* Vertex normals: of the triangles around, weighted by area. */
+/* Vertex normals: the area-weighted mean of the surrounding triangles' normals. */
 static void compute_normals(struct sim_scene *scene)
 {
     for (int32_t t = 0; t < scene->mesh->n_triangles; t++) {
@@ -83,7 +83,7 @@ int sim_scene_new(const struct iso_mesh *mesh, const struct sim_view *view,
     }
     compute_normals(scene);
     iso_raster_clear(&scene->raster);
-    /* Indices are never negative, so that they read the same unsigned. */
+    /* Indices are never negative, so that their unsigned values are equal. */
     iso_raster_triangles(&scene->raster, scene->vertices_mm,
                          (const uint32_t(*)[3])(const void *)mesh->triangles, mesh->n_triangles, 0,
                          1.0, 1);

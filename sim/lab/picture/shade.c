@@ -1,4 +1,4 @@
-/* Shading of what a scene shows. */
+/* Shades the visible part of a scene. */
 #include <errno.h>
 #include <stdlib.h>
 
@@ -31,11 +31,12 @@ static void add_light(struct sim_colour *sum, struct sim_colour light, double am
     sum->b += light.b * (float)amount;
 }
 
-/* Light that leaves a surface of that colour and normal towards the viewer. */
+/* Light that a surface of the given colour and normal sends towards the viewer. */
 static struct sim_colour lit(struct sim_colour base, struct iso_vec3 n, struct iso_vec3 to_viewer,
                              double open)
 {
-    /* The sky is above, -y. Half-Lambert wrap of a fifth keeps the shadow side from going flat. */
+    /* The sky is above, -y. A half-Lambert wrap of a fifth keeps the relief of the shadow side
+     * visible. */
     struct sim_colour light = sim_colour_scale(
         (float)open, sim_colour_mix(sky, ground, (float)(0.5 + 0.5 * n.y)));
     const struct light *const lights[] = {&key, &fill, &rim};

@@ -6,12 +6,12 @@
 #include "sim/lab/picture/relief.h"
 #include "sim/lab/picture/visit_parts.h"
 
-/* What of the frame is shown, in pixels of the frame. */
+/* The visible window of the frame, in pixels of the frame. */
 struct window {
     double x, y, width, height;
 };
 
-/* Twice as high as the face; without one as high as the frame. */
+/* Twice as high as the face; without a face as high as the frame. */
 static struct window window_of(const struct sim_visit_picture *p, const struct sim_visit_frame *f)
 {
     const double aspect = p->width / p->height;
@@ -30,7 +30,7 @@ static struct window window_of(const struct sim_visit_picture *p, const struct s
                                height};
     }
     const double height = 1.75 * fmax(high[0] - low[0], high[1] - low[1]);
-    /* The landmarks reach from the brows to the chin: the forehead is above them. */
+    /* The landmarks reach from the brows to the chin, so that the forehead is above them. */
     return (struct window){0.5 * (low[0] + high[0] - aspect * height),
                            0.5 * (low[1] + high[1] - 1.12 * height), aspect * height, height};
 }
@@ -51,7 +51,7 @@ static uint32_t grey_of(const struct iso_frame *frame, int column, int row, doub
     return byte << 16 | byte << 8 | byte;
 }
 
-/* The window's pixels as they are; Cairo enlarges them. */
+/* The window's pixels in their own size; Cairo enlarges them. */
 static cairo_surface_t *new_relief(const struct iso_frame *frame, struct window window)
 {
     const int width = (int)ceil(window.width) + 1, height = (int)ceil(window.height) + 1;
@@ -73,8 +73,7 @@ static cairo_surface_t *new_relief(const struct iso_frame *frame, struct window 
     return surface;
 }
 
-/* The 68 points of a face are lines from point to point, some of them closed (Sagonas et al. 2013).
- */
+/* Lines between the 68 points of a face. Some lines are closed (Sagonas et al. 2013). */
 static const struct {
     int first, last;
     bool closed;

@@ -46,7 +46,7 @@ static void draw_time_axis(const struct sim_visit_picture *p, const struct lane 
     sim_picture_text(p->cr, "seconds since the visitor came", lane->right, lane->low + 50, 1.0);
 }
 
-/* When the frames came, and when it was decided. */
+/* Draws the times of the frames and of the verdict. */
 static void draw_moments(const struct sim_visit_picture *p, const struct lane *lane)
 {
     const struct sim_visit_view *v = p->view;

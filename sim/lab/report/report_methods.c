@@ -68,7 +68,7 @@ static void print_verdict(const struct sim_verdict *v, bool is_first, FILE *out)
     fputc('\n', out);
 }
 
-/* How the first method stands beside the best of the others in one figure, where less is better. */
+/* Compares the first method with the best of the others in one figure; lower is better. */
 struct standing {
     double own, best;
     struct sim_interval best_interval;

@@ -23,7 +23,7 @@ static int out_of_memory(const char *name, struct iso_fault *fault)
 
 enum { RANKS_MAX = 20, CURVES_MAX = SIM_METHODS };
 
-/* The methods that were not left out. */
+/* The methods that were not skipped. */
 static size_t list_methods(const struct sim_eval *eval,
                            const struct sim_eval_method *methods[CURVES_MAX])
 {
@@ -36,7 +36,7 @@ static size_t list_methods(const struct sim_eval *eval,
     return n;
 }
 
-/* A method's curve needs a name only beside others. */
+/* A curve needs its method's name only if there are several curves. */
 static const char *label_of(const struct sim_eval_method *method, size_t n_methods)
 {
     return n_methods > 1 ? method->method->name : NULL;
@@ -81,7 +81,7 @@ static int plot_cmc(const struct sim_eval *eval, const char *directory, struct i
 
 static const double det_lowest = 1e-4, det_highest = 0.5;
 
-/* The part of a DET curve that the axes show; x has room for n_det of both coordinates. */
+/* The part of a DET curve inside the axes. `x` has room for both coordinates of n_det points. */
 static struct sim_series det_series(const struct sim_verification *v, const char *label, double *x)
 {
     double *y = x + v->n_det;
@@ -103,7 +103,7 @@ static int draw_det(const struct sim_eval *eval, const struct sim_series *series
     char subtitle[128];
     const int length = snprintf(subtitle, sizeof subtitle, "%zu mated, %zu non-mated comparisons",
                                 v->scores.n_mated, v->scores.n_non_mated);
-    if (n_series == 2) { /* of one method, and the diagonal */
+    if (n_series == 2) { /* one method and the diagonal */
         (void)snprintf(subtitle + length, sizeof subtitle - (size_t)length, "; EER %.2f %%",
                        100.0 * v->eer);
     }
@@ -148,7 +148,7 @@ static int plot_det(const struct sim_eval *eval, const char *directory, struct i
 
 enum { BINS = 80 };
 
-/* The outline of a histogram, two points a bin, as shares; returns the highest. */
+/* The outline of a histogram as shares, two points for each bin. Returns the highest share. */
 static double histogram_outline(const struct sim_score *scores, size_t n, double from, double to,
                                 double *x, double *y)
 {
@@ -176,7 +176,7 @@ static double lowest_finite(const struct sim_score *scores, size_t n)
     return scores[i].score;
 }
 
-/* Scores are those of the first method. */
+/* Draws the scores of the first method. */
 static const char *score_label(const struct sim_eval *eval)
 {
     static const char *const labels[] = {
@@ -199,7 +199,7 @@ static int plot_scores(const struct sim_eval *eval, const char *directory, struc
                              lowest_finite(s->non_mated, s->n_non_mated));
     const double to = fmax(s->mated[s->n_mated - 1].score, s->non_mated[s->n_non_mated - 1].score);
     if (!isfinite(from) || !isfinite(to) || !(from < to)) {
-        return 0; /* nothing to be seen in it */
+        return 0; /* the picture would be empty */
     }
     double x[2][2 * BINS], y[2][2 * BINS];
     const double highest = fmax(

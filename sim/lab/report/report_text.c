@@ -59,7 +59,7 @@ static void print_verification(const struct sim_verification *v, FILE *out)
             sim_rate_smallest(v->scores.n_non_mated));
 }
 
-/* Only a metric's scores promise anything. */
+/* Only the scores of a metric promise error rates. */
 static void print_promises(const struct sim_eval *eval, FILE *out)
 {
     const struct sim_verification *v = &eval->analysis->verification;

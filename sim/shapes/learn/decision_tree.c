@@ -1,4 +1,4 @@
-/* Decision trees: CART, where the dissertation has C4.5. */
+/* Decision trees: CART; the dissertation uses C4.5. */
 #include <errno.h>
 #include <stdlib.h>
 
@@ -34,7 +34,8 @@ static void release(void *model)
     free(m);
 }
 
-/* A tree tells a class, not how sure it is: 1 for that one, 0 for all others. */
+/* A tree predicts a class without a confidence, so the score is 1 for this class and 0 for all
+ * others. */
 static int score(const void *model, const float *feature, double *score)
 {
     const struct machine *m = model;

@@ -7,8 +7,9 @@
 
 #include "sim/shapes/learn/ops.h"
 
-/* A linear kernel does with features that are longer than they are many. Values are scaled to 0..1
- * by what was learnt from, as libsvm's guide has it (Hsu, Chang and Lin 2003). */
+/* A linear kernel is sufficient, because a feature has more values than there are samples. Values
+ * are scaled to 0..1 by the range of the training data, as libsvm's guide recommends (Hsu, Chang
+ * and Lin 2003). */
 static const double cost = 1.0;
 
 struct machine {
@@ -111,8 +112,8 @@ static int train(const struct iso_labelled *training, void **model)
     return 0;
 }
 
-/* Each pair of classes decides between its two; a class scores by how sure those are who chose it
- * and how unsure those who did not. */
+/* Each pair of classes has a vote. The score of a class is the confidence of the votes for it
+ * minus that of the votes against it. */
 static int score(const void *model, const float *feature, double *score)
 {
     const struct machine *m = model;

@@ -1,4 +1,4 @@
-/* What the module `trees` exports. */
+/* The functions that the module `trees` exports. */
 #include "sim/shapes/learn/trees_module.h"
 
 extern const struct iso_trees_module iso_module;

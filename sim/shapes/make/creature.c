@@ -10,15 +10,15 @@
 
 enum {
     VERTICES_MIN = 200,
-    /* Marching tetrahedra give so many times the vertices that are wanted, about, so that thinning
-       has a choice. */
+    /* Marching tetrahedra make about this many times the wanted number of vertices, so that
+     * thinning has a choice. */
     FINER = 4,
     RELAX_STEPS = 8,
 };
 
 /* ---- the field on a grid --------------------------------------------------------- */
 
-/* A grid about the skeleton with room for all of its flesh and a border without any. */
+/* A grid around the skeleton with room for all its flesh and an empty border. */
 static struct sim_field_grid grid_about(const struct sim_skeleton *skeleton, double pitch_mm)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -42,7 +42,7 @@ static struct sim_field_grid grid_about(const struct sim_skeleton *skeleton, dou
     };
 }
 
-/* The nodes of one axis that a bone can reach. */
+/* The nodes of one axis within a bone's reach. */
 static void reach_along(double from, double to, double r, double origin, double pitch, int n,
                         int *first, int *last)
 {
@@ -88,8 +88,8 @@ static int polygonise_at(const struct sim_skeleton *skeleton, double pitch_mm,
     return error;
 }
 
-/* As fine as thinning to n_vertices wants it: a coarse grid first tells how much surface there is.
- */
+/* Chooses a grid fine enough for thinning to n_vertices. A coarse grid first measures the amount
+ * of surface. */
 static int polygonise_skeleton(const struct sim_skeleton *skeleton, int32_t n_vertices,
                                struct iso_mesh **out)
 {
@@ -113,7 +113,7 @@ static int polygonise_skeleton(const struct sim_skeleton *skeleton, int32_t n_ve
 
 /* ---- well-shaped triangles --------------------------------------------------------- */
 
-/* The largest of several surfaces: a speck of flesh that hangs together with nothing goes. */
+/* Keeps the largest of several surfaces and removes small unconnected pieces. */
 static int keep_largest(struct iso_mesh *mesh)
 {
     const size_t n = (size_t)mesh->n_triangles;
@@ -144,7 +144,7 @@ static int thin_mesh(struct iso_mesh *mesh, int32_t n_vertices)
     return sim_thin(&(struct iso_coloured_mesh){.mesh = mesh}, n_vertices);
 }
 
-/* Moves a point along the gradient onto the surface: Newton's steps, none longer than a mm. */
+/* Moves a point along the gradient onto the surface by Newton steps of at most 1 mm. */
 static struct iso_vec3 onto_surface(const struct sim_skeleton *skeleton, struct iso_vec3 p)
 {
     for (int i = 0; i < 3; i++) {
@@ -160,8 +160,8 @@ static struct iso_vec3 onto_surface(const struct sim_skeleton *skeleton, struct 
     return p;
 }
 
-/* Evens the triangles out: each vertex goes halfway to the middle of its neighbours, weighted by
- * the areas of the triangles between, and back onto the surface. */
+/* Makes the triangles more even: each vertex moves halfway to the middle of its neighbours,
+ * weighted by the areas of the triangles between them, and back onto the surface. */
 static int relax_mesh(const struct sim_skeleton *skeleton, struct iso_mesh *mesh)
 {
     const size_t n = (size_t)mesh->n_vertices;
@@ -212,7 +212,7 @@ static struct iso_vec3 posed_point(const struct sim_skeleton *skeleton,
     return total > 0.0 ? iso_scale(1.0 / total, sum) : p;
 }
 
-/* A rotation that is uniform enough: by up to half a turn about a random axis. */
+/* An approximately uniform rotation: up to half a turn about a random axis. */
 static struct iso_mat3 random_turn(struct sim_random *random)
 {
     struct iso_vec3 axis = iso_unit(
@@ -220,7 +220,7 @@ static struct iso_mat3 random_turn(struct sim_random *random)
     return iso_mat3_rotation(iso_scale(sim_random_between(random, 0.0, M_PI), axis));
 }
 
-/* The mesh at rest, in the skeleton's own frame, on a grid that lies at random. */
+/* Makes the mesh at rest, in the skeleton's own frame, on a randomly placed grid. */
 static int mesh_at_rest(const struct sim_skeleton *skeleton, int32_t n_vertices,
                         struct sim_random *random, struct iso_mesh **out)
 {

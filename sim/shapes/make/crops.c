@@ -25,10 +25,11 @@ struct cutter {
     struct iso_coloured_mesh crop;
     struct sim_shape_row *rows;
     int32_t n, n_empty;
-    int32_t *pixels_at; /* [DEPTH_MAX_MM] how many of the frame, by millimetres of depth */
+    int32_t
+        *pixels_at; /* [DEPTH_MAX_MM] number of the frame's pixels for each millimetre of depth */
 };
 
-/* The depth before which a hundredth of the measured pixels lie; 0 if none is measured. */
+/* The depth that is larger than a hundredth of the measured depths; 0 if no pixel is measured. */
 static int foremost_mm(struct cutter *cutter, const struct iso_frame *frame)
 {
     static const size_t share = 100;
@@ -49,7 +50,7 @@ static int foremost_mm(struct cutter *cutter, const struct iso_frame *frame)
     return z;
 }
 
-/* The middle of the foremost thing; false if there is none. */
+/* The middle of the nearest object; false if there is none. */
 static bool find_centre(struct cutter *cutter, const struct iso_frame *frame, struct iso_vec3 *out)
 {
     double front_mm = foremost_mm(cutter, frame), n = 0.0;
@@ -67,7 +68,8 @@ static bool find_centre(struct cutter *cutter, const struct iso_frame *frame, st
     return n > 0.0;
 }
 
-/* From the camera's frame (y down, z away) to that of the viewer's, as pictures have it. */
+/* Converts from the camera's frame (y down, z away) to the viewer's frame (y up, z towards the
+ * viewer). */
 static void turn_to_viewer(struct iso_mesh *mesh)
 {
     for (int32_t i = 0; i < mesh->n_vertices; i++) {
@@ -76,7 +78,7 @@ static void turn_to_viewer(struct iso_mesh *mesh)
     }
 }
 
-/* Fills cutter->crop. -ENODATA for too little. */
+/* Fills cutter->crop. -ENODATA if there are too few pixels. */
 static int cut_crop(struct cutter *cutter, const struct iso_frame *frame)
 {
     const struct iso_frame *part;
@@ -112,7 +114,7 @@ static int keep_crop(struct cutter *cutter, size_t corpus, const struct sim_corp
     return error;
 }
 
-/* A frame in which nothing stands out is counted and left out. */
+/* A frame without a nearest object is counted and skipped. */
 static int cut_and_keep(struct cutter *cutter, size_t corpus, const struct sim_corpus_row *row,
                         const struct iso_frame *frame, struct iso_fault *fault)
 {

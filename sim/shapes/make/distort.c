@@ -15,7 +15,7 @@ static const struct {
     {"missing", {0.05, 0.10, 0.20}}, {"stretch", {1.1, 1.25, 1.5}}, {"bulge", {0.02, 0.04, 0.06}},
 };
 
-/* One vertex in so many is hit by shot noise. */
+/* Shot noise changes one vertex of this number. */
 enum { SHOT_ONE_IN = 100 };
 
 const char *sim_distortion_name(enum sim_distortion_kind kind)
@@ -54,7 +54,7 @@ static struct iso_vec3 mean_place(const struct iso_mesh *mesh)
     return iso_scale(1.0 / mesh->n_vertices, sum);
 }
 
-/* Standard deviation of a coordinate, over all three. */
+/* Standard deviation of the coordinates, over all three axes. */
 static double spread_of(const struct iso_mesh *mesh, struct iso_vec3 mean)
 {
     double sum = 0.0;
@@ -122,8 +122,8 @@ static int vertex_normals(const struct iso_mesh *mesh, struct iso_vec3 **out)
     return 0;
 }
 
-/* Moves vertices along their normals by a noise that varies over half the shape's spread; the mean
- * square of that noise is about 0.1. */
+/* Moves vertices along their normals by noise that varies over half the spread of the shape. The
+ * mean square of the noise is about 0.1. */
 static int bulge_mesh(struct iso_mesh *mesh, double share, struct sim_random *random)
 {
     struct iso_vec3 *normal = NULL;
@@ -156,8 +156,8 @@ static int compare_far(const void *a, const void *b)
     return p->triangle - q->triangle;
 }
 
-/* Cuts the triangles nearest to a vertex away, up to a share of the area. Vertices without
- * triangles stay: whoever makes a shape of the mesh leaves them out. */
+/* Cuts away the triangles nearest to a vertex, up to a share of the area. Vertices without
+ * triangles stay; the code that makes a shape from the mesh removes them. */
 static int cut_mesh(struct iso_mesh *mesh, double share, struct sim_random *random)
 {
     const size_t n = (size_t)mesh->n_triangles;

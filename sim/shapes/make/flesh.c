@@ -2,7 +2,7 @@
 
 #include <stdbool.h>
 
-/* R over r. The larger, the farther neighbours melt together. */
+/* R / r. With a larger value, neighbours merge over a larger distance. */
 const double sim_flesh_reach = 1.8;
 
 /* (1 - 1 / reach^2)^3.5: see line_integral. */
@@ -37,7 +37,7 @@ double sim_flesh_bone(const struct sim_bone *bone, struct iso_vec3 p_mm)
     if (beyond(p_mm.x, bone->from_mm.x, bone->to_mm.x, most) ||
         beyond(p_mm.y, bone->from_mm.y, bone->to_mm.y, most) ||
         beyond(p_mm.z, bone->from_mm.z, bone->to_mm.z, most)) {
-        return 0.0; /* which it would be below too: most points are far from most bones */
+        return 0.0; /* the same result as below, but faster: most points are far from most bones */
     }
     struct iso_vec3 axis = iso_sub(bone->to_mm, bone->from_mm), d = iso_sub(p_mm, bone->from_mm);
     const double length = iso_norm(axis), along = iso_dot(d, axis) / length;
@@ -49,10 +49,11 @@ double sim_flesh_bone(const struct sim_bone *bone, struct iso_vec3 p_mm)
     if (a <= 0.0) {
         return 0.0;
     }
-    const double half = sqrt(a); /* the kernel reaches so far along the axis, in units of R */
+    const double half = sqrt(a); /* reach of the kernel along the axis, in units of R */
     const double from = clamped(-along / reach, -half, half);
     const double to = clamped((length - along) / reach, -half, half);
-    return line_integral(a, from, to) * (35.0 / 32.0); /* an endless line on its axis: 1 */
+    return line_integral(a, from, to) *
+           (35.0 / 32.0); /* scaled to 1 on the axis of an endless line */
 }
 
 double sim_flesh_field(const struct sim_skeleton *skeleton, struct iso_vec3 p_mm)

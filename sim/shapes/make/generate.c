@@ -26,17 +26,17 @@ enum {
     CLASS_NAME_MAX = 40,
 };
 
-/* How much bodies of other classes differ from their species, and the two bodies of a class from
+/* Amount of variation of a class's body from its species, and of the two bodies of a class from
  * each other. */
 static const double other_class = 0.5, other_body = 0.12;
 
-/* One shape to be made. */
+/* One shape to make. */
 struct shape_plan {
     struct sim_shape_row row;
     int species;
     struct sim_growth growth;
     double pose;
-    uint64_t pose_key; /* the same key, the same pose */
+    uint64_t pose_key; /* the same key gives the same pose */
     bool coated, distorted;
     enum sim_texture coat;
     struct sim_distortion distortion;
@@ -47,7 +47,7 @@ struct shape_maker {
     struct shape_plan *plan;
     int32_t n;
     pthread_mutex_t fault_lock;
-    struct iso_fault *fault; /* of the first that failed */
+    struct iso_fault *fault; /* fault of the first shape that failed */
 };
 
 /* ---- what is to be made ------------------------------------------------------------ */
@@ -216,7 +216,7 @@ static int write_manifest(const struct shape_maker *maker, struct iso_fault *fau
     return error;
 }
 
-/* Fills in what is 0. -EINVAL. */
+/* Replaces options that are 0 by their defaults. -EINVAL. */
 static int complete_options(struct sim_shapes_options *options, bool *textured,
                             struct iso_fault *fault)
 {

@@ -87,8 +87,8 @@ static int check_files(const char *name, const struct sim_shape_manifest *manife
     return error;
 }
 
-/* The number of the class of row i: that of the first row whose class agrees in `length(row)`
- * characters, or the next free one. */
+/* The class number of row i: the number of the first row whose class has the same first
+ * `length(row)` characters, or the next free number. */
 static int32_t number_of(const struct sim_shape_manifest *manifest, const int32_t *numbers,
                          int32_t i, bool wider, int32_t n_so_far)
 {

@@ -9,8 +9,8 @@
  */
 enum { EDGE_KINDS = 7 };
 
-/* The six ways from corner 0 to corner 7 along the axes (Kuhn 1960); even permutations of the axes
- * are right-handed, odd ones are written with two corners swapped. */
+/* The six paths from corner 0 to corner 7 along the axes (Kuhn 1960). Even permutations of the
+ * axes are right-handed; odd ones are written with two corners swapped. */
 static const int tetrahedra[6][4] = {
     {0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 3, 2, 7}, {0, 6, 4, 7}, {0, 5, 1, 7},
 };
@@ -18,7 +18,7 @@ static const int tetrahedra[6][4] = {
 struct march {
     const struct sim_field_grid *grid;
     double level;
-    int32_t *vertex_of_edge; /* [n_nodes][EDGE_KINDS]: index + 1, 0: none yet */
+    int32_t *vertex_of_edge; /* [n_nodes][EDGE_KINDS]: index + 1, 0: no vertex yet */
     struct iso_mesh *mesh;
 };
 
@@ -126,7 +126,7 @@ static int cut_tetrahedron(struct march *m, size_t node, const int corner[4])
     return 0;
 }
 
-/* The six tetrahedra of a cell, unless all of it is inside or outside. */
+/* Handles the six tetrahedra of a cell, unless the whole cell is inside or outside. */
 static int cut_cell(struct march *m, size_t node)
 {
     int n_inside = 0, error = 0;

@@ -5,7 +5,7 @@
 
 /* ---- limbs to bones ------------------------------------------------------------ */
 
-/* A limb as it has grown: its joints, and the bone that ends (or starts) at each, on both sides. */
+/* A finished limb: its joints, and the bone that ends (or starts) at each joint, on both sides. */
 struct grown {
     struct iso_vec3 joint_mm[SIM_LIMB_JOINTS_MAX];
     int bone[2][SIM_LIMB_JOINTS_MAX];
@@ -25,7 +25,7 @@ static struct iso_vec3 mirrored(struct iso_vec3 p, int side)
     return iso_vec3(side ? -p.x : p.x, p.y, p.z);
 }
 
-/* How much longer and thicker a limb of a variant is. */
+/* The factors of length and thickness of a variant's limb. */
 static void growth(const struct sim_growth *how, int limb, double *length, double *thickness)
 {
     struct sim_random random = sim_random_seeded(how->variant, 0x6772, (uint64_t)limb);
@@ -37,7 +37,7 @@ static void place_joints(const struct sim_limb *limbs, int l, double length, str
 {
     const struct sim_limb *limb = &limbs[l];
     struct iso_vec3 first = limb->joint[0].at_mm, base = first;
-    if (limb->parent >= 0) { /* moves with what it grows from */
+    if (limb->parent >= 0) { /* moves with its parent */
         struct iso_vec3 there = limbs[limb->parent].joint[limb->at].at_mm;
         base = iso_add(first, iso_sub(grown[limb->parent].joint_mm[limb->at], there));
     }

@@ -2,7 +2,7 @@
 
 /* {name, parent limb, joint of the parent, paired, bend, follow, {{{x, y, z}, radius}, ...}}: x is
  * the creature's left, y up, z forward, in mm. Paired limbs are written for the left side. Limbs
- * are a little unequal where symmetry would leave the order of eigenfunctions to chance. */
+ * are slightly unequal where symmetry would make the order of eigenfunctions random. */
 
 /* An arm of the octopus: of the given length, away from the middle in the direction (x, z). */
 #define ARM_JOINT(x, z, y, away, radius)            \

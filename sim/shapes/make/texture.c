@@ -16,7 +16,7 @@ static double step(double x, double width)
     return s * s * (3.0 - 2.0 * s);
 }
 
-/* How much of the second colour is at a place, 0..1. */
+/* The share of the second colour at a point, 0..1. */
 static double pattern(enum sim_texture texture, uint64_t key, struct iso_vec3 p)
 {
     const double waves = sim_noise3(key, iso_scale(1.0 / 40.0, p));

@@ -5,7 +5,7 @@
 
 #include "sim/train/head/decimate.h"
 
-/* Leaves out vertices of no triangle. */
+/* Removes vertices without a triangle. */
 static int drop_unused(struct iso_coloured_mesh *coloured)
 {
     struct iso_mesh *mesh = coloured->mesh;
@@ -42,7 +42,7 @@ int sim_thin(struct iso_coloured_mesh *coloured, int32_t n_vertices)
     struct iso_mesh *mesh = coloured->mesh;
     struct sim_decimate_options options = {.n_target = (uint32_t)n_vertices};
     uint32_t n_triangles = (uint32_t)mesh->n_triangles;
-    /* Indices are never negative, so that they read the same unsigned. */
+    /* Indices are never negative, so that their unsigned values are equal. */
     const int error = sim_decimate(mesh->vertices_mm, (uint32_t)mesh->n_vertices, &options,
                                    (uint32_t(*)[3])(void *)mesh->triangles, &n_triangles);
     if (error) {

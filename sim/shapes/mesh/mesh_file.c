@@ -68,7 +68,7 @@ static int format_of(const char *path, enum iso_mesh_format *out, struct iso_fau
     return iso_fault_set(fault, -ENOTSUP, "%s: not named .off, .obj, .ply, .stl or .vert", path);
 }
 
-/* The text of the .tri beside a .vert. */
+/* Reads the text of the .tri that belongs to a .vert. */
 static int read_tri(const char *path, char **text, struct iso_fault *fault)
 {
     char beside[PATH_MAX];

@@ -25,7 +25,7 @@ static int compare_places(const void *a, const void *b)
     return (p->vertex > q->vertex) - (p->vertex < q->vertex);
 }
 
-/* first[v]: the lowest vertex in the place of v. */
+/* first[v]: the lowest vertex at the same place as v. */
 static int find_first(const struct iso_mesh *mesh, int32_t *first)
 {
     const size_t n = (size_t)mesh->n_vertices;
@@ -46,7 +46,7 @@ static int find_first(const struct iso_mesh *mesh, int32_t *first)
     return 0;
 }
 
-/* Three corners by rising index, and where the triangle stood. */
+/* Three corners by rising index, and the triangle's position in the list. */
 struct corners {
     int32_t sorted[3], triangle;
 };
@@ -77,7 +77,7 @@ static struct corners corners_of(const struct iso_mesh *mesh, const int32_t *fir
     return out;
 }
 
-/* keep[t]: 1 for the first triangle of three different places. */
+/* keep[t]: 1 for the first triangle with these corners, if they are at three different places. */
 static int find_triangles(const struct iso_mesh *mesh, const int32_t *first, uint8_t *keep,
                           struct iso_mesh_mended *report)
 {
@@ -105,7 +105,7 @@ static int find_triangles(const struct iso_mesh *mesh, const int32_t *first, uin
     return n > 0 ? 0 : -EBADMSG;
 }
 
-/* Colours of vertices in one place are averaged into the first's. */
+/* The first vertex at a place gets the mean colour of all vertices at this place. */
 static void mix_colours(struct iso_colour *colour, const int32_t *first, int32_t n, int32_t *count)
 {
     for (int32_t v = 0; v < n; v++) {
@@ -121,7 +121,7 @@ static void mix_colours(struct iso_colour *colour, const int32_t *first, int32_t
     }
 }
 
-/* Moves what is kept to the front; `renamed` is scratch. */
+/* Moves the kept vertices and triangles to the front; `renamed` is scratch. */
 static void compact(struct iso_coloured_mesh *coloured, const int32_t *first, const uint8_t *keep,
                     int32_t *renamed, struct iso_mesh_mended *report)
 {

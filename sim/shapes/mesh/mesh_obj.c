@@ -4,7 +4,7 @@
 #include "drivers/file/text.h"
 #include "sim/shapes/mesh/mesh_build.h"
 
-/* What has nothing to do with the surface. */
+/* Statements that do not concern the surface. */
 static const char *const passed_over[] = {"vn",     "vt",     "vp", "g", "o",      "s",
                                           "usemtl", "mtllib", "l",  "p", "usemap", "maplib"};
 
@@ -28,7 +28,7 @@ static int read_vertex(struct iso__mesh_build *build, unsigned line, char *rest)
     return iso__mesh_build_vertex(build, line, at_mm, n == 6 ? &colour : NULL);
 }
 
-/* "7", "7/1", "7//2", "7/1/2", from 1; or from the last vertex back, -1 being the last. */
+/* "7", "7/1", "7//2", "7/1/2", counted from 1; or backwards, where -1 is the last vertex. */
 static int read_corner(const struct iso__mesh_build *build, unsigned line, char *word, int32_t *out)
 {
     size_t index = 0;

@@ -7,7 +7,7 @@
 
 enum { WORDS_MAX = 8 };
 
-/* The next line with words on it; what follows a # is a comment. 0 words: the end of the file. */
+/* The next line with words; a comment begins with #. 0 words: the end of the file. */
 static size_t next_words(struct iso_text_lines *lines, char **words, size_t max)
 {
     size_t n = 0;
@@ -70,7 +70,7 @@ static int read_vertex(struct iso__mesh_build *build, struct iso_text_lines *lin
     return iso__mesh_build_vertex(build, lines->number, at_mm, coloured ? &colour : NULL);
 }
 
-/* An index that fits; what lies beyond the vertices is refused at the end. */
+/* Reads an index. Indices beyond the vertices are refused at the end. */
 static int read_index(const struct iso__mesh_build *build, unsigned line, const char *word,
                       int32_t *out)
 {
@@ -82,7 +82,7 @@ static int read_index(const struct iso__mesh_build *build, unsigned line, const 
     return 0;
 }
 
-/* "k i1 ... ik", then perhaps a colour, which is passed over. */
+/* "k i1 ... ik"; a colour may follow and is ignored. */
 static int read_face(struct iso__mesh_build *build, struct iso_text_lines *lines)
 {
     char *line = iso_text_next_line(lines), *rest, *word;

@@ -1,5 +1,5 @@
 /* PLY (Turk 1994). A file is a header, which lists elements and their properties, and the elements
- * as text or as little- or big-endian binary; both come to the same values here. */
+ * as text or as little- or big-endian binary. Both give the same values here. */
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -22,7 +22,7 @@ static const struct {
     {"int", "int32", 4}, {"uint", "uint32", 4}, {"float", "float32", 4}, {"double", "float64", 8},
 };
 
-/* What a property is to us. */
+/* The meaning of a property. */
 enum meaning { NOTHING, X, Y, Z, RED, GREEN, BLUE, CORNERS };
 
 struct property {
@@ -45,8 +45,8 @@ struct ply {
     enum encoding encoding;
     int n_elements;
     struct element element[ELEMENTS_MAX];
-    char *at, *end; /* of what is not read yet */
-    unsigned line;  /* of the header's lines; in the body, of elements */
+    char *at, *end; /* of the unread part */
+    unsigned line;  /* number of the line in the header, of the element in the body */
 };
 
 static int refuse_file(const struct ply *ply, const char *what, const char *word)
@@ -139,7 +139,7 @@ static int read_format(struct ply *ply, const char *word)
     return refuse_file(ply, "unknown format", word);
 }
 
-/* A line of the header, cut off, without its end; NULL if the file ends. */
+/* Takes the next line of the header, without its end; NULL at the end of the file. */
 static char *header_line(struct ply *ply)
 {
     char *line = ply->at, *end = memchr(line, '\n', (size_t)(ply->end - line));
@@ -230,7 +230,7 @@ static double value_of(enum type type, uint64_t bits)
     }
 }
 
-/* The next value, whatever the encoding. Texts are read word by word, as most readers do. */
+/* The next value in any encoding. Texts are read word by word, like in most readers. */
 static int read_value(struct ply *ply, enum type type, double *out)
 {
     if (ply->encoding != TEXT) {
@@ -276,7 +276,7 @@ static int read_list(struct ply *ply, const struct property *property)
     return error;
 }
 
-/* What a channel of a colour is at most; 1 for a type of floating point. */
+/* The greatest value of a colour channel; 1 for floating point. */
 static double full_scale(enum type type)
 {
     if (type == UINT8) {

@@ -6,7 +6,7 @@
 #include "drivers/file/text.h"
 #include "sim/shapes/mesh/mesh_build.h"
 
-/* 80 bytes of anything, a count, then triangles of a normal, three corners and two spare bytes. */
+/* 80 arbitrary bytes, a count, then triangles: a normal, three corners and two spare bytes. */
 enum { HEADER_BYTES = 80, FIRST_BYTE = HEADER_BYTES + 4, TRIANGLE_BYTES = 50 };
 
 static int add_corner(struct iso__mesh_build *build, unsigned line, struct iso_vec3 at_mm)
@@ -84,7 +84,8 @@ static int read_text(struct iso__mesh_build *build, char *text)
 int iso__mesh_read_stl(struct iso__mesh_build *build, char *bytes, size_t size)
 {
     const uint8_t *binary = (const uint8_t *)bytes;
-    if (size >= FIRST_BYTE) { /* binary files may begin with "solid" too: their size tells */
+    if (size >=
+        FIRST_BYTE) { /* binary files may begin with "solid", too; their size identifies them */
         const uint32_t n = iso_get_u32(binary + HEADER_BYTES);
         if (size - FIRST_BYTE == (size_t)n * TRIANGLE_BYTES) {
             return read_binary(build, binary, n);

@@ -3,7 +3,7 @@
 #include "drivers/file/text.h"
 #include "sim/shapes/mesh/mesh_build.h"
 
-/* Three words of the next line that is not blank; *n is 0 at the end. */
+/* Reads three words of the next line that is not blank; *n is 0 at the end. */
 static int next_three(struct iso__mesh_build *build, struct iso_text_lines *lines, char *words[3],
                       size_t *n)
 {

@@ -15,7 +15,7 @@
 struct work {
     const struct sim_bank_options *options;
     struct sim_bank *bank;
-    pthread_mutex_t lock; /* of the sums and the fault */
+    pthread_mutex_t lock; /* protects the sums and the fault */
     struct iso_fault *fault;
 };
 

@@ -185,7 +185,7 @@ struct classification {
     double *score; /* [n_queries][n_classes] */
 };
 
-/* Scores one query by a classifier that has learnt from all items but its own. */
+/* Scores one query by a classifier that has learned from all items except the query's own. */
 static int classify_one(void *context, int worker, size_t query)
 {
     const struct classification *c = context;

@@ -13,7 +13,7 @@ static const uint32_t query_hex = 0xc8b8a0, match_hex = 0xd0a070, wrong_hex = 0x
 
 /* One picture of a sheet. */
 struct cell {
-    int32_t row; /* of the manifest; -1: nothing */
+    int32_t row; /* row of the manifest; -1: empty */
     bool query, wrong;
 };
 
@@ -23,7 +23,7 @@ struct sheet {
     struct cell cell[ROWS_MAX][COLUMNS_MAX];
 };
 
-/* From the front left and somewhat above, all of it in the picture. */
+/* A view from the front left and slightly above, with the whole shape in the picture. */
 static struct sim_view view_of(const struct iso_mesh *mesh)
 {
     struct iso_vec3 low = mesh->vertices_mm[0], high = low;
@@ -163,7 +163,7 @@ int sim_sheet_classes(const struct sim_bank_options *how, int columns, const cha
     return draw_sheet(&sheet, path, fault);
 }
 
-/* The items of one query but its own, nearest first, as many as there is room for. */
+/* The items of one query without its own, nearest first, as many as there is room for. */
 static void fill_matches(struct sheet *sheet, int r, const struct sim_features *features,
                          int32_t query, const double *distance)
 {

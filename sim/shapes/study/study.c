@@ -41,7 +41,7 @@ static int choose_methods(struct sim_study *study, struct iso_fault *fault)
     return error;
 }
 
-/* One whose module is not installed is left out. */
+/* A classifier whose module is not installed is skipped. */
 static int add_if_there(struct sim_study *study, const struct iso_classifier_ops *classifier,
                         struct iso_fault *fault)
 {

@@ -57,7 +57,7 @@ static void write_confusion(const void *context, FILE *out)
     }
 }
 
-/* OUT/METHOD-CLASSIFIER, made if it is missing. */
+/* Creates OUT/METHOD-CLASSIFIER if it is missing. */
 static int directory_of(const struct sim_study *study, const struct sim_study_result *result,
                         char directory[PATH_MAX], struct iso_fault *fault)
 {
@@ -70,7 +70,7 @@ static int directory_of(const struct sim_study *study, const struct sim_study_re
     return sim_make_directory(directory, fault);
 }
 
-/* The distances and a picture of them. */
+/* Writes the distances and a picture of them. */
 static int save_matrix(const struct sim_study *study, const struct sim_study_result *result,
                        const struct matrix *matrix, struct iso_fault *fault)
 {

@@ -11,7 +11,7 @@
 #include "sim/shapes/study/paper.h"
 #include "sim/shapes/study/tables_corpus.h"
 
-/* A row that was measured. */
+/* A measured row. */
 struct measured {
     bool done;
     int32_t n_queries;
@@ -58,7 +58,7 @@ static int measure_row(const struct tables *tables, struct sim_tables_corpus *co
     int error = classifier ? iso_learn_load(classifier, fault) : -ENOENT;
     if (error == -ENOENT) {
         fault->text[0] = '\0';
-        return 0; /* this build or machine lacks its library: the row stays empty */
+        return 0; /* the library is missing in this build or on this machine; the row stays empty */
     }
     if (!error) {
         error = sim_tables_corpus_queries(corpus, row->distortion, &queries, fault);
@@ -179,7 +179,7 @@ static void write_csv(const void *context, FILE *out)
 
 /* ---- all of it ------------------------------------------------------------------------- */
 
-/* Tells a corpus which methods its tables need. */
+/* Requests from a corpus the methods that its tables need. */
 static void ask_methods(const struct tables *tables, struct sim_tables_corpus *corpus)
 {
     for (int t = 0; t < SIM_PAPER_TABLES; t++) {
@@ -192,7 +192,7 @@ static void ask_methods(const struct tables *tables, struct sim_tables_corpus *c
     }
 }
 
-/* Which corpus stands for which data set. */
+/* Selects the corpus that stands for a data set. */
 static void assign_corpora(struct tables *tables)
 {
     const char *const directories[SIM_PAPER_SETS] = {

@@ -20,7 +20,7 @@ void sim_tables_corpus_ask_method(struct sim_tables_corpus *corpus, const char *
     }
 }
 
-/* The first shapes of every class in turn, until there are as many queries as wanted. */
+/* Takes the first shapes of every class in turn, up to the wanted number of queries. */
 static int choose_queries(const struct sim_tables_options *options,
                           struct sim_tables_corpus *corpus)
 {
