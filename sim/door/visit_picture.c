@@ -22,7 +22,7 @@ static void describe_frame(const struct sim_trace_frame *note, const struct iso_
     } else if (!note->compared || !person) {
         (void)snprintf(word, WORD_SIZE, "not compared");
     } else {
-        (void)snprintf(word, WORD_SIZE, "most like %.40s", person->name);
+        (void)snprintf(word, WORD_SIZE, "most similar: %.40s", person->name);
     }
 }
 
@@ -32,7 +32,7 @@ static void describe_visit(const struct sim_visit *visit, char title[128], char 
     const char *came = strcmp(visit->row->subject, "none") == 0 ? visit->row->note
                                                                 : visit->row->subject;
     if (!v->given) {
-        (void)snprintf(title, 128, "Nobody was seen");
+        (void)snprintf(title, 128, "No person was seen");
     } else if (v->allow) {
         (void)snprintf(title, 128, "%.60s is admitted", v->person);
     } else {

@@ -60,7 +60,7 @@ static void print_number(double value, int width, int decimals, FILE *out)
 
 void sim_visit_print_head(FILE *out)
 {
-    fprintf(out, "%-12s %-9s %-10s %-7s %-12s %8s %9s %6s %6s  %-8s %s\n", "who came", "role",
+    fprintf(out, "%-12s %-9s %-10s %-7s %-12s %8s %9s %6s %6s  %-8s %s\n", "visitor", "role",
             "note", "verdict", "named", "score", "threshold", "frames", "ms", "door", "reason");
 }
 
@@ -87,8 +87,8 @@ void sim_visit_print_summary(const struct sim_visit_summary *summary, FILE *out)
 {
     const struct iso_terminal terminal = iso_terminal_of(out);
     fprintf(out,
-            "%zu of %zu enrolled people admitted (at %zu of their %zu visits); %zu taken for "
-            "another;\n%zu of %zu visits of strangers and of what is no face let in: %s%s%s\n",
+            "%zu of %zu enrolled people admitted (at %zu of their %zu visits); %zu under another "
+            "name;\n%zu of %zu visits of strangers and non-faces admitted: %s%s%s\n",
             summary->people_admitted, summary->people, summary->probes_admitted, summary->probes,
             summary->misnamed, summary->impostors_let_in, summary->impostors,
             iso_terminal_paint(&terminal, summary->good ? ISO_PAINT_GOOD : ISO_PAINT_BAD),

@@ -177,7 +177,7 @@ static void print_not_faces(const struct sim_landmark_analysis *a, FILE *out)
             continue;
         }
         if (heading) {
-            fputs("What is no face: frames accepted, %; answers to the rest\n", out);
+            fputs("Non-faces: frames accepted, %; answers to the others\n", out);
             heading = false;
         }
         fprintf(out, "  %-26s", *k->note ? k->note : "(no note)");

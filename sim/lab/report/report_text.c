@@ -122,7 +122,7 @@ static void print_curves(const struct sim_eval *eval, FILE *out)
         return;
     }
     fprintf(out,
-            "By what a search was like (non-matches at FMR %.0e, 95 %% intervals):\n"
+            "By the conditions of a search (non-matches at FMR %.0e, 95 %% intervals):\n"
             "                       from      mean        to  searches  not rank 1 %%   FNMR %%\n",
             sim_fmr_targets[2]);
     for (int f = 0; f < SIM_FACTORS; f++) {

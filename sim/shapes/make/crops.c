@@ -169,7 +169,7 @@ static int cut_corpus(struct cutter *cutter, size_t number, struct iso_fault *fa
         error = iso_fault_set(fault, -ENOMEM, "%s: out of memory",
                               cutter->options->corpora.text[number]);
     }
-    const bool shown = sim_progress_begin("cutting out faces and things", wanted);
+    const bool shown = sim_progress_begin("cutting out faces and other objects", wanted);
     for (size_t i = 0; !error && i < wanted; i++) {
         error = cut_row(cutter, number, &corpus->rows[i * n / wanted], fault);
         sim_progress_step(1);

@@ -98,7 +98,7 @@ static int read_names(struct source *source, struct sim_ict *ict)
     error = ict->expression_names ? 0 : -ENOMEM;
     for (uint32_t i = 0; error == 0 && i < ict->n_expression; i++) {
         if (fscanf(stream, "%31s", ict->expression_names[i]) != 1) {
-            error = iso_fault_set(source->fault, -EBADMSG, "%s: %u names where %u belong",
+            error = iso_fault_set(source->fault, -EBADMSG, "%s: %u names, expected %u",
                                   source->path, i, ict->n_expression);
         }
     }

@@ -117,8 +117,7 @@ static int parse_header(const char *path, const struct file *file, struct header
     text[length] = '\0';
     if (!parse_dictionary(text, &header)) {
         return iso_fault_set(fault, -EBADMSG,
-                             "%s: header is not that of a C-ordered array of 1 to 3 dimensions",
-                             path);
+                             "%s: not the header of a C-ordered array of 1 to 3 dimensions", path);
     }
     header.data_offset = start + length;
     *out = header;
@@ -140,7 +139,7 @@ static int load_file(const char *path, struct file *file, struct header *header,
         const size_t size = parsed.type[2] == '2' ? 2 : 4;
         const size_t present = loaded.n - parsed.data_offset;
         if (present != parsed.n_items * size) {
-            error = iso_fault_set(fault, -EBADMSG, "%s: %zu bytes of data where %zu belong", path,
+            error = iso_fault_set(fault, -EBADMSG, "%s: %zu bytes of data, expected %zu", path,
                                   present, parsed.n_items * size);
         }
     }
@@ -214,7 +213,7 @@ static int read_array(const char *path, const struct item *items, size_t n_items
     unsigned char *values = NULL;
     const struct item *item = find_item(items, n_items, header.type);
     if (!item) {
-        error = iso_fault_set(fault, -EBADMSG, "%s: holds '%s' where %s belongs", path, header.type,
+        error = iso_fault_set(fault, -EBADMSG, "%s: type is '%s', expected %s", path, header.type,
                               wanted);
         goto out;
     }

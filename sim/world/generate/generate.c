@@ -58,7 +58,7 @@ static int check_options(const struct sim_generate_options *o, struct iso_fault 
         return iso_fault_set(fault, -EINVAL, "pose limit outside 0..90 degrees");
     }
     if (preset->instruments && o->sensor && o->sensor->face_only) {
-        return iso_fault_set(fault, -EINVAL, "sensor %s sees nothing but faces: useless for %s",
+        return iso_fault_set(fault, -EINVAL, "sensor %s sees only faces and cannot be used for %s",
                              o->sensor->name, preset->name);
     }
     return 0;

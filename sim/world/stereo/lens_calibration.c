@@ -61,7 +61,7 @@ static int add_picture(const struct sim_lens_calibration_options *options, const
     make_grey(image);
     error = iso_board_views_add_single(*views, image->samples);
     if (error == -ENOENT) {
-        printf("%s: the whole board is not seen\n", name);
+        printf("%s: the whole board is not visible\n", name);
         return 0;
     }
     return error ? iso_fault_set(fault, error, "%s: %s", path, strerror(-error)) : 0;

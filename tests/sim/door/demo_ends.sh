@@ -26,7 +26,7 @@ p01-v1,0,3,p01,v,probe,,mild,
 p02-v1,0,3,p02,v,probe,,mild,
 none-photo3,0,3,none,p,impostor,,,photo
 MANIFEST
-verdict='2 of 2 enrolled people admitted (at 2 of their 2 visits); 0 taken for another; 0 of 1 visits of strangers and of what is no face let in: good'
+verdict='2 of 2 enrolled people admitted (at 2 of their 2 visits); 0 under another name; 0 of 1 visits of strangers and non-faces admitted: good'
 
 "$source/sim/demo.sh" "$build" "$work/out" "$work/corpus" >"$work/printed" 2>"$work/errors" || {
     cat "$work/printed" "$work/errors"
