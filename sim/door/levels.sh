@@ -1,10 +1,10 @@
 #!/bin/sh
-# Measures the security levels as the README's table has them: a thousand visits of enrolled people, a thousand of strangers and a
-# thousand of strangers who look alike, by `isotherm-sim levels`. There are five groups of 100 enrolled people, whom 200 enrolled people
-# and 200 strangers visit, and five groups of 100 people who look alike (preset hard), whom 200 strangers visit. Nothing was chosen on
-# these seeds; the rules of the decision were looked at with the seeds 1501 and 1601.
-# SCRATCH keeps the corpora (4 GB), which are rendered only if they are not there, and the results (SCRATCH/levels, made anew).
-# It takes 50 minutes of one x86 core, 35 of which are rendering.
+# Measures the security levels for the README's table with `isotherm-sim levels`: a thousand visits each of enrolled people, of strangers
+# and of strangers who look alike. There are five groups of 100 enrolled people with 200 visits of enrolled people and 200 of strangers,
+# and five groups of 100 people who look alike (preset hard) with 200 visits of strangers. No parameter was chosen on these seeds; the
+# rules of the decision were chosen on the seeds 1501 and 1601.
+# SCRATCH keeps the corpora (4 GB), which are rendered only if they are missing, and the results (SCRATCH/levels, which is made anew).
+# It takes 50 minutes of one x86 core, 35 of them for rendering.
 # usage: levels.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY SCRATCH
 set -eu
 sim=$1 ict=$2 data=$3 scratch=$4

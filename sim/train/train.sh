@@ -1,10 +1,9 @@
 #!/bin/sh
-# Makes the data files that ship with the product, as they are committed: head.model, face.metric
-# and cohort.templates. The last two have to be made again whenever the extractor or the head model
-# changes. The metric learns from people, seeds and sensors that no test uses: 1,890 people before
-# two sensors, one of them near and far, five frames each; one in five calibrates the scores. SCRATCH keeps the rendered corpora
-# (1 GB); they are rendered only if they are not there, since the extractor does not change them.
-# The committed face.metric was learned before the gate of size was mended: 7,409 of the 9,450 frames; today it would be 7,427.
+# Makes the committed data files of the product: head.model, face.metric and cohort.templates. The last two must be made again after
+# every change of the extractor or the head model. The metric learns from people, seeds and sensors that no test uses: 1,890 people with
+# two sensors, one of them near and far, five frames each; one person in five calibrates the scores. SCRATCH keeps the rendered corpora
+# (1 GB), which do not depend on the extractor; they are rendered only if they are missing.
+# The committed face.metric was learned before a correction of the gate of size, from 7,409 of the 9,450 frames; today it would be 7,427.
 # usage: train.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY SCRATCH
 set -eu
 sim=$1 ict=$2 data=$3 scratch=$4

@@ -1,9 +1,9 @@
 #!/bin/sh
-# What radii, smoothing and landmarks do before each class of sensor: one table a sensor, of every setting compared by distance, and
-# of the shipped one by what the appliance has learned. People and seed are used for nothing else. SCRATCH keeps the corpora, which
-# are rendered only if they are not there, and the results (SCRATCH/results): those that are there are not made again, so that a run
-# can be interrupted; remove them after a change of the program. DATA: head.model and face.metric. The environment may name
-# SENSORS (truedepth astra kinect2), RADII, SMOOTHINGS, and PEOPLE, PROBES, STRANGERS (40 80 20).
+# Compares radii, smoothing and landmarks with each class of sensor: one table for each sensor, with every setting by distance and the
+# shipped setting by the learned metric. People and seed are not used elsewhere. SCRATCH keeps the corpora, which are rendered only if
+# they are missing, and the results (SCRATCH/results). Existing results are not made again, so that a run can be interrupted; remove them
+# after a change of the program. DATA: head.model and face.metric. The environment may set SENSORS (truedepth astra kinect2), RADII,
+# SMOOTHINGS, and PEOPLE, PROBES, STRANGERS (40 80 20).
 # usage: choose.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY SCRATCH
 set -eu
 sim=$1 ict=$2 data=$3 scratch=$4
@@ -30,8 +30,8 @@ evaluate() {
     fi
 }
 
-# row METHOD TEXT: the figures of a method in the present result, behind a text; p is of the paired test over people of FNMR at 1e-3,
-# against the line before
+# row METHOD TEXT: prints a text and the figures of a method in the present result; p is from the paired test over people of FNMR at
+# 1e-3, against the previous line
 row() {
     awk -F, -v method="$1" -v first="$2" '
         function percent(value, low, high) { return sprintf("%5.1f [%4.1f, %5.1f]", 100 * value, 100 * low, 100 * high) }

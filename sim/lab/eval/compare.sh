@@ -1,9 +1,9 @@
 #!/bin/sh
-# Makes every figure of the documents that compares: all methods on all corpora in one table (table), what frames fused gain
-# (fused), a thousand people enrolled (thousand), and what a score means before each sensor (sensors). The metric and the methods
-# that learn have seen none of these people; eval refuses if they have. SCRATCH keeps the corpora, which are rendered only if they
-# are not there, and the results (SCRATCH/results). DATA: head.model and face.metric. KINECT2: a corpus of real frames, or -. The
-# environment may name METHODS for the table (all): hfpc-literal solves for 100 eigenpairs a face, which takes the most time.
+# Makes all figures of comparisons in the documents: all methods on all corpora in one table (table), the gain from fused frames
+# (fused), a thousand people enrolled (thousand), and the meaning of a score with each sensor (sensors). The metric and the methods that
+# learn did not learn from any of these people; eval refuses otherwise. SCRATCH keeps the corpora, which are rendered only if they are
+# missing, and the results (SCRATCH/results). DATA: head.model and face.metric. KINECT2: a corpus of real frames, or -. The environment
+# may set METHODS for the table (all); hfpc-literal takes the most time, because it solves for 100 eigenpairs of each face.
 # usage: compare.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY KINECT2_DIRECTORY SCRATCH [table] [fused] [thousand] [sensors]
 set -eu
 sim=$1 ict=$2 data=$3 real=$4 scratch=$5
@@ -43,9 +43,9 @@ table() {
     sed -n '/^Methods on/,$p' "$scratch/results/table/report.txt"
 }
 
-# What frames that are fused gain: each visit of eight frames is eight samples of one, four of two, ...
-# Enrolled with one frame, whose errors no later frame mends, and with as many as are searched with.
-# The environment may name PRESETS (mild strong hard) and FUSED, how many are enrolled and searched with.
+# The gain from fused frames: each visit of eight frames is eight samples of one frame, four of two, ...
+# People are enrolled once with one frame, whose errors later frames do not correct, and once with as many frames as the searches use.
+# The environment may set PRESETS (mild strong hard) and FUSED, the numbers of frames for enrolment and search.
 fused() {
     for preset in ${PRESETS:-mild strong hard}; do
         render "$preset-8" --preset "$preset" --seed 5 --frames-per-visit 8 --people 60 --probes 180 --strangers 60
@@ -65,7 +65,7 @@ thousand() {
     sed -n '/^Identification/,/^By condition/p' "$scratch/results/thousand/report.txt"
 }
 
-# The environment may name SENSORS.
+# The environment may set SENSORS.
 sensors() {
     for sensor in ${SENSORS:-astra kinect2 d435 truedepth stereo}; do
         render sensor-$sensor --preset strong --seed 7 --sensor $sensor --people 100 --probes 200 --strangers 100
