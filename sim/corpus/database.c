@@ -172,7 +172,7 @@ static bool describe_bu3dfe(const char *file, struct sim_corpus_row *row, bool *
     return true;
 }
 
-/* cara12_frontal1.wrl: person, and what the person does. */
+/* cara12_frontal1.wrl: person, and the person's pose or expression. */
 static bool describe_gavab(const char *file, struct sim_corpus_row *row, bool *neutral)
 {
     char person[16], what[32];

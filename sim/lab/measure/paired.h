@@ -14,13 +14,15 @@
 struct sim_paired {
     size_t first_errors, second_errors; /* of all searches */
     size_t people;                      /* with a search */
-    size_t first_better, second_better; /* people for whom one errs less than the other */
-    double p;                           /* 1 if they differ for nobody */
+    size_t first_better,
+        second_better; /* people for whom one method makes fewer errors than the other */
+    double p;          /* 1 if the methods differ for no person */
 };
 
-/* first[i], second[i]: 1 if the method erred in search i, 0 if not; person[i] < n_people whose it
- * is. Every sign is tried if at most 16 people differ, else 99,999 drawn ones and the one observed
- * (Davison and Hinkley 1997), reproducibly. -ENOMEM. */
+/* first[i], second[i]: 1 if the method made an error in search i, otherwise 0. person[i] <
+ * n_people is the person of the search. All signs are tried if at most 16 people differ;
+ * otherwise 99,999 drawn choices and the observed one (Davison and Hinkley 1997), reproducibly.
+ * -ENOMEM. */
 int sim_paired_test(const uint8_t *first, const uint8_t *second, const uint32_t *person, size_t n,
                     uint32_t n_people, struct sim_paired *out) __attribute__((warn_unused_result));
 

@@ -1,5 +1,5 @@
-/* Methods of face recognition that can be compared in one run: the appliance's own and those that
- * Abdelrahman (2013, figure 6.9) measured it against.
+/* Methods of face recognition that can be compared in one run: the appliance's own, and the methods
+ * that Abdelrahman (2013, figure 6.9) measured it against.
  *
  * A method is a table of functions. All except the appliance's own are pairwise: a face becomes a
  * description, two descriptions have a distance, and the score of a comparison is the negative

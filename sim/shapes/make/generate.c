@@ -50,7 +50,7 @@ struct shape_maker {
     struct iso_fault *fault; /* fault of the first shape that failed */
 };
 
-/* ---- what is to be made ------------------------------------------------------------ */
+/* ---- the plan of shapes ------------------------------------------------------------ */
 
 /* "horse", "horse2", ... */
 static void class_name(size_t number, char *out, size_t size)

@@ -1,11 +1,12 @@
 /* Reads triangle meshes from files of other programs.
  *
  *   .off    OFF and COFF, text (Geomview)
- *   .obj    Wavefront, text: v (with colours, as MeshLab writes them) and f; what has to do with
- *           normals, texture, groups and materials is passed over
- *   .ply    text, little and big endian; elements `vertex` and `face`, others are passed over
+ *   .obj    Wavefront, text: v (with colours, as MeshLab writes them) and f; statements for
+ *           normals, texture, groups and materials are ignored
+ *   .ply    text, little and big endian; elements `vertex` and `face`; others are ignored
  *   .stl    text and binary; each triangle comes with vertices of its own
- *   .vert   TOSCA: a vertex a line; the .tri beside it has a triangle a line, counted from 1
+ *   .vert   TOSCA: one vertex in each line; the .tri beside it has one triangle in each line,
+ *           counted from 1
  *
  * Faces of more than three corners are cut into fans. Coordinates are not converted, whatever
  * their unit. A reader refuses what it does not understand: every failure is one line "file:line:

@@ -8,7 +8,8 @@
 #include "sim/shapes/learn/learn.h"
 #include "sim/shapes/study/study_data.h"
 
-/* ---- what was asked for ---------------------------------------------------------- */
+/* ---- the requested methods and classifiers
+ * ---------------------------------------------------------- */
 
 /* Whether the first shape of the corpus has colours. */
 static int find_colours(const struct sim_study *study, bool *coloured, struct iso_fault *fault)
@@ -80,7 +81,7 @@ static int choose_classifiers(struct sim_study *study, struct iso_fault *fault)
     return error;
 }
 
-/* ---- all of it ---------------------------------------------------------------------- */
+/* ---- the whole study ---------------------------------------------------------------------- */
 
 static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault *fault)
 {

@@ -177,7 +177,7 @@ static void write_csv(const void *context, FILE *out)
     }
 }
 
-/* ---- all of it ------------------------------------------------------------------------- */
+/* ---- all tables ------------------------------------------------------------------------- */
 
 /* Requests from a corpus the methods that its tables need. */
 static void ask_methods(const struct tables *tables, struct sim_tables_corpus *corpus)

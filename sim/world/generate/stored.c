@@ -166,7 +166,7 @@ static int record_faceless(const struct stage *stage)
     if (error == 0) {
         error = record_room(stage, 2, true);
     }
-    /* The back of the head is some 220 mm from the nose, which is what the distance means. */
+    /* The back of the head is some 220 mm from the nose, and the distance is that of the nose. */
     for (int i = 1; error == 0 && i <= 3; i++) {
         error = record_useless(stage, "back", i, DEGREES(180.0), iso_vec3(0.0, 0.0, 220.0));
     }
@@ -189,7 +189,8 @@ static int record_faceless(const struct stage *stage)
 
 int sim_stored_count(void)
 {
-    /* Three of everybody enrolled, two of a stranger; rooms, backs, cut faces, photographs. */
+    /* Three recordings of each enrolled person, two of each stranger; rooms, backs, cut faces,
+     * photographs. */
     return 3 * PEOPLE + 2 * STRANGERS + 2 + 3 + 2 + 3;
 }
 

@@ -20,7 +20,7 @@ struct sim_studio {
     struct iso_frame *frame;
     struct sim_corpus_row *rows;
     size_t n_rows, row_capacity;
-    uint64_t key; /* of the recording that is made */
+    uint64_t key; /* key of the current recording */
 };
 
 int sim_studio_new(const struct sim_studio_options *options, struct sim_studio **out,
@@ -110,7 +110,7 @@ static int write_landmarks(struct sim_recording_writer *writer, const struct sim
     return error;
 }
 
-/* What is recorded, and how. */
+/* The scene of a recording and the data to record it. */
 struct take {
     sim_draw_frame *draw;
     void *scene;

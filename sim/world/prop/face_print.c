@@ -6,7 +6,7 @@
 /* iBUG landmarks of the corners of the subject's right and left eye. */
 static const int eye_corners[2][2] = {{36, 39}, {42, 45}};
 
-/* An opening is an ellipse in x and y about an eye. */
+/* An opening is an ellipse in x and y around an eye. */
 struct opening {
     struct iso_vec3 middle_mm;
     double half_width_mm, half_height_mm;
@@ -30,7 +30,7 @@ static bool in_opening(const struct opening *opening, struct iso_vec3 p)
     return p.z > opening->middle_mm.z - 25.0 && x * x + y * y < 1.0;
 }
 
-/* Whether a vertex is on the surface that is printed. Sockets and eyeballs fill the openings of a
+/* Whether a vertex is on the printed surface. Sockets and eyeballs fill the openings of a
  * print that has none; the inside of the mouth is not printed. */
 static bool printed(const struct sim_face_print *print, uint32_t v)
 {
@@ -61,8 +61,8 @@ static bool selected(const struct selection *s, uint32_t t)
     return true;
 }
 
-/* Numbers the vertices that selected triangles use, from 1; returns how many, and how many such
- * triangles there are. */
+/* Numbers the vertices that selected triangles use, from 1. Returns their number, and the number
+ * of these triangles. */
 static uint32_t number_vertices(const struct selection *s, uint32_t *number, uint32_t *n_triangles)
 {
     uint32_t n = 0, m = 0;
