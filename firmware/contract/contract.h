@@ -1,14 +1,17 @@
-/* What the daemon and its clients agree on: the D-Bus service of isothermd. Modelled on fprintd.
+/* The contract between the daemon and its clients: the D-Bus service of isothermd, modelled on
+ * fprintd. */
+/* clang-format off */
+/* Methods (signature in -> out). Those marked + need the claim, all others do not.
  *
- * Methods (signature in -> out); all but those marked + need no claim:
- *   Claim()                              take the camera; the door is not watched meanwhile
- * + Release()                            give it back; leaving the bus does so too
- * + EnrollStart(s person, a{sv}) -> a{sv} options ISO_CONTRACT_ALLOW_DUPLICATE b, ..._VALID_FROM x,
+ *   Claim()                              takes the camera; the door is not watched meanwhile
+ * + Release()                            gives it back; leaving the bus gives it back, too
+ * + EnrollStart(s person, a{sv}) -> a{sv}
+ *                                        options ISO_CONTRACT_ALLOW_DUPLICATE b, ..._VALID_FROM x,
  *                                        ..._VALID_UNTIL x (seconds since 1970; 0: no limit),
  *                                        ..._EXPIRED b. A limit that is not named stays as it is
- *                                        stored; one in the past is refused without EXPIRED. If the
- *                                        name is in use, the reply says whose it is, else it is
- *                                        empty: "person" s (as it is spelt), "enrolled" x,
+ *                                        stored. A limit in the past is refused without EXPIRED. If
+ *                                        the name is in use, the reply describes the person, else
+ *                                        it is empty: "person" s (as it is spelt), "enrolled" x,
  *                                        "templates" u, "valid-from" x, "valid-until" x
  * + EnrollStop()
  * + VerifyStart(s person)  VerifyStop()  IdentifyStart()  IdentifyStop()
@@ -16,116 +19,145 @@
  *   DeletePerson(s person)
  *   SetValidity(s person, a{sv}) -> s person, x valid_from, x valid_until
  *                                        options VALID_FROM, VALID_UNTIL, EXPIRED as above; the
- *                                        reply says what is stored now
+ *                                        reply contains the limits that are stored now
  *   RenamePerson(s person, s name) -> s remark
  *                                        gives a person another name; a remark for people, or ""
  *   GetStatus() -> a{sv}                 the keys below
  *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each;
- *                                        not more than 1000, and from the oldest that is kept on
+ *                                        at most 1000, and only records that are still kept
  *   VerifyLog(t sequence, s head) -> b sound, t first, t last, s head, t flaw_at, s flaw
- *                                        looks at every record; sequence and head are those of an
- *                                        earlier report, head "" if there is none
+ *                                        checks every record; sequence and head come from an
+ *                                        earlier report; head is "" if there is none
  *   ExportPeople(h file, as people, a{sv} options) -> u people
- *                                        writes a sealed file; no people: all. Options: "to" s, the
- *                                        address of an appliance; else "key" ay, "salt" ay
+ *                                        writes a sealed file; an empty list means all people.
+ *                                        Options: "to" s, the address of an appliance; else "key"
+ *                                        ay, "salt" ay
  *   ImportPeople(h file, a{sv} options) -> u added, u known
- *                                        takes people over from such a file; who is known here
- *                                        stays as is, but with "replace" b. Options: "from" s, the
- *                                        address that has to have signed it; "key" ay
+ *                                        adds the people of such a file. A person who is known here
+ *                                        stays as is, except with "replace" b. Options: "from" s,
+ *                                        the address that has to have signed the file; "key" ay
  *   RotateKeys() -> s                    seals everything with new keys; a remark, or ""
- *   GetAddress() -> s                    of this appliance, 128 hexadecimal digits
- *   ClearLockout()                       ends a lock-out and has failures forgotten
- *   SetLockdown(b on)                    nobody is let in until it is switched off
- *   TestDoor()                           unlocks the door for half a second; for administrators, on
- *                                        record before it is done. Refused while somebody has the
- *                                        claim, under lockdown or lock-out, if the door is not
- *                                        locked, and if its lines do not work
- *   AimStart()  AimStop()                from now on View signals are sent to the caller; they end
- *                                        with AimStop or when it leaves the bus
- * + Picture() -> h file                 a PNG of the next depth frame as shaded relief, 320x240
- *                                        pixels at most: a sealed memory file, to be read from its
- *                                        beginning. On record; not while an action goes on. An
- *                                        error if the camera shows nothing for three seconds
+ *   GetAddress() -> s                    the address of this appliance, 128 hexadecimal digits
+ *   ClearLockout()                       ends a lock-out and clears the count of failures
+ *   SetLockdown(b on)                    lets nobody in until it is switched off
+ *   TestDoor()                           unlocks the door for half a second; for administrators. It
+ *                                        is recorded before it is done. It is refused while a
+ *                                        client has the claim, under lockdown or lock-out, if the
+ *                                        door is not locked, and if its lines do not work
+ *   AimStart()  AimStop()                begin and end the sending of View signals to the caller;
+ *                                        they also end when the caller leaves the bus
+ * + Picture() -> h file                  a PNG of the next depth frame as shaded relief, at most
+ *                                        320x240 pixels: a sealed memory file, which the client
+ *                                        reads from its beginning. It is recorded. It is refused
+ *                                        while an action goes on, and fails if the camera shows
+ *                                        nothing for three seconds
  *
- * An action goes on until a status signal with `done` set; the Stop method ends it before that and
- * is also legal after it. One client at a time has the claim. Nobody is let
- * in by what a client does: only the daemon's own identification opens the door, while nobody has
- * the claim. The one exception is TestDoor.
+ * An action goes on until a status signal with `done` set. The Stop method ends it before that, and
+ * is also legal after it. One client at a time has the claim. Nothing that a client does lets
+ * anybody in: only the daemon's own identification opens the door, while nobody has the claim. The
+ * one exception is TestDoor.
  *
- * A name is one person's without regard to case ("Ada" and "ada"; firmware/contract/person_name.h),
- * and every method takes any spelling of it. Whoever may call EnrollStart hears who is enrolled, so
- * it is for those who may call ListPeople.
+ * A name belongs to one person without regard to case ("Ada" and "ada";
+ * firmware/contract/person_name.h), and every method accepts any spelling of it. A caller of
+ * EnrollStart learns who is enrolled, so it is for clients that may call ListPeople.
  *
- * Signals:
- * Sent to the claimant only:
+ * Signals to the claimant only:
  *   EnrollStatus(s result, b done, u stage, u stages, d quality, s person)
- *       person: whom a duplicate duplicates; of "enroll-not-stored" what the disk refused; else ""
+ *       person: for a duplicate, the name under which the face is enrolled; for
+ *       "enroll-not-stored", the error of the disk; else ""
  *   VerifyStatus, IdentifyStatus(s result, b done, s person, d score, d threshold)
- *       result: "enroll-", "verify-" or "identify-" before one of the words
- *       ISO_CONTRACT_RESULT_..., or before "retry-" and a word of isotherm/capture.h: a hint,
- * which held for some frames; the action goes on Sent to those who called AimStart: View(a{sv})
- * what the sensor sees, some ten times a second: the keys marked + below Sent to the caller of
- * ExportPeople, ImportPeople, RotateKeys or VerifyLog while the call goes on: Progress(t done, t
- * total)            how much of the work is done: people of an export or an import (put in, then
- * everybody read back), records of a rotation (people and templates) or of the log. At most two a
- * second, none in the first half second; done does not fall and is at most total, which is above 0
- * and may fall Sent to all: Visit(s verdict, s person, d score, d threshold, u frames, x
- * latency_us, s reason, s door, s door_fault) a decision of the door itself: verdict "allow" or
- * "deny", person "" when unknown, the best score (NaN: nothing to compare with), usable frames,
- * time from the arrival of the first usable frame to the verdict, reason a word of
- * firmware/visit/decision.h. What the door did is another fact: door is a word
- * ISO_CONTRACT_DOOR_... after "allow" and "" after "deny"; door_fault says why the door did not
- * unlock, else it is "" Hint(s word)                         what hinders who stands at the door: a
- * word of isotherm/capture.h, which held for some frames DoorChanged(s state, s cause) words of
- * firmware/door/door.h
+ *       result: "enroll-", "verify-" or "identify-", followed by one of the words
+ *       ISO_CONTRACT_RESULT_..., or by "retry-" and a word of isotherm/capture.h. The latter is a
+ *       hint, which held for some frames; the action goes on
+ * Signal to clients that have called AimStart:
+ *   View(a{sv})
+ *       what the sensor sees, some ten times a second: the keys marked + below
+ * Signal to the caller of ExportPeople, ImportPeople, RotateKeys or VerifyLog during the call:
+ *   Progress(t done, t total)
+ *       how much of the work is done. It counts people of an export or an import (which stores
+ *       people and then reads everybody back), records of a rotation (people and templates), or
+ *       records of the log. At most two signals a second, none in the first half second. `done`
+ *       never decreases and is at most `total`, which is above 0 and may decrease
+ * Signals to all:
+ *   Visit(s verdict, s person, d score, d threshold, u frames, x latency_us, s reason, s door,
+ *         s door_fault)
+ *       a decision of the door itself: verdict "allow" or "deny", person ("" when unknown), the
+ *       best score (NaN: there was nothing to compare with), usable frames, time from the arrival
+ *       of the first usable frame to the verdict, reason (a word of firmware/visit/decision.h).
+ *       What the door did is separate: door is a word ISO_CONTRACT_DOOR_... after "allow" and ""
+ *       after "deny"; door_fault says why the door did not unlock, else it is ""
+ *   Hint(s word)
+ *       what hinders the person at the door: a word of isotherm/capture.h, which held for some
+ *       frames
+ *   DoorChanged(s state, s cause)
+ *       words of firmware/door/door.h
  *
- * GetStatus keys: "version" s, "sensor" s (back end), "sensor-model" s ("" while unknown),
- * "sensor-state" s ("started", "silent": it runs, but nothing is seen; "repeats": it delivers
- * frames of the last ten minutes again; "lost"), "sensor-fault" s, "clock-fault" s (that it was set
- * back behind the log, "" while it is right), "stale-fault" s (that a grant has hardly enough time,
- * "" while it has), "storage-fault" s (what the disk refused last, "" since it works again),
- * "counter-fault" s (of the counter of the state, "" while it works or none is configured),
- * "sensor-health" s (what its driver says of it while it runs, "" while all
- * is well), "sensor-calibration" s (what it measures by, "" if it knows itself; it begins with
- * "nominal" if the intrinsics are the model's and were not measured on this camera),
- * "sensor-devices" s (what the back end sees, "" if it cannot tell, or not while it is lost),
- * "door" s (back end), "door-state" s, "door-lines" s (those that are wired), "door-fault" s (""
- * while its lines work), "door-realtime" b (false: its thread has no real-time priority, and the
- * door may be late on a busy machine), "mode" s
- * ("watch", "claimed", "enroll", "verify", "identify"), "people" u (of whom "people-valid" u may
- * come in at this time), "templates" u (of which the running algorithm can use "templates-usable"
- * u), "capacity" u, "frames" t, "last-outcome" s, "image-check" s ("off", "flag", "veto",
- * "absent"), "model" s (checksum), "algorithm" s, "threshold" d, "uptime-ms" x, "log-sequence" t,
- * "sensor-fault-code" s, "sensor-health-code" s, "sensor-calibration-code" s, "sensor-devices-code"
- * s, "door-fault-code" s, "clock-fault-code" s, "stale-fault-code" s, "storage-fault-code" s,
- * "counter-fault-code" s: what kind of fault the text of that key tells of, a name of
- * core/base/fault_code.h such as "disk-full", which keeps its meaning in later versions; "" while
- * there is none, or if it has no code ("clock-unset" has no text), "lockdown" b, "lockout-ms" x
- * (how long nobody is let in yet, 0: not locked out). Since the start: visits "visits-allowed" t,
- * "visits-denied" t, of which "visits-attack" t because they looked like a picture, screen or mask;
- * "attack-frames" t that did.
+ * GetStatus keys:
+ *   "version" s, "uptime-ms" x, "frames" t, "last-outcome" s, "log-sequence" t
+ *   "mode" s                  "watch", "claimed", "enroll", "verify", "identify"
+ *   "sensor" s                its back end
+ *   "sensor-model" s          "" while unknown
+ *   "sensor-state" s          "started"; "silent": it runs, but nothing is seen; "repeats": it
+ *                             delivers frames of the last ten minutes again; "lost"
+ *   "sensor-fault" s
+ *   "sensor-health" s         what its driver reports while it runs; "" while all is well
+ *   "sensor-calibration" s    the calibration; "" if the sensor calibrates itself. It begins with
+ *                             "nominal" if the intrinsics are those of the model and were not
+ *                             measured on this camera
+ *   "sensor-devices" s        the devices that the back end sees; "" if it cannot tell, or not
+ *                             while it is lost
+ *   "clock-fault" s           the clock was set back to before the log; "" while it is right
+ *   "stale-fault" s           a grant has hardly enough time; "" while it has enough
+ *   "storage-fault" s         the last error of the disk; "" once it works again
+ *   "counter-fault" s         a fault of the counter of the state; "" while it works or none is
+ *                             configured
+ *   "door" s                  its back end
+ *   "door-state" s
+ *   "door-lines" s            the lines that are wired
+ *   "door-fault" s            "" while its lines work
+ *   "door-realtime" b         false: its thread has no real-time priority, and may be late on a
+ *                             busy machine
+ *   "people" u                of these, "people-valid" u may come in at this time
+ *   "templates" u             of these, the running algorithm can use "templates-usable" u
+ *   "capacity" u, "threshold" d, "algorithm" s, "model" s (checksum)
+ *   "image-check" s           "off", "flag", "veto", "absent"
+ *   "lockdown" b
+ *   "lockout-ms" x            how long nobody is let in; 0: not locked out
+ *   "visits-allowed" t, "visits-denied" t       since the start; of the denied visits,
+ *   "visits-attack" t                           so many looked like a picture, screen or mask
+ *   "attack-frames" t                           frames that looked so, since the start
+ *   "sensor-fault-code" s, "sensor-health-code" s, "sensor-calibration-code" s,
+ *   "sensor-devices-code" s, "door-fault-code" s, "clock-fault-code" s, "stale-fault-code" s,
+ *   "storage-fault-code" s, "counter-fault-code" s
+ *                             the kind of fault that the text of that key describes: a name of
+ *                             core/base/fault_code.h such as "disk-full", which keeps its meaning
+ *                             in later versions. "" while there is no fault, or if it has no code
+ *                             ("clock-unset" has no text)
  *
- * Of the last frame that was looked at, as far as they are known: + "capture" s (a word of
- * isotherm/capture.h), + "distance-mm" d, + "right-mm" d and + "down-mm" d of the nose tip from
- * the sensor's axis, + "yaw-deg" d, + "pitch-deg" d and + "roll-deg" d of the head; + "residual-mm"
- * d and + "fit-coverage" d (0..1) of the fitted head model, + "coverage" d (0..1) of the face
- * patch,
- * + "landmark-sigma-mm" d of the least certain landmark, + "expression" d (its strength in standard
- * deviations), + "speed-mm-s" d and + "speed-deg-s" d. Nothing of it tells one face from another.
- *
- * A file of exported people begins with ISO_CONTRACT_PEOPLE_MAGIC; at ..._LOCK_AT stands who can
- * open it. The key of a passphrase is 32 bytes of Argon2id (crypto_pwhash of libsodium, 3 passes,
- * 256 MiB) with the salt at ..._SALT_AT.
+ * Keys of the last frame that was examined, as far as they are known:
+ * + "capture" s               a word of isotherm/capture.h
+ * + "distance-mm" d, + "right-mm" d, + "down-mm" d        of the nose tip, from the sensor's axis
+ * + "yaw-deg" d, + "pitch-deg" d, + "roll-deg" d          of the head
+ * + "residual-mm" d, + "fit-coverage" d (0..1)            of the fitted head model
+ * + "coverage" d (0..1)                                   of the face patch
+ * + "landmark-sigma-mm" d                                 of the least certain landmark
+ * + "expression" d                                        its strength in standard deviations
+ * + "speed-mm-s" d, + "speed-deg-s" d
+ * None of these tells one face from another. */
+/* clang-format on */
+/* A file of exported people begins with ISO_CONTRACT_PEOPLE_MAGIC. The byte at ..._LOCK_AT says who
+ * can open it. The key of a passphrase is 32 bytes of Argon2id (crypto_pwhash of libsodium, 3
+ * passes, 256 MiB) with the salt at ..._SALT_AT.
  *
  * An audit record has "sequence" (1, 2, ...), "time" (UTC, RFC 3339), "event" and, where they
  * apply, "monotonic_ns", "person", "verdict", "door", "door_fault", "grant", "reason", "score",
  * "threshold", "frames", "attack_frames", "sensor", "gallery" (which one, ":" and how often it was
  * changed), "before" and "after" (the values that an administrator changed), "note".
  *
- * Who is let in is on record twice: as a "grant" before the lock is switched, and as a "visit"
- * after it, which says what the door did ("door", "door_fault") and which record was the grant
- * ("grant", a sequence). A grant without a visit was written by a daemon that ended in between, or
- * whose disk was full then. */
+ * The admission of a person is recorded twice: as a "grant" before the lock is switched, and as a
+ * "visit" after it. The visit says what the door did ("door", "door_fault") and which record was
+ * the grant ("grant", a sequence). If a grant has no visit, the daemon ended in between, or its
+ * disk was full. */
 #ifndef ISO_FIRMWARE_CONTRACT_CONTRACT_H
 #define ISO_FIRMWARE_CONTRACT_CONTRACT_H
 
