@@ -51,24 +51,24 @@ enum iso_appliance_mode {
 /* "watch", "claimed", "enroll", "verify", "identify"; NULL outside. */
 const char *iso_appliance_mode_name(enum iso_appliance_mode mode);
 
-/* A decision of the door, and what the door did, after both were logged. */
+/* A decision of the door, and what the door did; reported after both were recorded. */
 struct iso_visit {
     struct iso_verdict verdict;
     enum iso_door_answer door;
     const char *door_fault; /* why the door did not unlock; "" if it did, or was not asked to */
     const char *person;     /* "" when unknown */
     double threshold;
-    int64_t latency_ns; /* from the arrival of the first usable frame to the verdict */
+    int64_t latency_ns; /* the time from the arrival of the first usable frame to the verdict */
 };
 
-/* What the appliance tells; all REQUIRED. Texts are valid during the call. */
+/* The events that the appliance reports; all are REQUIRED. Texts are valid during the call. */
 struct iso_appliance_events {
-    /* `result` is one of the words ISO_CONTRACT_RESULT_... of firmware/contract/contract.h, after
-     * which a capture word stands if it is a retry: a hint, given as hint_filter.h says. person:
-     * whom a duplicate duplicates, else "". */
+    /* `result` is one of the words ISO_CONTRACT_RESULT_... of firmware/contract/contract.h. The
+     * word for a retry is followed by a word of capture.h: a hint, given as hint_filter.h says.
+     * person: for a duplicate, the name under which the face is enrolled, else "". */
     void (*enroll_status)(void *context, const char *result, bool done, unsigned stage,
                           unsigned stages, double quality, const char *person);
-    /* mode: VERIFY or IDENTIFY. person: "" when unknown; score NaN without any. */
+    /* mode: VERIFY or IDENTIFY. person: "" when unknown. score: NaN if there is none. */
     void (*recognition_status)(void *context, enum iso_appliance_mode mode, const char *result,
                                bool done, const char *person, double score, double threshold);
     void (*visit)(void *context, const struct iso_visit *visit);
@@ -76,20 +76,20 @@ struct iso_appliance_events {
     void (*hint)(void *context, enum iso_capture capture);
     /* What the sensor sees; only while iso_appliance_aim is on, some ten times a second. */
     void (*view)(void *context, const struct iso_view *view);
-    /* The frame that iso_appliance_picture asked for, valid during the call. NULL: there will be no
-     * picture, because the camera shows nothing or the claim has ended. */
+    /* The frame that iso_appliance_picture asked for, valid during the call. NULL: no picture
+     * comes, because the camera shows nothing or the claim has ended. */
     void (*picture)(void *context, const struct iso_frame *frame);
     /* Words of door.h. */
     void (*door_changed)(void *context, const char *state, const char *cause);
-    /* The claim has run out. */
+    /* The claim has ended because its time was over. */
     void (*claim_lost)(void *context);
     /* A line for the system's log; priority as in syslog.h. */
     void (*message)(void *context, int priority, const char *text);
     void *context;
 };
 
-/* What an appliance is made of. Everything is borrowed and must outlive the appliance. Nobody else
- * may change pipeline, gallery, audit log and door lines meanwhile. */
+/* The parts of an appliance. All are borrowed and must outlive it. Nothing else may change
+ * pipeline, gallery, audit log and door lines meanwhile. */
 struct iso_appliance_borrowed {
     const struct iso_config *config;
     struct iso_times times;
@@ -99,14 +99,14 @@ struct iso_appliance_borrowed {
     struct iso_door_guard *door; /* of door_io, started already, whose changes nobody has taken yet;
                                   * NULL: the appliance makes one and starts it */
     const struct iso_cards *cards;     /* sent to an access controller; NULL: there is none */
-    struct iso_key_ring *ring;         /* of gallery and log */
+    struct iso_key_ring *ring;         /* the keys of gallery and log */
     struct iso_state_counter *counter; /* NULL: there is none (state_counter.h) */
-    const char *lockout_path;          /* lockout_file.h; NULL or "": forgotten at the end */
+    const char *lockout_path; /* see lockout_file.h; NULL or "": the state is lost at the end */
     struct iso_gallery *gallery;
     struct iso_audit *audit;
     struct iso_appliance_events events;
-    /* The door and the log have threads of their own; `times` are those of the machine then. False:
-     * the caller's thread does all, for a clock that is injected. */
+    /* True: the door and the log have threads of their own, and `times` must be the clocks of the
+     * machine. False: the caller's thread does everything, for a clock that is injected. */
     bool threads;
 };
 
@@ -117,14 +117,14 @@ int iso_appliance_new(const struct iso_appliance_borrowed *borrowed, struct iso_
     __attribute__((warn_unused_result));
 void iso_appliance_free(struct iso_appliance *appliance);
 
-/* Starts the door, then opens the sensor. A missing sensor is no failure: it is tried again, and
- * the door is in FAULT meanwhile. -EINVAL, -ENOENT: the configuration asks for a sensor that there
- * cannot be. */
+/* Starts the door, then opens the sensor. A missing sensor is not a failure: the appliance tries
+ * again, and the door is in FAULT meanwhile. -EINVAL, -ENOENT: the configuration asks for a sensor
+ * that cannot exist. */
 int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Does what is due now. Returns when to step again at the latest (ISO_NEVER_NS: no time is set);
- * earlier if a descriptor below is readable, or after any other call. */
+/* Does what is due now. Returns the latest time of the next step (ISO_NEVER_NS: no time is set).
+ * The next step is due earlier if a descriptor below is readable, or after any other call. */
 int64_t iso_appliance_step(struct iso_appliance *appliance);
 
 /* Switches the lines of the door off, and closes the sensor. Records that are still queued are
@@ -132,31 +132,31 @@ int64_t iso_appliance_step(struct iso_appliance *appliance);
 void iso_appliance_stop(struct iso_appliance *appliance);
 
 /* Descriptors that poll readable when a step has something to do; negative if there is none now.
- * The sensor's may change with every step. */
+ * The descriptor of the sensor may change with every step. */
 int iso_appliance_sensor_fd(const struct iso_appliance *appliance);
 int iso_appliance_door_fd(const struct iso_appliance *appliance);
 
-/* Counts signs of life of the sensor (frames, answers of an idle sensor, attempts to open a lost
- * one). The watchdog is fed only when this number has risen. */
+/* Counts signs of life of the sensor: frames, answers of an idle sensor, attempts to open a lost
+ * one. The watchdog is notified only when this number has risen. */
 uint64_t iso_appliance_progress(const struct iso_appliance *appliance);
 
 /* ---- what a client can ask for ---- */
 
-/* -EBUSY it is claimed. */
+/* Takes the claim. -EBUSY another client has it. */
 int iso_appliance_claim(struct iso_appliance *appliance) __attribute__((warn_unused_result));
 void iso_appliance_release(struct iso_appliance *appliance);
 
 struct iso_enroll_request {
     const char *person;
     struct iso_validity_change
-        validity; /* of somebody new: the limits that are not named are none */
+        validity; /* limits of a new person; a limit that is not named does not exist */
     bool allow_duplicate;
 };
 
-/* Common to the three: -EACCES not claimed, -EBUSY an action goes on, -ENODEV no sensor; each with
- * a fault. Enroll: -EINVAL bad name or limits, -EDQUOT no room. Verify and identify: -EPERM locked
- * out or lockdown. Verify: -ENOENT no such person, -EINVAL all templates of that one are of another
- * algorithm. */
+/* Errors of all three, each with a fault: -EACCES not claimed, -EBUSY an action goes on, -ENODEV no
+ * sensor. Enroll: -EINVAL bad name or limits, -EDQUOT no room. Verify and identify: -EPERM locked
+ * out or lockdown. Verify: -ENOENT no such person, -EINVAL all templates of this person are of
+ * another algorithm. */
 int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enroll_request *request,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
 int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
@@ -164,77 +164,79 @@ int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
 int iso_appliance_identify(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Ends an action of this kind without a status, or acknowledges one that has ended by itself.
+/* Ends an action of this kind without a status, or acknowledges an action that has ended by itself.
  * -ENODATA there is none. */
 int iso_appliance_stop_action(struct iso_appliance *appliance, enum iso_appliance_mode mode)
     __attribute__((warn_unused_result));
 
-/* Deletes a person, on record. -ENOENT, or an error of gallery or log. */
+/* Deletes a person, and records it. -ENOENT, or an error of gallery or log. */
 int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Clears failures and attacks, which ends a lock (lockout.h); on record. Errors of the log, and
- * nothing has changed. */
+/* Clears failures and attacks, which ends a lock (lockout.h), and records it. After an error of the
+ * log nothing has changed. */
 int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Begins or ends the lockdown: nobody is let in. On record; an error of the log keeps a lockdown
- * from ending, and is told but does not keep one from beginning. */
+/* Begins or ends the lockdown, in which nobody is let in, and records it. After an error of the log
+ * a lockdown does not end. A lockdown begins in spite of such an error, which is reported. */
 int iso_appliance_lockdown(struct iso_appliance *appliance, bool on, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Turns the event `view` on or off, in every mode that looks at frames. Nothing else changes: the
+/* Turns the event `view` on or off, in every mode that examines frames. Nothing else changes: the
  * door stays in service. */
 void iso_appliance_aim(struct iso_appliance *appliance, bool on);
 bool iso_appliance_is_aimed(const struct iso_appliance *appliance);
 
-/* Asks for the next frame, once: it comes by the event `picture`, or that says within three seconds
- * that there will be none. On record. -EACCES not claimed, -EBUSY an action goes on or the last
- * picture has still to come, -ENODEV no sensor, or an error of the log: then nothing comes. */
+/* Asks for the next frame, once. The event `picture` brings it, or reports within three seconds
+ * that no picture comes. The request is recorded. -EACCES not claimed, -EBUSY an action goes on or
+ * the last picture is still awaited, -ENODEV no sensor, or an error of the log; then there is no
+ * event. */
 int iso_appliance_picture(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The log; to read it, hold it (audit_writer.h). */
+/* The log. Hold it to read it (audit_writer.h). */
 struct iso_audit_writer *iso_appliance_log(const struct iso_appliance *appliance);
 
-/* Since the start. */
+/* Counts since the start. */
 struct iso_appliance_counts {
     uint64_t allowed, denied; /* visits */
-    uint64_t attacks;         /* those denied for ISO_REASON_ATTACK */
+    uint64_t attacks;         /* visits denied for ISO_REASON_ATTACK */
     uint64_t attack_frames;   /* frames with a cue of an attack, in all modes */
 };
 
 struct iso_appliance_status {
     enum iso_appliance_mode mode;
     enum iso_door_state door;
-    /* A code is ISO_FAULT_NONE while there is no fault, or if it has no code. */
-    char door_fault[256]; /* why its lines do not work; "" while they do */
+    /* A code is ISO_FAULT_NONE if there is no fault or if the fault has no code. */
+    char door_fault[256]; /* why the door's lines do not work; "" while they do */
     enum iso_fault_code door_fault_code;
-    bool door_ordinary;                          /* its thread has no real-time priority */
+    bool door_ordinary;                          /* the door's thread has no real-time priority */
     const char *sensor_state;                    /* "started", "silent", "repeats", "lost" */
     const char *sensor_model;                    /* "" while unknown */
     const char *sensor_calibration;              /* "" while unknown, or if it has none */
-    enum iso_fault_code sensor_calibration_code; /* why that is not to be relied on */
-    const char *sensor_fault;                    /* the last one; "" */
+    enum iso_fault_code sensor_calibration_code; /* why the calibration is not reliable */
+    const char *sensor_fault;                    /* the last fault; "" if there was none */
     enum iso_fault_code sensor_fault_code;
-    const char *clock_fault;              /* that the clock was set back; "" while it is right */
-    enum iso_fault_code clock_fault_code; /* also that it is not set, which has no text */
-    const char *stale_fault; /* that grants have hardly enough time (stale_budget.h); "" */
+    const char *clock_fault;              /* the clock was set back; "" while it is right */
+    enum iso_fault_code clock_fault_code; /* also for a clock that is not set, which has no text */
+    const char *stale_fault; /* grants have hardly enough time (stale_budget.h); else "" */
     enum iso_fault_code stale_fault_code;
-    const char *storage_fault; /* what the disk refused last; "" since it works again */
+    const char *storage_fault; /* the last error of the disk; "" once it works again */
     enum iso_fault_code storage_fault_code;
-    const char *counter_fault; /* of the counter of the state; "" while it works */
+    const char *counter_fault; /* a fault of the counter of the state; "" while it works */
     enum iso_fault_code counter_fault_code;
-    char sensor_health[64]; /* what its driver says of it; "" while all is well */
+    char sensor_health[64]; /* what its driver reports; "" while all is well */
     enum iso_fault_code sensor_health_code;
-    size_t people_valid;         /* people who may come in at this time */
-    const char *last_outcome;    /* of a visit: "allow anna", "deny", ""; behind the name
-                                    ", door not-unlocked" if that is what it did */
+    size_t people_valid; /* people who may come in at this time */
+    /* Of the last visit, such as "allow anna" or "deny"; "" before the first. If the door did not
+     * unlock, ", door not-unlocked" follows the name. */
+    const char *last_outcome;
     const char *image_check;     /* "off", "flag", "veto", "absent" (pipeline.h) */
-    const struct iso_view *view; /* of the last frame that was looked at; NULL: there was none */
+    const struct iso_view *view; /* the last frame that was examined; NULL: there was none */
     struct iso_appliance_counts counts;
     bool lockdown;
-    int64_t lockout_ns; /* how long nobody is let in yet; 0: not locked out */
+    int64_t lockout_ns; /* how long nobody is let in; 0: not locked out */
     uint64_t frames;
     uint32_t model, algorithm;
     int64_t uptime_ns;

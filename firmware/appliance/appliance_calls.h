@@ -1,4 +1,5 @@
-/* What the files of firmware/appliance call of each other. Internal to firmware/appliance. */
+/* Functions that the files of firmware/appliance call in each other. Internal to
+ * firmware/appliance. */
 #ifndef ISO_FIRMWARE_APPLIANCE_APPLIANCE_CALLS_H
 #define ISO_FIRMWARE_APPLIANCE_APPLIANCE_CALLS_H
 
@@ -12,37 +13,39 @@ static inline int64_t iso__appliance_now_ns(const struct iso_appliance *applianc
 
 /* ---- records and the system's log (appliance_log.c) ---- */
 
-/* A line for the system's log. */
+/* Writes a line to the system's log. */
 __attribute__((format(printf, 3, 4))) void iso__appliance_say(struct iso_appliance *appliance,
                                                               int priority, const char *format,
                                                               ...);
 
-/* Tells the system's log of an error, if it is one, and returns it. */
+/* If `error` is an error, writes it to the system's log. Returns it. */
 int iso__appliance_say_fault(struct iso_appliance *appliance, int error,
                              const struct iso_fault *fault);
 
-/* Tells the system's log of a fault as a warning. */
+/* Writes a fault to the system's log as a warning. */
 void iso__appliance_warn(struct iso_appliance *appliance, const struct iso_fault *fault);
 
-/* Writes a record and waits for the disk: for what must not happen without it. A failure is told to
- * the system's log, and returned. */
+/* Writes a record and waits until it is on the disk. Used if the recorded act must not happen
+ * without the record. A failure is written to the system's log, and returned. */
 int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audit_record *record);
 
-/* The same of what is not done if this fails; the failure is told to the caller. */
+/* The same for an act that is not done if this fails. The failure is reported to the caller. */
 int iso__appliance_record_first(struct iso_appliance *appliance,
                                 const struct iso_audit_record *record, struct iso_fault *fault);
 
-/* Writes a record of what has happened already, without waiting for the disk. A failure that is
- * known at once is returned; every failure is told to the system's log sooner or later. */
+/* Writes a record of something that has happened already, without waiting for the disk. A failure
+ * that is known at once is returned. Every failure is written to the system's log sooner or
+ * later. */
 int iso__appliance_note(struct iso_appliance *appliance, const struct iso_audit_record *record);
 
-/* Writes a record of what is to open the door, and waits for at most 250 ms. -ETIMEDOUT: it is not
- * on the disk by then, or was too late. Errors of the log are told to the system's log. */
+/* Writes the record of a grant before the door opens, and waits for at most 250 ms. -ETIMEDOUT: it
+ * is not on the disk by then, or was too late. Errors of the log are written to the system's
+ * log. */
 int iso__appliance_record_grant(struct iso_appliance *appliance,
                                 const struct iso_audit_record *record, struct iso_fault *fault);
 
-/* Puts on record which gallery this is, and how often it was changed: `event` is "gallery" behind a
- * change, "start" before all. */
+/* Records which gallery this is, and how often it was changed. `event` is "gallery" after a change,
+ * and "start" at the start. */
 void iso__appliance_record_gallery(struct iso_appliance *appliance, const char *event,
                                    const char *note);
 
@@ -50,40 +53,40 @@ void iso__appliance_record_gallery(struct iso_appliance *appliance, const char *
 
 void iso__appliance_init_storage(struct iso_appliance *appliance);
 
-/* Remembers what became of a call that writes, if it is a matter of the disk: 0 or an error with
- * its fault. */
+/* Notes the result of a call that writes, if it depends on the disk: 0, or an error with its
+ * fault. */
 void iso__appliance_note_storage(struct iso_appliance *appliance, int error,
                                  const struct iso_fault *fault);
 
-/* Tells what became of posted records, if the writer of the log knows it. */
+/* Reports the results of posted records, as far as the writer of the log knows them. */
 void iso__appliance_tell_log(struct iso_appliance *appliance);
 
-/* It is t_ns: tries to bring a gallery that is out of service back, once a second. */
+/* Says that it is t_ns. Once a second it tries to bring a gallery that is out of service back. */
 void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns);
 int64_t iso__appliance_storage_due_ns(const struct iso_appliance *appliance);
 
-/* What the disk refuses now or refused last; "" since it works again. */
+/* The present or last error of the disk; "" once it works again. */
 const struct iso_fault *iso__appliance_storage_fault(const struct iso_appliance *appliance);
 
-/* Tells of faults of the counter of the state directory, and sees that changes are counted. */
+/* Reports faults of the counter of the state directory, and makes sure that changes are counted. */
 void iso__appliance_counter_time(struct iso_appliance *appliance, int64_t now_ns);
 
 /* ---- the sensor (appliance_sensor.c) ---- */
 
-/* The first try to open the sensor. -EINVAL, -ENOENT: its configuration can never work; any other
- * failure is told, and the sensor is tried again. */
+/* Tries to open the sensor for the first time. -EINVAL, -ENOENT: its configuration can never work.
+ * Any other failure is reported, and the sensor is tried again. */
 int iso__appliance_open_sensor(struct iso_appliance *appliance, int64_t now_ns,
                                struct iso_fault *fault);
 void iso__appliance_close_sensor(struct iso_appliance *appliance);
 
-/* Takes in what the sensor has: a frame, its loss, its return. */
+/* Handles the news of the sensor: a frame, its loss, its return. */
 void iso__appliance_look_at_sensor(struct iso_appliance *appliance, int64_t now_ns);
 int64_t iso__appliance_sensor_due_ns(const struct iso_appliance *appliance, int64_t now_ns);
 
-/* -ENODEV: there is none now, and why. */
+/* Returns 0, or -ENODEV with the reason if there is no sensor now. */
 int iso__appliance_has_sensor(const struct iso_appliance *appliance, struct iso_fault *fault);
 
-/* A fault of the sensor that its frames show: kept for the status, and told. */
+/* A fault of the sensor that its frames show. It is kept for the status, and reported. */
 void iso__appliance_blame_sensor(struct iso_appliance *appliance, const struct iso_fault *fault);
 
 /* "started", "silent" (it runs, but nothing is seen), "repeats" (it delivers old frames again),
@@ -92,30 +95,31 @@ const char *iso__appliance_sensor_state(const struct iso_appliance *appliance);
 
 /* ---- the door (appliance_door.c) ---- */
 
-/* Before the first of the others. -ENOMEM, or an errno of the descriptors. */
+/* Called before the other functions of the door. -ENOMEM, or an errno of the descriptors. */
 int iso__appliance_new_door(struct iso_appliance *appliance);
 void iso__appliance_free_door(struct iso_appliance *appliance);
 
-/* Puts the door to work, unless it works already. -EAGAIN, -ENOMEM: no thread can be had. */
+/* Starts the door, unless it has started already. -EAGAIN, -ENOMEM: no thread can be had. */
 int iso__appliance_start_door(struct iso_appliance *appliance, struct iso_fault *fault);
 
-/* Puts on record what the door has done since it was put to work, and from then on each change. */
+/* Records what the door has done since it was started, and from then on each change. */
 void iso__appliance_record_door(struct iso_appliance *appliance);
 
-/* Tells what the door has done, and what the log could not be told. Changes that chatter are folded
- * (door_events.h). */
+/* Reports what the door has done, and which changes could not be recorded. Changes of an input that
+ * chatters are only counted (door_events.h). */
 void iso__appliance_tell_door(struct iso_appliance *appliance);
 
-/* Puts on record, and tells, whatever was folded: before the end. */
+/* Records and reports all changes that were only counted. Called before the end. */
 void iso__appliance_flush_door(struct iso_appliance *appliance);
 
-/* When iso__appliance_tell_door has to put folded changes on record, by the clock of the steps. */
+/* When iso__appliance_tell_door has to record counted changes, by the clock of the steps. */
 int64_t iso__appliance_door_events_due_ns(struct iso_appliance *appliance);
 
 void iso__appliance_refuse_at_door(struct iso_appliance *appliance);
 
-/* Lets somebody in who was seen at since_ns, as the frames count: -ESTALE, and nothing else, if
- * that is longer ago than stale_ms, with the time that the machine was suspended. */
+/* Lets a person in who was seen at since_ns, by the clock of the frames. -ESTALE, without any
+ * effect, if that is longer ago than stale_ms; the time for which the machine was suspended counts,
+ * too. */
 int iso__appliance_grant_at_door(struct iso_appliance *appliance, int64_t since_ns,
                                  enum iso_door_answer *answer);
 
@@ -123,33 +127,34 @@ int iso__appliance_grant_at_door(struct iso_appliance *appliance, int64_t since_
 
 void iso__appliance_init_face(struct iso_appliance *appliance);
 
-/* Whoever was before the camera may be another by now: the visit and the track begin anew. */
+/* Another person may be before the camera now: begins the visit and the track again. */
 void iso__appliance_forget_face(struct iso_appliance *appliance);
 
-/* A warning, but only for the first of a row of frames that fail; the row ends by the second. */
+/* Writes a warning for the first of several frames that fail one after the other, and none for the
+ * others. */
 void iso__appliance_complain(struct iso_appliance *appliance, const struct iso_fault *fault);
 void iso__appliance_end_complaints(struct iso_appliance *appliance);
 
-/* Whether a frame comes so late that it says nothing about who is there now. For a frame that was
- * exposed before the machine was suspended nobody knows how late it is. */
+/* Whether a frame is so late that it does not show who is there now. The delay of a frame that was
+ * exposed before the machine was suspended is not known, so it counts as late. */
 bool iso__appliance_is_stale(struct iso_appliance *appliance, const struct iso_frame *frame,
                              int64_t arrival_ns);
 
-/* Extracts the template. An error of the pipeline, which was told. */
+/* Extracts the template. Returns an error of the pipeline, which was reported already. */
 int iso__appliance_extract(struct iso_appliance *appliance, const struct iso_frame *frame);
 void iso__appliance_wipe_template(struct iso_appliance *appliance);
 
-/* What becomes of the frame just extracted: the extraction's own word, or what speaks against using
- * a good one. */
+/* The word for the frame just extracted: the word of the extraction, or the reason why a good
+ * template cannot be used. */
 enum iso_capture iso__appliance_judge(struct iso_appliance *appliance,
                                       const struct iso_frame *frame);
 
-/* Whether the frame just judged may count as evidence. Every usable one is remembered, whatever
- * else speaks against it: it may come again. */
+/* Whether the frame just judged may count as evidence. Every usable frame is remembered, even if
+ * something else speaks against it, because it may come again. */
 bool iso__appliance_is_evidence(struct iso_appliance *appliance, const struct iso_frame *frame);
 
-/* What people are told of a frame. Something within reach that is not a face and does not move is
- * furniture: nobody is there. The decision does not depend on this. */
+/* The word that people are told for a frame. Something within reach that is not a face and does not
+ * move is furniture, so nobody is there. The decision does not depend on this. */
 enum iso_capture iso__appliance_tell_of(struct iso_appliance *appliance,
                                         const struct iso_frame *frame, enum iso_capture capture);
 
@@ -157,25 +162,25 @@ enum iso_capture iso__appliance_tell_of(struct iso_appliance *appliance,
 
 void iso__appliance_init_visit(struct iso_appliance *appliance);
 
-/* Forgets the frames of the visit or action: it is decided from the next frame on. */
+/* Forgets the frames of the visit or action. The decision begins with the next frame. */
 void iso__appliance_decide_anew(struct iso_appliance *appliance);
 
-/* The hints begin anew; or the last one may be given again at once (hint_filter.h). */
+/* Resets the hints, or allows the last hint to be repeated at once (hint_filter.h). */
 void iso__appliance_reset_hints(struct iso_appliance *appliance);
 void iso__appliance_forget_hint(struct iso_appliance *appliance);
 
-/* A frame has come, or until t_ns none. */
+/* Says that a frame has come, or that none has come until t_ns. */
 void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_frame *frame,
                           int64_t arrival_ns);
 void iso__appliance_time(struct iso_appliance *appliance, int64_t t_ns);
 
-/* Writes the attack attempt that goes on, if one does, into the log. */
+/* Ends an attack attempt, if there is one, and writes it into the log. */
 void iso__appliance_end_attack(struct iso_appliance *appliance);
 
-/* When a decision or an attack attempt is due. */
+/* The time at which a decision or an attack attempt is due. */
 int64_t iso__appliance_visit_due_ns(const struct iso_appliance *appliance);
 
-/* Keeps what was seen for the status, and tells it while the sensor is aimed.
+/* Keeps the view of a frame for the status, and reports it while the sensor is aimed.
  * (appliance_status.c) */
 void iso__appliance_show(struct iso_appliance *appliance, enum iso_capture capture);
 
@@ -184,19 +189,20 @@ void iso__appliance_show(struct iso_appliance *appliance, enum iso_capture captu
 int iso__appliance_new_repeats(struct iso_appliance *appliance); /* -ENOMEM */
 void iso__appliance_free_repeats(struct iso_appliance *appliance);
 
-/* Whether the usable frame just extracted repeats one of the last ten minutes, and so is evidence
- * of nothing. Remembers it; a sensor that goes on repeating is told as a fault. */
+/* Whether the usable frame just extracted repeats one of the last ten minutes, and therefore proves
+ * nothing. Remembers the frame. A sensor that keeps repeating frames is reported as a fault. */
 bool iso__appliance_repeats(struct iso_appliance *appliance, const struct iso_frame *frame);
 
-/* The sensor was opened anew: what it did before is no fault of now. The frames stay known. */
+/* The sensor was opened again, so its earlier repetitions are no longer a fault. The frames are
+ * still remembered. */
 void iso__appliance_repeat_reset(struct iso_appliance *appliance);
 
 /* ---- the time that a grant needs (appliance_stale.c) ---- */
 
-/* The sensor was opened: takes its rate in, and warns if there is too little time. */
+/* The sensor was opened: uses its rate, and warns if there is too little time. */
 void iso__appliance_stale_sensor(struct iso_appliance *appliance);
 
-/* The work on a usable frame has ended: takes in how long it took, and warns as above. */
+/* The work on a usable frame has ended: uses its duration, and warns as above. */
 void iso__appliance_stale_frame(struct iso_appliance *appliance, const struct iso_frame *frame);
 
 /* ---- a clock that was set back (appliance_clock.c) ---- */
@@ -208,22 +214,22 @@ bool iso__appliance_clock_is_behind(const struct iso_appliance *appliance);
  * ISO_FAULT_NONE. */
 enum iso_fault_code iso__appliance_clock_code(const struct iso_appliance *appliance);
 
-/* The date by which limits are judged while the clock is not behind, seconds since 1970: it does
+/* The date by which limits are judged while the clock is not behind, in seconds since 1970. It does
  * not go back by the minute that is tolerated. */
 int64_t iso__appliance_date_s(const struct iso_appliance *appliance);
 
-/* Tells and records that the clock is behind, or right again. */
+/* Reports and records that the clock is behind, or right again. */
 void iso__appliance_clock_time(struct iso_appliance *appliance);
 
-/* An administrator says that the clock is right and the log's date was not; on record. */
+/* An administrator says that the clock is right and the log's date was wrong. This is recorded. */
 void iso__appliance_accept_clock(struct iso_appliance *appliance);
 
 /* ---- a picture (appliance_picture.c) ---- */
 
-/* Hands a frame to who waits for it. */
+/* Hands a frame to the client that waits for it. */
 void iso__appliance_picture_frame(struct iso_appliance *appliance, const struct iso_frame *frame);
 
-/* Tells who waits that there will be no picture: at once, or if it has taken too long. */
+/* Tells the waiting client that no picture comes: at once, or after too long a wait. */
 void iso__appliance_picture_drop(struct iso_appliance *appliance);
 void iso__appliance_picture_time(struct iso_appliance *appliance, int64_t now_ns);
 int64_t iso__appliance_picture_due_ns(const struct iso_appliance *appliance);
@@ -232,14 +238,13 @@ int64_t iso__appliance_picture_due_ns(const struct iso_appliance *appliance);
 
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config);
 
-/* The score that is asked of a face now: it depends on how many people the face is compared with.
- */
+/* The score that a face needs now. It depends on how many people the face is compared with. */
 double iso__appliance_threshold(const struct iso_appliance *appliance);
 
 /* WATCH: the verdict of a visit. Logs it, tells the door, reports it. */
 void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict verdict);
 
-/* One more frame has a cue of an attack. */
+/* Counts a frame with a cue of an attack. */
 void iso__appliance_count_attack_frame(struct iso_appliance *appliance);
 
 /* Wipes the name of a person who was removed from the text of the last visit. */
@@ -284,10 +289,10 @@ enum iso_reason iso__appliance_lock_reason(const struct iso_appliance *appliance
  * that cannot be read yet, or a gallery that is out of service. */
 bool iso__appliance_is_shut(const struct iso_appliance *appliance);
 
-/* Has the verdict say nothing but that, if it is so. */
+/* Replaces the verdict by that reason if nobody is let in. */
 void iso__appliance_shut_out(const struct iso_appliance *appliance, struct iso_verdict *verdict);
 
-/* Takes a verdict in that was told; a lock may begin. */
+/* Counts a verdict that was reported. A lock may begin. */
 void iso__appliance_count_verdict(struct iso_appliance *appliance,
                                   const struct iso_verdict *verdict);
 
