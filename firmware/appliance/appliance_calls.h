@@ -250,14 +250,14 @@ void iso__appliance_count_attack_frame(struct iso_appliance *appliance);
 /* Wipes the name of a person who was removed from the text of the last visit. */
 void iso__appliance_forget_outcome(struct iso_appliance *appliance, const char *name);
 
-/* WATCH: keeps the template just extracted, if the visit that it ended is one to learn from. Last
- * of all: nobody waits for it. */
+/* WATCH: keeps the template just extracted, if the visit that it ended is one to learn from. This
+ * is the last step of a visit, because nobody waits for it. */
 void iso__appliance_learn(struct iso_appliance *appliance, const struct iso_verdict *verdict);
 
-/* Deletes what was learned, if nothing is to be learned any more; on record. */
+/* Deletes the learned templates if the configuration learns none any more, and records it. */
 void iso__appliance_unlearn(struct iso_appliance *appliance);
 
-/* Whether a person may come in at this time; one who is not in the gallery may not. */
+/* Whether a person may come in at this time. A person who is not in the gallery may not. */
 bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person);
 
 /* How many of the enrolled people may come in at this time. */
@@ -270,19 +270,19 @@ size_t iso__appliance_count_valid(const struct iso_appliance *appliance);
  * and lets nobody in until then. */
 void iso__appliance_start_lockout(struct iso_appliance *appliance);
 
-/* Writes what has to outlast a restart. An errno of writing it; -EIO what is there could not be
- * read yet, and is not replaced. */
+/* Writes the state that has to outlast a restart. Returns an errno of writing it, or -EIO if the
+ * existing file could not be read yet and is therefore not replaced. */
 int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_fault *fault);
 
-/* It is t_ns: a lock may be over, or the file may be read. */
+/* Says that it is t_ns: a lock may be over, or it may be time to read the file. */
 void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns);
 
 int64_t iso__appliance_lockout_due_ns(const struct iso_appliance *appliance);
 
-/* What the file says is not known, and the disk may let it be read later. */
+/* Whether the file could not be read yet, but may be readable later. */
 bool iso__appliance_lockout_is_unread(const struct iso_appliance *appliance);
 
-/* The lockdown or the lock-out, or ISO_REASON_NONE. */
+/* Returns the reason of the lockdown or the lock-out, or ISO_REASON_NONE. */
 enum iso_reason iso__appliance_lock_reason(const struct iso_appliance *appliance);
 
 /* Whether nobody is let in, or recognised for a client: a lockdown, a lock-out, a lock-out file
@@ -307,17 +307,18 @@ int iso__appliance_may_act(const struct iso_appliance *appliance, struct iso_fau
 void iso__appliance_begin_action(struct iso_appliance *appliance, enum iso_appliance_mode mode,
                                  int duration_ms);
 
-/* The action has ended by itself. Clients are told before, because that needs the mode. */
+/* Ends an action that has finished by itself. The report to the client comes before, because it
+ * needs the mode. */
 void iso__appliance_end_action(struct iso_appliance *appliance);
 
-/* VERIFY, IDENTIFY: the verdict. */
+/* VERIFY, IDENTIFY: handles the verdict. */
 void iso__appliance_finish_recognition(struct iso_appliance *appliance,
                                        const struct iso_verdict *verdict);
 
-/* WATCH, ENROLL, VERIFY, IDENTIFY: tells what hinders. */
+/* WATCH, ENROLL, VERIFY, IDENTIFY: gives a hint to the person. */
 void iso__appliance_tell_hint(struct iso_appliance *appliance, enum iso_capture capture);
 
-/* Ends what has run out. */
+/* Ends the claim or the action if its time is over. */
 void iso__appliance_action_deadline(struct iso_appliance *appliance, int64_t now_ns);
 int64_t iso__appliance_action_due_ns(const struct iso_appliance *appliance);
 
@@ -329,17 +330,17 @@ void iso__appliance_forget_claim(struct iso_appliance *appliance);
 
 /* ---- enrolling (appliance_enroll.c) ---- */
 
-/* What stands against taking the template just extracted, or OK. */
+/* The reason why the template just extracted cannot be used, or OK. */
 enum iso_capture iso__appliance_enroll_gate(const struct iso_appliance *appliance);
 
-/* Takes the template just extracted, or a frame that has a cue of an attack. */
+/* Counts the template just extracted, or a frame that has a cue of an attack. */
 void iso__appliance_enroll_face(struct iso_appliance *appliance);
 void iso__appliance_enroll_attack(struct iso_appliance *appliance, enum iso_capture cue);
 
-/* Tells what hinders: a result of firmware/contract/contract.h. */
+/* Gives a hint: a result of firmware/contract/contract.h. */
 void iso__appliance_tell_enrolment_hint(struct iso_appliance *appliance, const char *word);
 
-/* The sensor is gone; or it is now_ns, and the time may be up. */
+/* Ends the enrolment because the sensor is gone, or because its time is over at now_ns. */
 void iso__appliance_disconnect_enrolment(struct iso_appliance *appliance);
 void iso__appliance_time_enrolment(struct iso_appliance *appliance, int64_t now_ns);
 

@@ -1,7 +1,8 @@
-/* What an appliance holds. Internal to firmware/appliance.
+/* The state of an appliance. Internal to firmware/appliance.
  *
- * What changes together is one struct. The file named beside a struct is its owner: that file alone
- * writes it, every other one reads it or calls a function of the owner (appliance_calls.h). */
+ * Members that change together are one struct. The file named beside a struct is its owner. Only
+ * the owner writes the struct; the other files read it or call a function of the owner
+ * (appliance_calls.h). */
 #ifndef ISO_FIRMWARE_APPLIANCE_APPLIANCE_STATE_H
 #define ISO_FIRMWARE_APPLIANCE_APPLIANCE_STATE_H
 
@@ -27,7 +28,7 @@
 /* The sensor. (appliance_sensor.c) */
 struct iso_appliance_sensor {
     struct iso_sensor_supervisor supervisor;
-    int64_t look_due_ns; /* when the sensor has to be looked at next; ISO_NEVER_NS: not known */
+    int64_t look_due_ns; /* the next time to look at the sensor; ISO_NEVER_NS: not known */
     bool blind;          /* the door is at fault because the sensor sees nothing */
 };
 
@@ -37,91 +38,91 @@ struct iso_appliance_repeats {
     struct iso_repeat_watch watch;
 };
 
-/* The frame that is worked on, and the face in it. (appliance_face.c; appliance_learn.c marks the
- * template as a learned one while the gallery takes it) */
+/* The frame in work, and the face in it. (appliance_face.c; appliance_learn.c marks the template as
+ * a learned one while the gallery stores it) */
 struct iso_appliance_face {
     struct iso_extraction extraction; /* its template is wiped after the frame */
-    bool complaining; /* the last frame failed: the next failure is not told again */
+    bool complaining; /* the last frame failed, so the next failure is not reported again */
     struct iso_track track;
     struct iso_track_motion motion; /* all zero without a fitted face */
     struct iso_liveness liveness;
-    uint64_t liveness_track; /* of motion.track, whose frames `liveness` holds */
+    uint64_t liveness_track; /* the value of motion.track whose frames `liveness` holds */
     struct iso_scene_motion scene_motion;
 };
 
-/* What the frames of a visit, or of a client's action, add up to. (appliance_frame.c) */
+/* The results of the frames of a visit, or of a client's action. (appliance_frame.c) */
 struct iso_appliance_visit {
     struct iso_decision decision;
-    int64_t arrival_ns; /* of the first usable frame */
+    int64_t arrival_ns; /* arrival of the first usable frame */
     struct iso_image_tally image;
     struct iso_hint_filter hints;
     struct iso_attack_tally attacks;
 };
 
-/* What became of visits. (appliance_visit.c) */
+/* The outcome of visits. (appliance_visit.c) */
 struct iso_appliance_outcome {
     char text[48 + ISO_PERSON_NAME_SIZE]; /* of the last visit, for the status */
-    char person[ISO_PERSON_NAME_SIZE];    /* whom the text names; "" */
+    char person[ISO_PERSON_NAME_SIZE];    /* the person whom the text names; "" */
     struct iso_fault card_fault;          /* why the last card number was not sent */
-    struct iso_door_look door_look;       /* the door behind the last grant */
+    struct iso_door_look door_look;       /* the door after the last grant */
     struct iso_appliance_counts counts;
 };
 
-/* Changes of the door that have still to be recorded or told. (appliance_door.c) */
+/* Changes of the door that are still to be recorded or reported. (appliance_door.c) */
 struct iso_appliance_door_news {
-    pthread_mutex_t mutex; /* of `recorded`, which the thread of the door uses, too */
+    pthread_mutex_t mutex; /* protects `recorded`, which the thread of the door uses, too */
     struct iso_door_events recorded;
-    struct iso_door_events reported; /* the same as people see them */
+    struct iso_door_events reported; /* the same for the reports to people */
 };
 
-/* Who is refused whatever the face. (appliance_refusal.c) */
+/* Refusals of everybody, whatever the face. (appliance_refusal.c) */
 struct iso_appliance_lockout {
     struct iso_lockout state;
-    int64_t save_ns;        /* when to try again to write the file; ISO_NEVER_NS: it is written */
-    int64_t read_ns;        /* when to try again to read the file; ISO_NEVER_NS: it is known */
-    struct iso_fault fault; /* why it could not be read */
+    int64_t save_ns;        /* the next attempt to write the file; ISO_NEVER_NS: it is written */
+    int64_t read_ns;        /* the next attempt to read the file; ISO_NEVER_NS: it was read */
+    struct iso_fault fault; /* why the file could not be read */
 };
 
-/* What is known of the disk. (appliance_storage.c) */
+/* The state of the disk. (appliance_storage.c) */
 struct iso_appliance_storage {
-    struct iso_fault fault;   /* what the disk refused last; "" since it works again */
-    int log_error;            /* of the last posted record, as far as is known */
-    int64_t gallery_retry_ns; /* when to try again to read the gallery, while it is lost */
+    struct iso_fault fault;   /* the last error of the disk; "" once it works again */
+    int log_error;            /* error of the last posted record, as far as is known */
+    int64_t gallery_retry_ns; /* the next attempt to read the gallery while it is lost */
 };
 
 /* Whether a grant has enough time. (appliance_stale.c) */
 struct iso_appliance_stale {
     struct iso_stale_budget budget;
-    struct iso_fault fault; /* the time needed comes near stale_ms; "": it does not */
-    bool told;              /* a warning said so, since the sensor was opened */
+    struct iso_fault fault; /* the needed time is close to stale_ms; "": it is not */
+    bool told;              /* a warning was written since the sensor was opened */
 };
 
 /* The counter of the state directory. (appliance_storage.c) */
 struct iso_appliance_counter {
     struct iso_fault fault; /* "" while it works */
-    bool due;               /* its number has to be raised ... */
-    int64_t due_ns;         /* ... since then ... */
-    bool noted;             /* ... and a record was written for that */
+    bool due;               /* its number has to be raised */
+    int64_t due_ns;         /* since when it has to be raised */
+    bool noted;             /* a record was written for that */
 };
 
-/* The view for whoever aims the sensor. (appliance_status.c) */
+/* The view for the person who aims the sensor. (appliance_status.c) */
 struct iso_appliance_aim {
     bool on;
     bool has_view;
-    struct iso_view view; /* of the last frame */
+    struct iso_view view; /* the view of the last frame */
     int64_t told_ns;
 };
 
 /* The client that has the camera. (appliance_action.c, which also writes `mode`) */
 struct iso_appliance_claim {
-    int64_t deadline_ns;           /* of the claim, or of the action */
-    enum iso_appliance_mode ended; /* an action that ended by itself; CLAIMED: none */
-    struct iso_person person;      /* VERIFY: who it should be */
+    int64_t deadline_ns;           /* the end of the claim, or of the action */
+    enum iso_appliance_mode ended; /* the action that ended by itself; CLAIMED: none */
+    struct iso_person person;      /* VERIFY: the person who is to be verified */
 };
 
 /* ENROLL. (appliance_enroll.c) */
 struct iso_appliance_enrolling {
-    struct iso_person person;            /* who it will be */
+    struct iso_person person;            /* the person who is to be enrolled */
     struct iso_validity_change validity; /* the limits that were named */
     struct iso_enrolment enrolment;
 };
@@ -129,11 +130,11 @@ struct iso_appliance_enrolling {
 /* A picture that a client waits for. (appliance_picture.c) */
 struct iso_appliance_picture {
     bool due;       /* the next frame is the picture */
-    int64_t end_ns; /* until then */
+    int64_t end_ns; /* the end of the wait */
 };
 
 struct iso_appliance {
-    /* What it is made of; set once. (appliance.c; `door`: appliance_door.c) */
+    /* The parts of the appliance, set once. (appliance.c; `door`: appliance_door.c) */
     struct iso_appliance_borrowed borrowed;
     struct iso_audit_writer *log;
     struct iso_door_guard *door;

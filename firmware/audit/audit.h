@@ -37,39 +37,40 @@
 struct iso_audit_record {
     const char *event; /* REQUIRED: "start", "visit", "door", ... */
     const char *person, *verdict, *reason, *note;
-    const char *sensor; /* its health at a decision: "started", "silent", "repeats", "lost" */
-    /* Of a visit with the verdict "allow": what the door did (iso_door_answer_name), why if it did
-     * not unlock, and the sequence of the "grant" record that was written before the lock was
-     * switched (0: not said). */
+    const char *sensor; /* its state at a decision: "started", "silent", "repeats", "lost" */
+    /* Of a visit with the verdict "allow": what the door did (iso_door_answer_name), why it did not
+     * unlock (if so), and the sequence of the "grant" record that was written before the lock was
+     * switched (0: not known). */
     const char *door, *door_fault;
     uint64_t grant;
-    const char *before, *after; /* what an administrator changed: the old and the new value */
+    const char *before, *after; /* the old and the new value of what an administrator changed */
     double score, threshold;
     int frames, attack_frames;
-    /* Which gallery, and its number of changes (iso_gallery_version), by which a gallery that is
-     * put back later is recognised. NULL, 0: not said. */
+    /* The gallery and its number of changes (iso_gallery_version). They show if an old gallery is
+     * put back later. NULL, 0: not known. */
     const char *gallery;
     uint64_t gallery_changes;
-    /* When it happened, by both clocks; 0, 0: when the record is written. */
+    /* The time of the event by both clocks. 0, 0: the time at which the record is written. */
     int64_t wall_ns, monotonic_ns;
 };
 
-/* A record of an event and nothing more. */
+/* A record that has an event and no other member. */
 struct iso_audit_record iso_audit_record_of(const char *event);
 
-enum { ISO_AUDIT_HEAD_SIZE = 65 }; /* 64 hexadecimal digits, with their end */
+enum { ISO_AUDIT_HEAD_SIZE = 65 }; /* 64 hexadecimal digits and a NUL */
 
 struct iso_audit_options {
     const char *path;
     bool sync;
-    uint64_t segment_bytes; /* a segment is closed when it is as long; 0: never */
-    int segments;           /* closed ones that are kept, at most 60 */
-    bool migrate; /* a log of the version before, in plain text, is sealed at the first start */
+    uint64_t segment_bytes; /* a segment of this size is closed; 0: never */
+    int segments;           /* closed segments that are kept, at most 60 */
+    bool migrate; /* seal a log of the previous version, in plain text, at the first start */
     struct iso_key_ring *ring; /* outlives the log */
-    /* Outlives the log; its number stands in the anchor. NULL: the number stays what it was. */
+    /* Outlives the log; the anchor of the log contains its number. NULL: the number stays as it
+     * was. */
     struct iso_state_counter *counter;
     /* Called for every record after it was written, with the head of the log after it. It must not
-     * wait for anything, because callers wait for the record and for the log. NULL: no call. */
+     * wait, because callers wait for the record and for the log. NULL: no call. */
     void (*written)(void *context, const struct iso_audit_record *record, uint64_t sequence,
                     const char *head);
     void *context;
@@ -78,9 +79,9 @@ struct iso_audit_options {
 struct iso_audit;
 
 /* Opens the log, or begins one; times must outlive it.
- *   -EBADMSG a record was changed or is out of order (the fault says which, and what to do)
- *   -ESTALE  its end is missing, its anchor is gone or old, or it is not sealed any more
- *   -EKEYREJECTED the key ring has not the key for it
+ *   -EBADMSG a record was changed or is out of order (the fault names it, and the remedy)
+ *   -ESTALE  its end is missing, its anchor is gone or old, or it is no longer sealed
+ *   -EKEYREJECTED the key ring does not have its key
  *   -EBUSY another process has it; -ENOSPC, -EACCES, -EROFS, -ENOENT (no such directory), -EIO,
  *   -ENOMEM */
 int iso_audit_open(const struct iso_audit_options *options, const struct iso_times *times,
@@ -88,63 +89,64 @@ int iso_audit_open(const struct iso_audit_options *options, const struct iso_tim
     __attribute__((warn_unused_result));
 void iso_audit_close(struct iso_audit *audit);
 
-/* Writes a record. If this fails, what the record announces must not happen: -ENOSPC the disk is
- * full, -EIO it cannot be written or synchronised, -ENOMEM, -EINVAL it is too long. */
+/* Writes a record. If this fails, the act that the record announces must not happen. -ENOSPC the
+ * disk is full, -EIO it cannot be written or synchronised, -ENOMEM, -EINVAL it is too long. */
 int iso_audit_append(struct iso_audit *audit, const struct iso_audit_record *record,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* One record of a group, and what became of it. */
+/* One record of a group, and its result. */
 struct iso_audit_entry {
-    const struct iso_audit_record *record; /* the caller's, until the group is written */
-    uint64_t sequence;                     /* its number; 0: it was not written */
-    int error;                             /* why it was not, as of iso_audit_append; else 0 */
-    struct iso_fault fault;                /* the same in words */
-    char head[ISO_AUDIT_HEAD_SIZE];        /* of the log behind the record */
+    const struct iso_audit_record *record; /* the caller keeps it until the group is written */
+    uint64_t sequence;                     /* its sequence; 0: it was not written */
+    int error;                      /* the error of iso_audit_append for this record, else 0 */
+    struct iso_fault fault;         /* the same error as a text */
+    char head[ISO_AUDIT_HEAD_SIZE]; /* head of the log after this record */
 };
 
-/* Writes n records in their order and synchronises them together, so that many cost no more time
- * than one. A record that cannot be written (it is too long, the disk is full) does not keep the
- * others from being written; if they cannot be synchronised none is. A group that reaches the end
- * of a segment becomes two. The entries say what became of each. */
+/* Writes n records in order and synchronises them together, so that many records take no more time
+ * than one. A record that cannot be written (it is too long, the disk is full) does not prevent the
+ * others from being written. If they cannot be synchronised, none is written. A group that reaches
+ * the end of a segment is split in two. The entries contain the results. */
 void iso_audit_append_group(struct iso_audit *audit, struct iso_audit_entry *entries, size_t n);
 
-/* Sequence of the last record, 0 if there is none; of the first that is kept. */
+/* Sequence of the last record, 0 if there is none; sequence of the oldest record that is kept. */
 uint64_t iso_audit_last(const struct iso_audit *audit);
 uint64_t iso_audit_first(const struct iso_audit *audit);
 
-/* The newest number of changes that the log knows of this gallery; 0 if it does not know it. */
+/* The newest number of changes of this gallery that the log contains; 0 if the log does not contain
+ * the gallery. */
 uint64_t iso_audit_gallery_changes(const struct iso_audit *audit, const char *gallery);
 
-/* The latest date that any of its records has, or knew, in seconds since 1970; 0 if it has none. A
- * record "clock" with the reason "accepted" begins anew with its own date. */
+/* The latest date in any of its records, in seconds since 1970; 0 if there is none. A record
+ * "clock" with the reason "accepted" starts again with its own date. */
 int64_t iso_audit_latest_s(const struct iso_audit *audit);
 
-/* Hands out at most `max` records (without newline) from sequence `from` on; ends early if `each`
- * returns non-zero, which is then the result. -EIO, -EBADMSG, -ENOMEM. */
+/* Passes at most `max` records (without newline) from sequence `from` on to `each`. Ends early if
+ * `each` returns non-zero, and returns that value. -EIO, -EBADMSG, -ENOMEM. */
 int iso_audit_read(struct iso_audit *audit, uint64_t from, uint32_t max,
                    int (*each)(void *context, const char *line), void *context)
     __attribute__((warn_unused_result));
 
-/* Closes the segment that is written, and goes on with a new key. */
+/* Closes the present segment, and goes on with a new key. */
 int iso_audit_rotate_key(struct iso_audit *audit, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Seals the anchor with the newest key of the ring, so that older ones can be dropped. */
+/* Seals the anchor with the newest key of the ring, so that older keys can be dropped. */
 int iso_audit_renew_anchor(struct iso_audit *audit, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* What a look at every record found. */
+/* The result of a check of every record. */
 struct iso_audit_report {
-    uint64_t first, last; /* as they should be: the oldest that is kept, the newest */
+    uint64_t first, last; /* the expected ones: the oldest that is kept, the newest */
     char head[ISO_AUDIT_HEAD_SIZE];
     bool sound;
-    uint64_t flaw_at; /* not sound: the sequence where it begins */
-    char flaw[160];   /* ... and what it is: "record 17 was changed, ..." */
+    uint64_t flaw_at; /* if not sound: the first sequence with a flaw */
+    char flaw[160];   /* description of the flaw: "record 17 was changed, ..." */
 };
 
-/* Looks at every record of every segment. known_head (not NULL): what was noted as the head behind
- * record known_sequence; a log that does not have it is another one, or an old one. The listener is
- * told of records. 0 also for a log that is not sound; -ENOMEM, -EIO. */
+/* Checks every record of every segment. known_head (not NULL) is a head that was noted after record
+ * known_sequence. A log that does not have it is another log, or an old one. The listener counts
+ * records. Returns 0 also for a log that is not sound; -ENOMEM, -EIO. */
 int iso_audit_verify(struct iso_audit *audit, uint64_t known_sequence, const char *known_head,
                      const struct iso_work_listener *listener, struct iso_audit_report *out,
                      struct iso_fault *fault) __attribute__((warn_unused_result));

@@ -62,7 +62,7 @@ struct iso_audit_opened {
     struct iso_audit_link before, behind;
     struct iso_heads known;
     size_t size;
-    char text[ISO_AUDIT_TEXT_MAX + 1]; /* terminated */
+    char text[ISO_AUDIT_TEXT_MAX + 1]; /* ends with a NUL */
 };
 
 /* Opens a line without its newline. -EBADMSG: it is no record of this sequence under this key. */

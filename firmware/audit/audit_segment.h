@@ -16,7 +16,7 @@ enum { ISO_AUDIT_SEGMENTS_MAX = 64 };
 
 struct iso_audit_segments {
     size_t n;
-    uint64_t first[ISO_AUDIT_SEGMENTS_MAX]; /* rising */
+    uint64_t first[ISO_AUDIT_SEGMENTS_MAX]; /* in ascending order */
 };
 
 /* The path of a closed segment; -ENAMETOOLONG. */
@@ -28,35 +28,35 @@ int iso_audit_segment_path(const char *path, uint64_t first, char out[PATH_MAX],
 int iso_audit_segments_find(const char *path, struct iso_audit_segments *out,
                             struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Goes over a segment, record by record. */
+/* Reads a segment, record by record. */
 struct iso_audit_reader {
     FILE *file;
     struct iso_audit_seal seal;
     struct iso_audit_header header;
-    uint64_t next;              /* sequence of the record that comes next */
-    off_t position;             /* where it begins; behind the last one: where whole lines end */
-    size_t torn;                /* bytes behind the last whole line, when it is reached */
-    struct iso_audit_link link; /* that the next record has to begin with, but after a seek */
+    uint64_t next;  /* sequence of the next record */
+    off_t position; /* begin of the next record; at the end: the end of complete lines */
+    size_t torn;    /* bytes after the last complete line, once the end is reached */
+    struct iso_audit_link link; /* the next record has to begin with it, except after a seek */
     bool sought;
-    struct iso_audit_opened record; /* the last that was read */
+    struct iso_audit_opened record; /* the last record that was read */
     char line[ISO_AUDIT_LINE_MAX + 2];
-    const char *flaw; /* what is wrong, in words; NULL */
+    const char *flaw; /* description of the flaw; NULL */
 };
 
-/* Opens a segment and reads its header. -EBADMSG with ->flaw set if it is no file, has no header
- * that is sound, or its key is not in the ring, else the errno of opening. Closed by _close in any
+/* Opens a segment and reads its header. -EBADMSG with ->flaw set if it is not a regular file, has
+ * no valid header, or its key is not in the ring; else the errno of opening. Call _close in any
  * case. */
 int iso_audit_reader_open(struct iso_audit_reader *reader, const char *path,
                           const struct iso_key_ring *ring) __attribute__((warn_unused_result));
 void iso_audit_reader_close(struct iso_audit_reader *reader);
 
-/* Reads a record into ->record: 1, or 0 at the end; -EBADMSG with ->flaw set if it is not the one
- * that comes next in the chain, -EIO. */
+/* Reads a record into ->record. Returns 1, or 0 at the end; -EBADMSG with ->flaw set if it is not
+ * the next one in the chain, -EIO. */
 int iso_audit_reader_next(struct iso_audit_reader *reader) __attribute__((warn_unused_result));
 
-/* Passes over records, without opening them, until `sequence` comes next; what that follows from is
- * not checked. `position` is that of a record before it, of sequence `at`; 0: the first of the
- * segment. 0 or -EIO. */
+/* Skips records, without opening them, until `sequence` comes next. The chain of the skipped
+ * records is not checked. `position` is that of an earlier record, of sequence `at`; 0: the first
+ * of the segment. Returns 0 or -EIO. */
 int iso_audit_reader_seek(struct iso_audit_reader *reader, uint64_t at, off_t position,
                           uint64_t sequence) __attribute__((warn_unused_result));
 
