@@ -1,10 +1,10 @@
-/* The D-Bus service of firmware/contract/contract.h: puts calls to the appliance and its events on
- * the bus.
+/* The D-Bus service of firmware/contract/contract.h. It passes calls to the appliance, and the
+ * appliance's events to the bus.
  *
- * One client at a time has the claim. It is known by its unique name; when it leaves the bus the
- * claim is released. Status signals go to the claimant only. Only the thread of the event loop
- * uses the bus. The policy of the bus (board/generic/org.isotherm.Isotherm.conf) says who may
- * call, call_rate.h how often. */
+ * One client at a time has the claim. It is identified by its unique name; when it leaves the bus,
+ * the claim is released. Status signals go to the claimant only. Only the thread of the event loop
+ * uses the bus. The policy of the bus (board/generic/org.isotherm.Isotherm.conf) decides who may
+ * call, and call_rate.h how often. */
 #ifndef ISO_FIRMWARE_BUS_BUS_H
 #define ISO_FIRMWARE_BUS_BUS_H
 
@@ -16,7 +16,8 @@
 
 struct iso_bus;
 
-/* Whether this can be the address of a bus: -EINVAL with a fault if not. Connects to nothing. */
+/* Whether this can be the address of a bus. Returns -EINVAL with a fault if not. Connects to
+ * nothing. */
 int iso_bus_check_address(const char *address, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -24,30 +25,32 @@ int iso_bus_check_address(const char *address, struct iso_fault *fault)
 int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Sends what is still to be sent, and leaves. NULL is fine. */
+/* Sends the remaining messages and disconnects. NULL is fine. */
 void iso_bus_close(struct iso_bus *bus);
 
-/* Handlers that put the appliance's events on this bus, but for `message`, which is the caller's.
- */
+/* Handlers that send the appliance's events on this bus, except for `message`, which the caller
+ * provides. */
 struct iso_appliance_events iso_bus_events(struct iso_bus *bus,
                                            void (*message)(void *context, int priority,
                                                            const char *text));
 
-/* Offers the appliance, which uses these components, under the name of the contract, from within
- * an event loop. Both must outlive the bus. -EEXIST: the name is taken. */
+/* Offers the appliance, which uses these components, under the name of the contract, from within an
+ * event loop. Both must outlive the bus. -EEXIST: the name is taken. */
 int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
                   const struct iso_appliance_borrowed *borrowed, sd_event *event,
                   struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* The connection is lost. Nobody is served, and nothing waits for it: the appliance goes on. */
+/* Whether the connection is lost. Then no client is served, and the appliance goes on without
+ * waiting for the bus. */
 bool iso_bus_is_gone(const struct iso_bus *bus);
 
-/* The name is ours, and calls are answered. */
+/* Whether the bus has the name and answers calls. */
 bool iso_bus_is_serving(const struct iso_bus *bus);
 
-/* Gives a lost connection up, with the claim that somebody had through it, and begins another one,
- * without waiting: whether it comes about shows iso_bus_is_serving, or iso_bus_is_gone again. An
- * error of connecting, and it is still gone. Not from within a handler of the bus. */
+/* Gives up a lost connection, with the claim that a client had through it, and begins another one
+ * without waiting. Whether it succeeds becomes known by iso_bus_is_serving, or by iso_bus_is_gone.
+ * Returns an error of connecting; then the bus is still gone. Must not be called from within a
+ * handler of the bus. */
 int iso_bus_mend(struct iso_bus *bus, struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

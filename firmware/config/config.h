@@ -1,13 +1,13 @@
 /* The configuration of the appliance: an INI file, read strictly.
  *
- * One table (iso_config_keys) says everything about every key of the appliance: it drives parsing,
- * the help and the sample file, so that they cannot disagree. [sensor] and [door] have moreover the
- * options of the back end that their key `backend` names, wherever in the section it stands; its
- * table (drivers/base/option.h) drives the same. An unknown section or key, an option that only
- * other back ends have (the fault names them; one without a value is let pass), a bad value, a
- * repeated key and a line that is not `key = value` are refused with "FILE:LINE: what is wrong".
- * ';' or '#' begins a line of comment; " ;" begins one behind a value. A line holds at most 190
- * bytes. */
+ * One table (iso_config_keys) describes every key of the appliance. It controls parsing, the help
+ * and the sample file, so that they cannot disagree. [sensor] and [door] also have the options of
+ * the back end that their key `backend` names, wherever in the section that key is; the back end's
+ * table (drivers/base/option.h) controls the same things. These are refused with "FILE:LINE: what
+ * is wrong": an unknown section or key, an option that only other back ends have (the fault names
+ * them; an option without a value is accepted), a bad value, a repeated key, and a line that is not
+ * `key = value`. ';' or '#' begins a line of comment; " ;" begins a comment after a value. A line
+ * has at most 190 bytes. */
 #ifndef ISO_FIRMWARE_CONFIG_CONFIG_H
 #define ISO_FIRMWARE_CONFIG_CONFIG_H
 
@@ -27,9 +27,9 @@ enum { ISO_CONFIG_TEXT_SIZE = 192, ISO_CONFIG_OPTIONS_MAX = 16, ISO_CONFIG_KEYS_
 struct iso_config_options {
     size_t n;
     struct iso_config_option {
-        const struct iso_option_spec *spec; /* of the back end's table */
+        const struct iso_option_spec *spec; /* points into the back end's table */
         char value[ISO_CONFIG_TEXT_SIZE];   /* not empty */
-        int line;                           /* of the file; 0: of no file */
+        int line;                           /* line of the file; 0: not from a file */
     } list[ISO_CONFIG_OPTIONS_MAX];
 };
 
@@ -66,31 +66,31 @@ struct iso_config_match {
     enum iso_icp_transform transform;
 };
 
-/* How sure a match has to be, as the false match rate of a comparison: 1e-2, 1e-3, 1e-4. */
+/* The security level of a match, as the false match rate of a comparison: 1e-2, 1e-3, 1e-4. */
 enum iso_level { ISO_LEVEL_CONVENIENT = 0, ISO_LEVEL_BALANCED, ISO_LEVEL_STRICT };
 
 struct iso_config_decision {
     enum iso_level level;
-    double threshold; /* 0: the level's */
+    double threshold; /* 0: the threshold of the level */
     double margin;
     int agree, max_frames, attack_frames, gap_ms, refractory_ms;
 };
 
-/* What the appliance learns of people at confident matches (learning.h). */
+/* What the appliance learns about people from confident matches (learning.h). */
 struct iso_config_update {
-    int templates; /* of one person, at most; 0: none, and what was learned is forgotten */
+    int templates; /* of one person, at most; 0: none, and learned templates are deleted */
     double score;
 };
 
 struct iso_config_lockout {
-    int failures, attacks; /* 0: they never lock */
+    int failures, attacks; /* 0: they never lock the door */
     int first_ms, longest_ms, forget_ms;
     char path[ISO_CONFIG_TEXT_SIZE];
 };
 
 struct iso_config_motion {
     double still_mm_s, still_deg_s, jump_mm_s, jump_deg_s;
-    int lifeless_ms, frozen_frames; /* 0: not looked at */
+    int lifeless_ms, frozen_frames; /* 0: not checked */
 };
 
 struct iso_config_hint {
@@ -104,15 +104,15 @@ struct iso_config_enroll {
     double mouth_max_mm;
 };
 
-/* What shows that the whole state directory is of an earlier time. */
+/* How the daemon notices that the whole state directory is of an earlier time. */
 enum iso_counter_kind { ISO_COUNTER_NONE = 0, ISO_COUNTER_TPM2 };
 
 struct iso_config_seal {
-    char key[ISO_CONFIG_TEXT_SIZE]; /* "": beside the gallery */
+    char key[ISO_CONFIG_TEXT_SIZE]; /* "": next to the gallery */
     enum iso_counter_kind counter;
     char counter_tcti[ISO_CONFIG_TEXT_SIZE], counter_index[ISO_CONFIG_TEXT_SIZE];
     char
-        credentials[ISO_CONFIG_TEXT_SIZE]; /* directory of the service manager's; not in the file */
+        credentials[ISO_CONFIG_TEXT_SIZE]; /* directory from the service manager; not in the file */
     bool migrate;
 };
 
@@ -166,51 +166,52 @@ enum iso_config_type {
 struct iso_config_key {
     const char *section, *name;
     enum iso_config_type type;
-    size_t offset;        /* in struct iso_config */
-    double min, max;      /* numbers and counts */
+    size_t offset;        /* offset in struct iso_config */
+    double min, max;      /* for numbers and counts */
     const char *choices;  /* "word|word" */
-    const char *standard; /* value without configuration, in the file's own words */
+    const char *standard; /* value without configuration, as text of the file */
     const char *help;     /* one line */
 };
 
 extern const struct iso_config_key iso_config_keys[];
 extern const size_t iso_config_n_keys;
 
-/* A key that an earlier version had: "[section] name"; NULL for every other key. A file that still
- * has such a key, with whatever value, is accepted, so that the daemon starts after an upgrade. */
+/* A key of an earlier version: "[section] name"; NULL for every other key. A file that still has
+ * such a key, with any value, is accepted, so that the daemon starts after an upgrade. */
 const char *iso_config_find_obsolete(const char *section, const char *name);
 
-/* Whether the door has a lock of its own; false if it only sends card numbers to an access
- * controller, which has one. */
+/* Whether the door has a lock of its own. False: the appliance only sends card numbers to an access
+ * controller, which has the lock. */
 bool iso_config_has_relay(const struct iso_config *config);
 
-/* The score from which on a face is taken for a person's: the threshold if one is set, else the
- * level's. By metric, a score of s is as rare as 10^-s among strangers who are alike (metric.h). */
+/* The lowest score at which a face counts as a person's: the threshold if one is set, else that of
+ * the level. With the metric, one of 10^s similar strangers reaches a score of s (metric.h). */
 double iso_config_threshold(const struct iso_config *config);
 
 /* The same for a face that is compared with so many people. Each of them is one more chance for a
- * stranger, so that above ISO_CONFIG_PEOPLE_AT_LEVEL the level's score rises by the common
- * logarithm of how many times more there are: 100 people take 1 more, 1,000 take 2 more. A
- * stranger's visit is then let in no more often than the level says, however many are enrolled. A
- * threshold that is set stands, and so does the score of a method that is not calibrated, since it
- * is no probability (firmware/recognise/method/method.h). */
+ * stranger. Therefore the score of the level rises above ISO_CONFIG_PEOPLE_AT_LEVEL people, by the
+ * common logarithm of how many times more there are: 100 people take 1 more, 1,000 take 2 more. So
+ * a stranger's visit is let in no more often than the level says, however many people are enrolled.
+ * A threshold that is set does not rise. Nor does the score of a method that is not calibrated,
+ * because it is not a probability (firmware/recognise/method/method.h). */
 enum { ISO_CONFIG_PEOPLE_AT_LEVEL = 10 };
 double iso_config_threshold_among(const struct iso_config *config, size_t n_people);
 
-/* What holds without a file. */
+/* The configuration without a file. */
 struct iso_config iso_config_default(void);
 
-/* Parses the text of a file; `name` names it in faults. -EINVAL for anything that is refused, with
- * *out untouched; -ENOMEM. */
+/* Parses the text of a file; `name` is its name in faults. -EINVAL for anything that is refused,
+ * with *out unchanged; -ENOMEM. */
 int iso_config_parse(const char *name, const char *text, struct iso_config *out,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Reads a file. -ENOENT and other errors of opening and reading it, else as iso_config_parse. */
+/* Reads a file. -ENOENT and other errors of opening and reading it, else the errors of
+ * iso_config_parse. */
 int iso_config_load(const char *path, struct iso_config *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The options for the back end of [sensor], and of [door], as the back end is opened with them:
- * pointers into the configuration. Returns how many. */
+/* The options with which the back end of [sensor], or of [door], is opened. They point into the
+ * configuration. Returns their number. */
 size_t iso_config_sensor_options(const struct iso_config *config,
                                  struct iso_option out[ISO_CONFIG_OPTIONS_MAX]);
 size_t iso_config_door_options(const struct iso_config *config,
@@ -220,7 +221,8 @@ size_t iso_config_door_options(const struct iso_config *config,
 const char *iso_config_option(const struct iso_config_options *options, const char *name);
 
 /* Sets an option of the back end that `config->sensor.backend` names, as a line of a file would.
- * -EINVAL with a fault that names the option: no such option, a bad value, too many of them. */
+ * -EINVAL with a fault that names the option: there is no such option, its value is bad, or there
+ * are too many. */
 int iso_config_set_sensor_option(struct iso_config *config, const char *name, const char *value,
                                  struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -1,5 +1,5 @@
 /* The keys of [sensor] and [door] that are options of a back end. Internal to firmware/config. The
- * line that names the back end may stand behind the options, so the parser collects them first and
+ * line that names the back end may come after the options, so the parser collects them first and
  * checks them at the end of the file. */
 #ifndef ISO_FIRMWARE_CONFIG_CONFIG_OPTIONS_H
 #define ISO_FIRMWARE_CONFIG_CONFIG_OPTIONS_H
@@ -8,7 +8,7 @@
 
 enum { ISO_CONFIG_PENDING_MAX = 48 };
 
-/* Keys of one section that are not the appliance's own. */
+/* The keys of one section that belong to a back end. */
 struct iso__config_pending {
     size_t n;
     struct iso__config_line {
@@ -31,15 +31,15 @@ int iso__config_pending_add(struct iso__config_pending *pending, const char *nam
                             const char *value, int line, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Hands what was gathered to the back end of a name. -EINVAL with a fault, and *line is the line
- * that is at fault. A back end that is not in the registry is no fault here: whoever opens it names
- * those there are. */
+/* Passes the collected keys to the back end of this name. -EINVAL with a fault; *line is then the
+ * wrong line. A back end that is not in the registry is not a fault here, because opening it
+ * reports the existing ones. */
 int iso__config_pending_resolve(const struct iso__config_class *class, const char *back_end,
                                 const struct iso__config_pending *pending,
                                 struct iso_config_options *out, int *line, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Writes the options of every back end of the class as the sample file has them. */
+/* Writes the options of every back end of the class in the form of the sample file. */
 void iso__config_print_options(const struct iso__config_class *class, FILE *out);
 
 #endif

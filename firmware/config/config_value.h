@@ -4,14 +4,15 @@
 
 #include "firmware/config/config.h"
 
-/* Puts the value of a key into its field. -EINVAL: it is none for this key. */
+/* Stores the value of a key in its field. -EINVAL: the key does not accept this value. */
 int iso__config_store(const struct iso_config_key *key, const char *value,
                       struct iso_config *config);
 
-/* What a value of a key has to be, in words. */
+/* Describes the values that a key accepts. */
 void iso__config_describe(const struct iso_config_key *key, char *text, size_t size);
 
-/* Keys that are sound alone and make no sense together: what is wrong, or NULL. (config_rules.c) */
+/* Checks keys that are right alone but may contradict each other: returns what is wrong, or NULL.
+ * (config_rules.c) */
 const char *iso__config_find_conflict(const struct iso_config *config);
 
 #endif

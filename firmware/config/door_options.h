@@ -1,4 +1,4 @@
-/* How the door of a configuration is guarded. */
+/* Converts the door's configuration to the options of its guard. */
 #ifndef ISO_FIRMWARE_CONFIG_DOOR_OPTIONS_H
 #define ISO_FIRMWARE_CONFIG_DOOR_OPTIONS_H
 
@@ -7,7 +7,7 @@
 #include "firmware/config/config.h"
 #include "firmware/door/door_guard.h"
 
-/* The options of a guard of these lines, without `record`. `threaded` as in door_guard.h. */
+/* The options of a guard for these lines, without `record`. `threaded` as in door_guard.h. */
 struct iso_door_guard_options iso_door_options_of(const struct iso_config_door *config,
                                                   const struct iso_times *times,
                                                   struct iso_door_io *io, bool threaded);

@@ -9,7 +9,7 @@ enum { ISO_FAULT_TAG_SIZE = 32 };
 /* Writes " [NAME]", or nothing for ISO_FAULT_NONE. Returns the tag. */
 const char *iso_fault_tag(enum iso_fault_code code, char tag[ISO_FAULT_TAG_SIZE]);
 
-/* The name of a code as the bus tells it: "" for ISO_FAULT_NONE. A constant. */
+/* The name of a code as it is on the bus: "" for ISO_FAULT_NONE. A constant. */
 const char *iso_fault_word(enum iso_fault_code code);
 
 #endif

@@ -7,21 +7,21 @@
 #include <stdint.h>
 
 struct iso_json_line {
-    char text[3072]; /* terminated at all times */
+    char text[3072]; /* always ends with a NUL */
     size_t length;
-    bool overflow; /* something did not fit; the text is of no use */
+    bool overflow; /* something did not fit, so the text must not be used */
 };
 
 void iso_json_line_begin(struct iso_json_line *line);
 
-/* Members, in the order they shall have; keys need no escaping. */
+/* Members, in the order of the calls. Keys need no escaping. */
 void iso_json_line_integer(struct iso_json_line *line, const char *key, int64_t value);
 
-/* Six significant digits; null if it is not finite, for JSON has no such numbers. */
+/* Writes six significant digits, or null if the number is not finite, because JSON has no such
+ * numbers. */
 void iso_json_line_number(struct iso_json_line *line, const char *key, double value);
 
-/* Quotes, backslashes and control characters are escaped; a byte that is no UTF-8 becomes U+FFFD.
- */
+/* Escapes quotes, backslashes and control characters. A byte that is not UTF-8 becomes U+FFFD. */
 void iso_json_line_string(struct iso_json_line *line, const char *key, const char *value);
 
 /* Ends the object and the line. Returns its length with the newline, or 0 if it did not fit. */

@@ -1,5 +1,5 @@
-/* What all spellings of a name have in common. The daemon and its clients fold names alike, so that
- * a client finds whom the daemon finds. */
+/* The common form of all spellings of a name. The daemon and its clients fold names in the same
+ * way, so that a client finds the same person as the daemon. */
 #ifndef ISO_FIRMWARE_CONTRACT_NAME_FOLDING_H
 #define ISO_FIRMWARE_CONTRACT_NAME_FOLDING_H
 

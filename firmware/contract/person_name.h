@@ -1,4 +1,4 @@
-/* What a person may be called, and which names are one. */
+/* Which names a person may have, and which spellings are one name. */
 #ifndef ISO_FIRMWARE_CONTRACT_PERSON_NAME_H
 #define ISO_FIRMWARE_CONTRACT_PERSON_NAME_H
 
@@ -7,24 +7,24 @@
 
 enum {
     ISO_PERSON_NAME_CHARACTERS = 64,
-    ISO_PERSON_NAME_SIZE = 4 * ISO_PERSON_NAME_CHARACTERS + 1, /* in UTF-8, with its end */
+    ISO_PERSON_NAME_SIZE = 4 * ISO_PERSON_NAME_CHARACTERS + 1, /* in UTF-8, with the NUL */
 };
 
-/* The rule for a name that is given now: valid UTF-8 of 1..64 characters, no blank at either end,
- * none of them a control character (C0, DEL, C1, line and paragraph separators, marks that turn the
- * direction of writing, which would forge log lines and lists), and none that is not seen:
- * Default_Ignorable_Code_Point, Bidi_Control and the category "format" of the Unicode standard,
- * noncharacters, and the empty Braille pattern. NULL if the name is fine, else what is wrong with
- * it. */
+/* The rule for a new name: valid UTF-8 of 1..64 characters, with no blank at either end. It
+ * contains no control character (C0, DEL, C1, line and paragraph separators, marks that change the
+ * direction of writing), because these could forge log lines and lists. It contains no invisible
+ * character: Default_Ignorable_Code_Point, Bidi_Control and the category "format" of the Unicode
+ * standard, noncharacters, and the empty Braille pattern. Returns NULL if the name is fine, else
+ * what is wrong with it. */
 const char *iso_person_name_flaw(const char *name);
 
-/* The rule for a name that is in a store already: an earlier version let characters in that are not
- * seen. */
+/* The rule for a name that is already in a store: an earlier version allowed invisible
+ * characters. */
 bool iso_person_name_can_be_stored(const char *name);
 
 /* Two names are one person's if their keys are the same ("Ada" and "ada", "STRASSE" and "Straße",
- * and other spellings that name_folding.h makes one). The key is a digest of fixed size, to be kept
- * and compared instead of the folded name. */
+ * and other spellings that name_folding.h makes equal). The key is a digest of fixed size, which is
+ * kept and compared instead of the folded name. */
 struct iso_person_name_key {
     uint8_t bytes[16];
 };

@@ -12,8 +12,8 @@ struct iso_validity {
 /* A change of the limits: those that are not named stay as they are. */
 struct iso_validity_change {
     bool names_from, names_until;
-    struct iso_validity limits; /* those that are named */
-    bool expired;               /* an end in the past is intended */
+    struct iso_validity limits; /* the limits that are named */
+    bool expired;               /* a limit in the past is intended */
 };
 
 struct iso_validity iso_validity_after(const struct iso_validity *before,
@@ -23,9 +23,9 @@ bool iso_validity_is_same(const struct iso_validity *a, const struct iso_validit
 
 enum { ISO_VALIDITY_TEXT_SIZE = 80, ISO_VALIDITY_FLAW_SIZE = 160 };
 
-/* Whether the limits that follow make sense. False, with a line for people, if one is before 1970,
- * if the end is not after the beginning, or if the change names an end before now_s and does not
- * say `expired`; the last cannot be told while the clock was never set. */
+/* Whether the resulting limits make sense. Returns false, with a line for people, if one is before
+ * 1970, if the end is not after the beginning, or if the change names an end before now_s and does
+ * not set `expired`. The last cannot be judged while the clock was never set. */
 bool iso_validity_is_fine(const struct iso_validity *before,
                           const struct iso_validity_change *change, int64_t now_s,
                           char flaw[ISO_VALIDITY_FLAW_SIZE]);
