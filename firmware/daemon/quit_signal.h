@@ -5,10 +5,10 @@
 #include <stdbool.h>
 #include <systemd/sd-event.h>
 
-/* From now on a signal wakes up the loop and sets *quit. A negative errno. */
+/* From now on a signal wakes up the loop and sets *quit. Returns a negative errno on failure. */
 int iso_quit_signal_catch(sd_event *event, bool *quit);
 
-/* The signals end the process again. */
+/* From now on the signals end the process again. */
 void iso_quit_signal_release(void);
 
 #endif

@@ -1,9 +1,9 @@
-/* The card numbers that an access controller knows people by: a text file, one line a person,
+/* The card numbers of people for an access controller: a text file with one line for each person,
  *
  *   FACILITY NUMBER NAME
  *
- * such as "17 4711 anna"; the name is all that stands behind the second blank. Empty lines and
- * lines that begin with '#' say nothing. Read strictly: no name and no number twice. */
+ * such as "17 4711 anna". The name is everything after the second blank. Empty lines and lines that
+ * begin with '#' are ignored. The file is read strictly: no name and no number may occur twice. */
 #ifndef ISO_FIRMWARE_DOOR_CARDS_H
 #define ISO_FIRMWARE_DOOR_CARDS_H
 
@@ -25,9 +25,10 @@ struct iso_card {
     const char *person; /* as the file spells the name */
 };
 
-/* The card of a person, or NULL. A line that spells the name in the same way goes first; else the
- * only line whose name is the same without regard to case (person_name.h). Of an old gallery, in
- * which such a name may be another person's, the caller has to ask whose it is. */
+/* The card of a person, or NULL. A line with exactly this spelling of the name is preferred.
+ * Otherwise it is the only line whose name is the same without regard to case (person_name.h). In
+ * an old gallery such a name may be another person's, so the caller has to check whose card it
+ * is. */
 const struct iso_card *iso_cards_find(const struct iso_cards *cards, const char *person);
 
 #endif

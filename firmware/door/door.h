@@ -52,12 +52,12 @@ enum iso_door_state {
 };
 
 enum iso_door_event {
-    ISO_DOOR_ON_START,      /* the door is shut */
-    ISO_DOOR_ON_START_OPEN, /* it stands open */
+    ISO_DOOR_ON_START,      /* the door is shut at the start */
+    ISO_DOOR_ON_START_OPEN, /* the door is open at the start */
     ISO_DOOR_ON_STOP,
-    ISO_DOOR_ON_GRANT, /* a face is let in */
+    ISO_DOOR_ON_GRANT, /* a recognised person is let in */
     ISO_DOOR_ON_REFUSE,
-    ISO_DOOR_ON_TEST, /* an administrator has the relay click once */
+    ISO_DOOR_ON_TEST, /* an administrator tests the relay */
     ISO_DOOR_ON_EXIT_BUTTON,
     ISO_DOOR_ON_OPENED,
     ISO_DOOR_ON_CLOSED,
@@ -77,7 +77,7 @@ const char *iso_door_state_name(enum iso_door_state state);
  * "tamper", "tamper-ended", "fault", "recovered", "not-switched", "time"; NULL outside. */
 const char *iso_door_event_name(enum iso_door_event event);
 
-/* How long the door is unlocked by a test. */
+/* How long a test unlocks the door. */
 enum { ISO_DOOR_TEST_MS = 500 };
 
 enum iso_door_fail {
@@ -88,30 +88,30 @@ enum iso_door_fail {
 struct iso_door_options {
     enum iso_door_fail fail;
     int64_t unlock_ns, held_ns, refused_ns;
-    int64_t pulse_ns; /* 0: the relay holds */
+    int64_t pulse_ns; /* 0: the relay stays switched */
 };
 
 struct iso_door {
     struct iso_door_options options;
     enum iso_door_state state;
     bool fault, tamper;
-    int64_t state_due_ns;   /* the state ends by itself; ISO_NEVER_NS if it does not */
-    int64_t pulse_due_ns;   /* the relay's pulse ends; ISO_NEVER_NS if there is none */
-    int64_t refused_due_ns; /* the refusal is shown until then; ISO_NEVER_NS: there is none */
+    int64_t state_due_ns;   /* when the state ends by itself; ISO_NEVER_NS: it does not */
+    int64_t pulse_due_ns;   /* when the relay's pulse ends; ISO_NEVER_NS: there is none */
+    int64_t refused_due_ns; /* until when the refusal is shown; ISO_NEVER_NS: there is none */
 };
 
-/* A stopped door. */
+/* Makes a stopped door. */
 void iso_door_init(struct iso_door *door, const struct iso_door_options *options);
 
-/* Takes in an event, which causes one transition at most. Give it the events of the inputs before
- * the time that has passed since they were last read (ISO_DOOR_ON_TIME): a person who opens the
- * door in the last moment of unlock_ms does not force it. Returns true if the state has changed. */
+/* Handles an event, which causes at most one transition. Pass the events of the inputs before the
+ * event ISO_DOOR_ON_TIME for the time since the last reading: a person who opens the door in the
+ * last moment of unlock_ms does not force it. Returns true if the state has changed. */
 bool iso_door_handle(struct iso_door *door, enum iso_door_event event, int64_t now_ns);
 
-/* When ISO_DOOR_ON_TIME will do something; ISO_NEVER_NS if nothing is due. */
+/* The time at which ISO_DOOR_ON_TIME will have an effect; ISO_NEVER_NS if nothing is due. */
 int64_t iso_door_due_ns(const struct iso_door *door);
 
-/* The levels that state and flags ask for. */
+/* The levels of the outputs for the present state and flags. */
 struct iso_door_outputs iso_door_outputs_of(const struct iso_door *door);
 
 #endif

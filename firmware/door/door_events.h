@@ -22,30 +22,31 @@ enum iso_door_source {
     ISO_DOOR_SOURCES
 };
 
-/* All zero: nothing has happened. */
+/* All zero: nothing has happened yet. */
 struct iso_door_events {
     struct iso_event_limit limits[ISO_DOOR_SOURCES];
-    enum iso_door_event causes[ISO_DOOR_SOURCES]; /* of the newest change of each */
-    struct iso_door_news newest;                  /* of all of them */
+    enum iso_door_event causes[ISO_DOOR_SOURCES]; /* cause of the newest change from each source */
+    struct iso_door_news newest;                  /* the newest change of all */
 };
 
-/* What is said of folded changes. */
+/* The report of changes that were only counted. */
 struct iso_door_burst {
-    enum iso_door_event cause; /* of the last of them */
-    enum iso_door_state state; /* of the door now */
+    enum iso_door_event cause; /* cause of the last of them */
+    enum iso_door_state state; /* present state of the door */
     char text[96];             /* "contact changed 212 times in 10.0 s; now locked" */
 };
 
-/* Takes a change in. True: it is told by itself. */
+/* Handles a change. Returns true if it is reported by itself. */
 bool iso_door_events_take(struct iso_door_events *events, const struct iso_door_news *news,
                           int64_t now_ns);
 
-/* What has to be told now of folded changes; false: nothing more. `ending`: all that was folded. To
- * be called until it is false, before iso_door_events_take and when something is due. */
+/* Returns a report of counted changes that is due now; false: there are no more. `ending`: all
+ * counted changes are due. Call it until it returns false, before iso_door_events_take and when
+ * something is due. */
 bool iso_door_events_next(struct iso_door_events *events, bool ending, int64_t now_ns,
                           struct iso_door_burst *out);
 
-/* When iso_door_events_next will have something; ISO_NEVER_NS if nothing is due. */
+/* The time at which iso_door_events_next will have a report; ISO_NEVER_NS if nothing is due. */
 int64_t iso_door_events_due_ns(const struct iso_door_events *events);
 
 #endif

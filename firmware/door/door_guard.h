@@ -23,7 +23,7 @@
 
 enum { ISO_DOOR_GUARD_PRIORITY = 20, ISO_DOOR_GUARD_NEWS = 64 };
 
-/* A change of the door: when it happened, what caused it, and what the door is then. */
+/* A change of the door: its time, its cause, and the state of the door after it. */
 struct iso_door_news {
     int64_t t_ns; /* by the guard's clock */
     enum iso_door_event cause;
@@ -36,9 +36,10 @@ struct iso_door_guard_options {
     struct iso_door_options door;
     struct iso_door_timing timing;
     struct iso_clock clock;
-    struct iso_door_io *io; /* may be lost; has to outlive the guard */
+    struct iso_door_io *io; /* may be lost; must outlive the guard */
     bool threaded;
-    void (*record)(void *context, const struct iso_door_news *news); /* NULL: see attach */
+    /* NULL: see iso_door_guard_attach. */
+    void (*record)(void *context, const struct iso_door_news *news);
     void *context;
 };
 
@@ -48,32 +49,32 @@ struct iso_door_guard;
 int iso_door_guard_new(const struct iso_door_guard_options *options, struct iso_door_guard **out)
     __attribute__((warn_unused_result));
 
-/* Ends the thread; iso_door_guard_stop comes before. NULL is fine. */
+/* Ends the thread. iso_door_guard_stop must be called before. NULL is fine. */
 void iso_door_guard_free(struct iso_door_guard *guard);
 
-/* Hands over what has happened since the start, oldest first, and from then on each change at once.
- * Returns how many changes of before are missing: only the newest ISO_DOOR_GUARD_NEWS are kept.
- * Call it once, before any news are taken, for a guard that was made without `record`. */
+/* Passes the changes since the start to `record`, the oldest first, and from then on each change at
+ * once. Returns how many earlier changes are missing, because only the newest ISO_DOOR_GUARD_NEWS
+ * are kept. Call it once, before any news are taken, for a guard that was made without `record`. */
 size_t iso_door_guard_attach(struct iso_door_guard *guard,
                              void (*record)(void *context, const struct iso_door_news *news),
                              void *context);
 
-/* The log is about to close: the guard does not call `record` any more. NULL is fine. */
+/* The log is about to close, so the guard stops calling `record`. NULL is fine. */
 void iso_door_guard_detach(struct iso_door_guard *guard);
 
-/* Puts the door to work, and with it its thread. -EAGAIN, -ENOMEM: no thread can be had. */
+/* Starts the door and its thread. -EAGAIN, -ENOMEM: no thread can be had. */
 int iso_door_guard_start(struct iso_door_guard *guard) __attribute__((warn_unused_result));
 
-/* Switches every output off. They stay off. */
+/* Switches every output off permanently. */
 void iso_door_guard_stop(struct iso_door_guard *guard);
 
-/* Lets somebody in, unless it is later than until_ns by the guard's clock: -ESTALE, and the lock
- * was not switched, or is back at rest if the time ran out while it was being switched. Else 0, and
- * *answer says what the door did. */
+/* Lets somebody in, unless it is later than until_ns by the guard's clock. Then it returns -ESTALE,
+ * and the lock was not switched, or is back at rest if the time ran out during the switching.
+ * Otherwise it returns 0, and *answer says what the door did. */
 int iso_door_guard_grant(struct iso_door_guard *guard, int64_t until_ns,
                          enum iso_door_answer *answer) __attribute__((warn_unused_result));
 
-/* As the calls of the control of the same name. */
+/* These have the same effect as the functions of the door's control with the same names. */
 void iso_door_guard_refuse(struct iso_door_guard *guard);
 int iso_door_guard_test(struct iso_door_guard *guard, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -81,31 +82,31 @@ int iso_door_guard_may_test(struct iso_door_guard *guard, struct iso_fault *faul
     __attribute__((warn_unused_result));
 void iso_door_guard_set_fault(struct iso_door_guard *guard, bool fault);
 
-/* Sends the card number of the person granted last. Errors as of iso_door_io_send_card, and also
- * -EACCES, without a fault, if the door is not unlocked, and -ESTALE if it is later than until_ns
- * of that grant. */
+/* Sends the card number of the person granted last. Errors of iso_door_io_send_card; also -EACCES,
+ * without a fault, if the door is not unlocked, and -ESTALE if it is later than until_ns of that
+ * grant. */
 int iso_door_guard_send_card(struct iso_door_guard *guard, const struct iso_wiegand_card *card,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* What the door is now. */
+/* The present state of the door. */
 struct iso_door_look {
     enum iso_door_state state;
     struct iso_fault fault; /* of the lines; "" while they work */
-    bool ordinary; /* its thread has no real-time priority, as the process may not have one */
+    bool ordinary; /* its thread has no real-time priority, because the process may not have one */
 };
 
 struct iso_door_look iso_door_guard_look(struct iso_door_guard *guard);
 
-/* Takes the oldest news that were not taken yet; false: there are none. If nobody took them in time
- * the oldest are overwritten; *missed says how many were since the last call. */
+/* Takes the oldest news that were not taken yet; false: there are none. If nobody takes news in
+ * time, the oldest are overwritten; *missed is the number of those since the last call. */
 bool iso_door_guard_next(struct iso_door_guard *guard, struct iso_door_news *news, size_t *missed);
 
-/* A descriptor that polls readable while there are news (with a thread), or when there is a reason
- * to step (without; negative if the lines have none). */
+/* A descriptor that polls readable while there are news (with a thread), or when a step is needed
+ * (without one; negative if the lines have no descriptor). */
 int iso_door_guard_fd(struct iso_door_guard *guard);
 
-/* Without a thread: does what is due now, and says when to step next, by the guard's clock. With a
- * thread nothing, and ISO_NEVER_NS. */
+/* Without a thread: does what is due now, and returns the time of the next step, by the guard's
+ * clock. With a thread: does nothing, and returns ISO_NEVER_NS. */
 void iso_door_guard_step(struct iso_door_guard *guard);
 int64_t iso_door_guard_due_ns(struct iso_door_guard *guard);
 

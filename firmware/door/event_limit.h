@@ -14,31 +14,31 @@
 
 enum { ISO_EVENT_LIMIT_BURST = 5 };
 
-/* All zero: PASSING, and nothing has happened. */
+/* All zero: PASSING, and nothing has happened yet. */
 struct iso_event_limit {
     int64_t second_ns; /* when the present second began */
     int passed;        /* events that have passed in it */
     bool folding;
     uint64_t folded;   /* since the last report */
-    int64_t since_ns;  /* when counting began */
+    int64_t since_ns;  /* when the counting began */
     int64_t newest_ns; /* the newest event that was counted */
 };
 
-/* What was folded: how many events within how long a time. */
+/* How many events were counted within which time. */
 struct iso_event_report {
     uint64_t events;
     int64_t length_ns;
 };
 
-/* Takes an event in. True: it passes. False: it was counted. */
+/* Handles an event. True: it passes. False: it was counted. */
 bool iso_event_limit_take(struct iso_event_limit *limit, int64_t now_ns);
 
-/* True if a report is due, with *out; `ending`: whatever was counted is due. To be called before
- * iso_event_limit_take with the same time, and when iso_event_limit_due_ns says so. */
+/* Returns true if a report is due, and fills in *out. `ending`: all counted events are due. Call it
+ * before iso_event_limit_take with the same time, and at iso_event_limit_due_ns. */
 bool iso_event_limit_report(struct iso_event_limit *limit, bool ending, int64_t now_ns,
                             struct iso_event_report *out);
 
-/* When iso_event_limit_report will do something; ISO_NEVER_NS if nothing is due. */
+/* The time at which iso_event_limit_report will have a report; ISO_NEVER_NS if nothing is due. */
 int64_t iso_event_limit_due_ns(const struct iso_event_limit *limit);
 
 #endif

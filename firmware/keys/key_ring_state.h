@@ -1,4 +1,4 @@
-/* What an open key ring holds. Internal to firmware/keys. */
+/* The state of an open key ring. Internal to firmware/keys. */
 #ifndef ISO_FIRMWARE_KEYS_KEY_RING_STATE_H
 #define ISO_FIRMWARE_KEYS_KEY_RING_STATE_H
 
@@ -16,13 +16,13 @@
 struct iso_key_ring {
     char path[PATH_MAX], file[PATH_MAX];
     bool credential;
-    bool beside;              /* the key has not got its place yet: it is in FILE.new */
-    bool unsure;              /* the disk refused the ring: which one it holds is not known */
-    pthread_mutex_t changing; /* of what follows, but for looking into the slots */
+    bool beside;              /* the key is not in its place yet but in FILE.new */
+    bool unsure;              /* after an error of the disk it is not known which ring is there */
+    pthread_mutex_t changing; /* protects all members below, except for reading the slots */
     struct iso_seal_key master;
     struct iso_key_slots slots;
-    struct iso_key_list draft; /* what is about to be written */
-    uint64_t number;           /* of the file on the disk; 0: of format 1 */
+    struct iso_key_list draft; /* the keys that are about to be written */
+    uint64_t number;           /* number of the file on the disk; 0: format 1 */
     struct iso_heads_board *board;
 };
 
@@ -31,12 +31,12 @@ struct iso_key_ring {
 /* No file is larger. */
 size_t iso__key_ring_file_bytes(void);
 
-/* Writes the draft, sealed with `master`; only then both hold. An error of the disk, and the ring
- * is as before or `unsure`. */
+/* Writes the draft, sealed with `master`. Only after success do both become valid. After an error
+ * of the disk the ring is as before, or `unsure`. */
 int iso__key_ring_commit(struct iso_key_ring *ring, const struct iso_seal_key *master,
                          struct iso_fault *fault);
 
-/* Takes the keys of a file that `master` opens. -EKEYREJECTED: it does not open this. */
+/* Reads the keys of a file that `master` opens. -EKEYREJECTED: it does not open the file. */
 int iso__key_ring_open_with(struct iso_key_ring *ring, const struct iso_seal_key *master,
                             const uint8_t *bytes, size_t size);
 

@@ -1,9 +1,9 @@
-/* What calls that have returned left on the stack: names, templates, texts. */
+/* Wipes what functions that have returned left on the stack: names, templates, texts. */
 #ifndef ISO_FIRMWARE_KEYS_STACK_WIPE_H
 #define ISO_FIRMWARE_KEYS_STACK_WIPE_H
 
-/* Wipes 96 kB of this thread's stack below its caller. To be called where the stack is shallow:
- * after each turn of an event loop. Some microseconds. */
+/* Wipes 96 kB of this thread's stack below its caller. Call it where the stack is shallow: after
+ * each turn of an event loop. It takes some microseconds. */
 void iso_stack_wipe(void);
 
 #endif
