@@ -10,16 +10,16 @@
 #include "core/match/search.h"
 #include "isotherm/index.h"
 
-/* All zero: nobody. */
+/* All zero: there are no candidates. */
 struct iso_candidate_list {
-    const struct iso_search_entry *entries; /* those of one person side by side */
+    const struct iso_search_entry *entries; /* the entries of one person are consecutive */
     int n_entries;
-    const struct iso_index *index; /* if not NULL: instead of the entries ... */
-    int64_t person;                /* ... this person of it alone; 0: everybody */
+    const struct iso_index *index; /* if not NULL, it is used instead of the entries */
+    int64_t person;                /* only this person of the index; 0: all people */
 
-    /* OPTIONAL, with an index: what opens the templates of one of its people, as
-     * iso_gallery_templates does, and a number that is another one whenever they may have changed.
-     * NULL: nobody is looked at again. */
+    /* OPTIONAL, with an index: a function that opens the templates of one of its people, as
+     * iso_gallery_templates does, and a number that changes whenever they may have changed. NULL:
+     * there is no reranking. */
     int (*templates)(void *owner, int64_t person, struct iso_template *out, int capacity, int *n,
                      struct iso_fault *fault);
     void *owner;

@@ -42,39 +42,40 @@
 #include "isotherm/template.h"
 
 enum {
-    ISO_GALLERY_APPLICATION_ID = 0x49534f54, /* "ISOT" */
+    ISO_GALLERY_APPLICATION_ID = 0x49534f54, /* the characters "ISOT" */
     ISO_GALLERY_SCHEMA = 2,
     ISO_GALLERY_TEMPLATES_MAX = ISO_CONTRACT_TEMPLATES_MAX, /* of one person */
 };
 
 struct iso_person {
-    int64_t id; /* never used for anybody else */
+    int64_t id; /* a number that no other person ever gets */
     char name[ISO_PERSON_NAME_SIZE];
-    struct iso_person_name_key key;                  /* of the name; set by the gallery */
-    int64_t enrolled_s, valid_from_s, valid_until_s; /* since 1970; limits: 0 is none */
-    uint32_t templates, usable;                      /* usable: those of the running algorithm */
+    struct iso_person_name_key key;                  /* key of the name; set by the gallery */
+    int64_t enrolled_s, valid_from_s, valid_until_s; /* since 1970; limits: 0 means none */
+    uint32_t templates, usable; /* usable: templates of the running algorithm */
 };
 
 struct iso_gallery;
 
 struct iso_gallery_options {
-    const char *path;                /* beside it PATH.anchor */
-    int capacity;                    /* most people */
-    uint32_t algorithm;              /* whose templates are searched */
+    const char *path;                /* the anchor is at PATH.anchor */
+    int capacity;                    /* largest number of people */
+    uint32_t algorithm;              /* the algorithm whose templates are searched */
     const struct iso_metric *metric; /* outlives the gallery; NULL: templates stay in memory */
     struct iso_key_ring *ring;       /* outlives the gallery */
-    bool migrate; /* a database of version 1, which was not sealed, is sealed at the first start */
+    bool migrate; /* seal a database of version 1, which was not sealed, at the first start */
 };
 
 /* Opens the database, or makes an empty one. Errors, each with a line that says what to do:
- *   -EBADMSG     damaged, empty, cut short, or with records that were exchanged
- *   -ESTALE      older than its anchor says, without an anchor, or gone; or not sealed any more
- *   -EKEYREJECTED the key ring has not the key for it
- *   -EMEDIUMTYPE a database of another application, or no database
+ *   -EBADMSG     damaged, empty, cut short, or with exchanged records
+ *   -ESTALE      older than its anchor, without an anchor, missing, or no longer sealed
+ *   -EKEYREJECTED the key ring does not have its key
+ *   -EMEDIUMTYPE a database of another application, or not a database
  *   -EPROTONOSUPPORT written by a newer version
  *   -EBUSY       another process has it
  *   -EROFS       it cannot be written; -EACCES, -ENOENT (no such directory)
- *   -ENOSPC      the disk is full; -EIO, -ENOMEM */
+ *   -ENOSPC      the disk is full
+ * Other errors are -EIO and -ENOMEM. */
 int iso_gallery_open(const struct iso_gallery_options *options, struct iso_gallery **out,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 void iso_gallery_close(struct iso_gallery *gallery);
@@ -94,8 +95,8 @@ int iso_gallery_remove(struct iso_gallery *gallery, const char *name, struct iso
     __attribute__((warn_unused_result));
 
 /* Gives a person another name; templates, dates and number stay. -ENOENT nobody has this name,
- * -EINVAL the new one is bad, -EEXIST somebody else has it, else as add. The first function only
- * asks whether the second one would refuse. */
+ * -EINVAL the new name is bad, -EEXIST another person has it, else as add. The first function only
+ * checks whether the second one would refuse. */
 int iso_gallery_may_rename(const struct iso_gallery *gallery, const char *name,
                            const char *new_name, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -108,27 +109,28 @@ int iso_gallery_set_validity(struct iso_gallery *gallery, const char *name,
                              const struct iso_validity *validity, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* 0 if a template can be added for this name, else with a fault: -EINVAL the name is new and bad,
- * -EDQUOT there is no room. */
+/* Returns 0 if a template can be added for this name, else an error with a fault: -EINVAL the name
+ * is new and bad, -EDQUOT there is no room. */
 int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* ---- out of service ---- */
 
-/* 0, or -EIO with the reason while the gallery is out of service: the disk reported an error of a
- * change and then refused to be read, so that nobody knows whether the change is on it. Nobody is
- * found and nobody is a candidate meanwhile; every change and every export is -EIO. */
+/* Returns 0, or -EIO with the reason while the gallery is out of service. That happens if the disk
+ * reported an error of a change and then could not be read, so that nobody knows whether the change
+ * is on it. Meanwhile nobody is found and nobody is a candidate, and every change and every export
+ * returns -EIO. */
 int iso_gallery_state(const struct iso_gallery *gallery, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Reads the gallery from the disk again if it is out of service, else does nothing. -EIO: it still
- * is. What was handed out before is not valid any more. */
+/* Reads the gallery from the disk again if it is out of service; otherwise does nothing. -EIO: it
+ * still is out of service. Earlier results of this header are no longer valid. */
 int iso_gallery_recover(struct iso_gallery *gallery, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* ---- copying between galleries ---- */
 
-/* A person to be taken over, with templates as iso_template_serialise() made them. */
+/* A person to be imported, with templates as iso_template_serialise() made them. */
 struct iso_gallery_item {
     struct iso_person person; /* id and counts are ignored */
     size_t n;                 /* 1..ISO_GALLERY_TEMPLATES_MAX */
@@ -149,8 +151,9 @@ int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_ite
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Calls `each` for people (all, or the one of this name if it is not NULL) with all templates, also
- * those that cannot be used here; the bytes are wiped after it. Returns what `each` returned if
- * that is not 0. -ENOENT nobody has this name, -EBADMSG, -EIO, -ENOMEM. */
+ * those that cannot be used here. The bytes are wiped after each call. If `each` returns a value
+ * other than 0, the function ends and returns it. -ENOENT nobody has this name, -EBADMSG, -EIO,
+ * -ENOMEM. */
 int iso_gallery_export(struct iso_gallery *gallery, const char *name,
                        int (*each)(void *context, const struct iso_gallery_item *item,
                                    struct iso_fault *fault),
@@ -165,14 +168,14 @@ int iso_gallery_forget_learned(struct iso_gallery *gallery, size_t *n, struct is
 
 /* ---- keys, and which gallery it is ---- */
 
-/* Seals everything with a new key and drops the old one; after a kill at any moment all records are
- * sealed with one of the two, and the ring has it. The listener is told of records: those of people
- * and of templates. */
+/* Seals everything with a new key and drops the old one. After a kill at any moment, all records
+ * are sealed with one of the two keys, and the ring has this key. The listener counts records:
+ * those of people and of templates. */
 int iso_gallery_rotate(struct iso_gallery *gallery, const struct iso_work_listener *listener,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Counts a change that changes nobody, so that the gallery's files state what is known now of the
- * other stores (heads.h). -EIO, -ENOSPC, ... */
+/* Counts a change that changes nobody, so that the gallery's files contain the present knowledge
+ * about the other stores (heads.h). -EIO, -ENOSPC, ... */
 int iso_gallery_renew(struct iso_gallery *gallery, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -180,7 +183,7 @@ int iso_gallery_renew(struct iso_gallery *gallery, struct iso_fault *fault)
 int iso_gallery_renew_anchor(struct iso_gallery *gallery, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Which gallery, and how often it was changed: what stands in the audit log. */
+/* Which gallery this is, and how often it was changed. The audit log contains both. */
 struct iso_gallery_version {
     char gallery[17]; /* the first half of its id, in hexadecimal digits */
     uint64_t changes;
@@ -188,27 +191,27 @@ struct iso_gallery_version {
 
 struct iso_gallery_version iso_gallery_version(const struct iso_gallery *gallery);
 
-/* ---- looking ---- */
+/* ---- finding people ---- */
 
-/* Everybody, in the order of enrolment. */
+/* All people, in the order of enrolment. */
 const struct iso_person *iso_gallery_people(const struct iso_gallery *gallery, size_t *n);
 
 /* How many people had the name of another person in another spelling when the gallery was opened.
  */
 size_t iso_gallery_same_names(const struct iso_gallery *gallery);
 
-/* NULL if there is no such person. */
+/* Returns NULL if there is no such person. */
 const struct iso_person *iso_gallery_find(const struct iso_gallery *gallery, const char *name);
 const struct iso_person *iso_gallery_find_id(const struct iso_gallery *gallery, int64_t id);
 
-/* The people that a search compares with: by their usable templates or, with a metric, by an
- * index. People without a usable template are not among them. */
+/* The people that a search compares with: by their usable templates or, with a metric, by an index.
+ * People without a usable template are left out. */
 struct iso_candidate_list iso_gallery_everybody(struct iso_gallery *gallery);
 struct iso_candidate_list iso_gallery_only(struct iso_gallery *gallery, int64_t person);
 
-/* The usable templates of one person, opened from the database: at most `capacity` of them, which
- * the caller wipes. Some 0.1 ms a template. -ENOENT nobody has this number; -EBADMSG a record is
- * not what was stored, -EIO, -ENOMEM: then nothing of it is left in `out`. */
+/* Opens the usable templates of one person from the database: at most `capacity`, which the caller
+ * wipes. Takes some 0.1 ms for each template. -ENOENT nobody has this number; -EBADMSG a record is
+ * not the stored one, -EIO, -ENOMEM; after an error `out` contains nothing of them. */
 int iso_gallery_templates(struct iso_gallery *gallery, int64_t person, struct iso_template *out,
                           int capacity, int *n, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -1,4 +1,4 @@
-/* What an open database of the gallery holds. Internal to firmware/gallery. */
+/* The state of an open database of the gallery. Internal to firmware/gallery. */
 #ifndef ISO_FIRMWARE_GALLERY_GALLERY_DB_STATE_H
 #define ISO_FIRMWARE_GALLERY_GALLERY_DB_STATE_H
 
@@ -16,15 +16,16 @@ struct iso_gallery_db {
     struct iso_key_ring *ring;
     struct iso_anchor *anchor;
     struct iso_gallery_seal seal;
-    struct iso_gallery_head head, draft; /* on the disk; with the changes of a transaction */
-    bool lost;                           /* what the disk holds is not known (gallery_truth.c) */
-    struct iso_fault lost_fault;         /* ... and why */
+    struct iso_gallery_head head,
+        draft;                   /* head: on the disk; draft: with the changes of a transaction */
+    bool lost;                   /* the contents of the disk are not known (gallery_truth.c) */
+    struct iso_fault lost_fault; /* the reason for `lost` */
     /* Room for one record. */
     uint8_t plain[ISO_TEMPLATE_BYTES_MAX], sealed[ISO_GALLERY_TEMPLATE_SEALED];
 };
 
-/* The kind of a gallery's anchor; its extra bytes are the gallery's id and, behind it, 1 while a
- * database of version 1 is being sealed. */
+/* The kind of a gallery's anchor. Its extra bytes are the gallery's id and then a byte that is 1
+ * while a database of version 1 is being sealed. */
 #define ISO__GALLERY_ANCHOR "gallery"
 
 struct iso_anchor_state iso__gallery_anchor_state(uint64_t changes,
@@ -43,7 +44,7 @@ int iso__gallery_prepare(const struct iso_gallery_db *db, const char *sql, sqlit
 int iso__gallery_finish(const struct iso_gallery_db *db, sqlite3_stmt *statement,
                         struct iso_fault *fault);
 
-/* The first column of the first row: what a check has to say. */
+/* The first column of the first row: the result of a check. */
 int iso__gallery_ask(const struct iso_gallery_db *db, const char *sql, char *answer, size_t size,
                      struct iso_fault *fault);
 
@@ -52,49 +53,49 @@ void iso__gallery_disconnect(struct iso_gallery_db *db);
 
 /* ---- what the disk holds (gallery_truth.c, gallery_db.c) ---- */
 
-/* After `error` of a change whose outcome is not known, with *fault set: reads from the disk what
- * came of it. 0: the change is on the disk. `error`: it is not. -EIO: that is not known, and the
- * database is out of service. */
+/* Called after `error` of a change whose outcome is not known, with *fault set. Reads the outcome
+ * from the disk. Returns 0 if the change is on the disk, `error` if it is not, and -EIO if this
+ * cannot be found out; then the database is out of service. */
 int iso__gallery_settle(struct iso_gallery_db *db, int error, struct iso_fault *fault);
 
 /* 0, or -EIO while the database is out of service. */
 int iso__gallery_in_service(const struct iso_gallery_db *db, struct iso_fault *fault);
 
-/* Reads the head row, under the key that it names; within a transaction. */
+/* Reads the head row with the key that it names; within a transaction. */
 int iso__gallery_read_head(struct iso_gallery_db *db, struct iso_fault *fault);
 
-/* Compares the head with the anchor, which follows if the head is one change ahead. -ESTALE. */
+/* Compares the head with the anchor, which is written if the head is one change ahead. -ESTALE. */
 int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault);
 
 /* ---- making a database (gallery_make.c) ---- */
 
-/* Makes an empty gallery if there is none. Its anchor comes first: a database without one is not
- * trusted. -ESTALE: there is no gallery, but the anchor of one that has changed: it was taken away.
- */
+/* Makes an empty gallery if there is none. Its anchor is written first, because a database without
+ * an anchor is not trusted. -ESTALE: there is no gallery, but the anchor of one that has changed,
+ * so the gallery was removed. */
 int iso__gallery_find_or_make(struct iso_gallery_db *db, struct iso_fault *fault);
 
 /* Writes the head row from the draft; within a transaction. */
 int iso__gallery_insert_head(struct iso_gallery_db *db, struct iso_fault *fault);
 
-/* An empty database of the present version beside its place (PATH.new), connected as `beside`,
- * which is otherwise empty: a transaction is open. */
+/* Makes an empty database of the present version under another name (PATH.new), connected as
+ * `beside`, which is otherwise empty. A transaction is open then. */
 int iso__gallery_make_beside(struct iso_gallery_db *db, struct iso_gallery_db *beside,
                              struct iso_fault *fault);
 
-/* Ends its transaction with the head in place, and moves it to its place, replacing what is there
- * if it may. The error that came before, or its own; then nothing is left of it. */
+/* Ends its transaction with the head in place, and moves it to its place; may replace an existing
+ * one if `replace` is set. Returns the earlier error or its own; after an error nothing of it is
+ * left. */
 int iso__gallery_move_in(struct iso_gallery_db *db, struct iso_gallery_db *beside, bool replace,
                          int error, struct iso_fault *fault);
 
 /* ---- version 1 (gallery_migrate.c) ---- */
 
-/* Exchanges the database of version 1 that is connected for a sealed one, which is not connected
- * then. */
+/* Replaces the connected database of version 1 by a sealed one, which is not connected then. */
 int iso__gallery_migrate(struct iso_gallery_db *db, struct iso_fault *fault);
 
 /* ---- rows (gallery_rows.c) ---- */
 
-/* A template with its number, and a person likewise; the digest of the draft follows. */
+/* Inserts a template with its number, or a person. The digest of the draft is updated. */
 int iso__gallery_insert_person(struct iso_gallery_db *db, int64_t id,
                                const struct iso_person *person, struct iso_fault *fault);
 int iso__gallery_insert_template(struct iso_gallery_db *db, const struct iso_gallery_place *place,

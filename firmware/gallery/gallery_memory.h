@@ -1,9 +1,9 @@
-/* What a gallery (gallery.h) keeps in memory: people, and what their templates are compared by.
+/* The part of a gallery (gallery.h) that is in memory: people, and the data for comparisons.
  * Internal to the gallery.
  *
- * With a metric that is an index of vectors, and templates are in the database alone; without one
- * it is the usable templates themselves. Changes come in two steps: what can fail is prepared
- * before the database's transaction, and what follows it cannot fail. */
+ * With a metric the data is an index of vectors, and templates are in the database alone. Without
+ * one it is the usable templates themselves. Changes come in two steps: everything that can fail is
+ * prepared before the database's transaction, and the step after it cannot fail. */
 #ifndef ISO_FIRMWARE_GALLERY_GALLERY_MEMORY_H
 #define ISO_FIRMWARE_GALLERY_GALLERY_MEMORY_H
 
@@ -11,17 +11,17 @@
 
 struct iso_gallery_memory {
     uint32_t algorithm;
-    const struct iso_metric *metric; /* NULL: by distance */
-    struct iso_person *people;       /* by rising id */
+    const struct iso_metric *metric; /* NULL: compared by distance */
+    struct iso_person *people;       /* in ascending order of id */
     size_t n_people, people_capacity;
-    size_t same_names;                /* names that were another's by their keys, when loaded */
-    struct iso_index *index;          /* with a metric */
-    struct iso_search_entry *entries; /* without one, in the order of people */
+    size_t same_names;       /* how many names had the key of another person's name when loaded */
+    struct iso_index *index; /* only with a metric */
+    struct iso_search_entry *entries; /* only without a metric, in the order of people */
     size_t n_entries, entries_capacity;
 };
 
-/* All of the database, within a transaction or not. `out` is written on success; done frees it. The
- * listener is told of people. */
+/* Loads the whole database, within a transaction or not. `out` is written on success; done frees
+ * it. The listener counts people. */
 int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
                             const struct iso_metric *metric,
                             const struct iso_work_listener *listener,
@@ -31,26 +31,26 @@ int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
 /* Wipes and frees everything. */
 void iso_gallery_memory_done(struct iso_gallery_memory *memory);
 
-/* A usable template as it will be kept. */
+/* A usable template in the form in which it is kept. */
 struct iso_gallery_kept {
-    struct iso_template *tmpl;       /* without a metric */
-    struct iso_metric_vector vector; /* with one; of no template if it has too few points */
+    struct iso_template *tmpl;       /* only without a metric */
+    struct iso_metric_vector vector; /* with a metric; empty if there are too few points */
 };
 
-/* Makes that of a serialised template, and room for it and for one more person. As
- * iso_template_parse; -EINVAL of another algorithm or not fit for the metric, -ENOMEM. */
+/* Makes this form from a serialised template, and makes room for it and for one more person. Errors
+ * of iso_template_parse; -EINVAL of another algorithm or not fit for the metric, -ENOMEM. */
 int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *bytes, size_t size,
                                struct iso_gallery_kept *out) __attribute__((warn_unused_result));
 void iso_gallery_memory_discard(struct iso_gallery_kept *kept);
 
-/* Takes over what was prepared, for this person; who is not known yet comes in, with what the
- * row says. Limits and counts follow. */
+/* Adds the prepared template to this person. A person who is not known yet is added with the values
+ * of the row. Limits and counts are updated. */
 void iso_gallery_memory_add(struct iso_gallery_memory *memory, const struct iso_person *row,
                             struct iso_gallery_kept *kept);
 
 void iso_gallery_memory_remove(struct iso_gallery_memory *memory, int64_t person);
 
-/* NULL if there is no such person. */
+/* Returns NULL if there is no such person. */
 struct iso_person *iso_gallery_memory_find(const struct iso_gallery_memory *memory, int64_t person);
 
 #endif

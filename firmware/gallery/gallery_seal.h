@@ -1,13 +1,14 @@
 /* How the gallery's records are sealed. Pure; internal to the gallery.
  *
  * A record is bound to its gallery, its number, its person and its algorithm, so that it opens in
- * no other place. All records together have a digest, and that stands in the head, with the number
- * of changes: a record that is missing, from another time or from another gallery does not fit.
+ * no other place. All records together have a digest. The head contains it with the number of
+ * changes: a record that is missing, from another time or from another gallery does not fit the
+ * digest.
  *
  * The digest is the exclusive or of a keyed digest of every record (the MSet-XOR-Hash of D. Clarke
  * et al., "Incremental Multiset Hash Functions and Their Application to Memory Integrity Checking",
- * ASIACRYPT 2003; the records differ by their numbers): a change costs as much as what it changes.
- */
+ * ASIACRYPT 2003; the records differ by their numbers). So the cost of a change depends only on the
+ * records that it changes. */
 #ifndef ISO_FIRMWARE_GALLERY_GALLERY_SEAL_H
 #define ISO_FIRMWARE_GALLERY_GALLERY_SEAL_H
 
@@ -24,7 +25,7 @@ enum {
     ISO_GALLERY_PERSON_BYTES = 3 * 8 + ISO_PERSON_NAME_SIZE, /* the same for every name */
     ISO_GALLERY_PERSON_SEALED = ISO_GALLERY_PERSON_BYTES + ISO_SEAL_OVERHEAD,
     ISO_GALLERY_TEMPLATE_SEALED = ISO_TEMPLATE_BYTES_MAX + ISO_SEAL_OVERHEAD,
-    ISO_GALLERY_HEAD_1_BYTES = 2 * 8 + ISO_SEAL_DIGEST_BYTES, /* without what it knows */
+    ISO_GALLERY_HEAD_1_BYTES = 2 * 8 + ISO_SEAL_DIGEST_BYTES, /* without knowledge of others */
     ISO_GALLERY_HEAD_BYTES = ISO_GALLERY_HEAD_1_BYTES + ISO_HEADS_BYTES,
     ISO_GALLERY_HEAD_SEALED = ISO_GALLERY_HEAD_BYTES + ISO_SEAL_OVERHEAD,
 };
@@ -37,15 +38,15 @@ struct iso_gallery_seal {
 
 struct iso_gallery_head {
     uint64_t changes;
-    uint64_t next; /* number of the next record; none is used twice */
+    uint64_t next; /* number of the next record; no number is used twice */
     uint8_t digest[ISO_SEAL_DIGEST_BYTES];
-    struct iso_heads known; /* of the other stores, when this was written (heads.h) */
+    struct iso_heads known; /* about the other stores, when this was written (heads.h) */
 };
 
-/* Where a record belongs. */
+/* The place of a record. */
 struct iso_gallery_place {
-    int64_t number; /* of the row */
-    int64_t person; /* of a template; 0: it is a person's record */
+    int64_t number; /* number of the row */
+    int64_t person; /* the person of a template; 0: this is a person's record */
     uint32_t algorithm;
 };
 
@@ -53,7 +54,7 @@ struct iso_gallery_seal iso_gallery_seal_of(const uint8_t gallery[ISO_GALLERY_ID
                                             uint32_t key_number, const struct iso_seal_key *key);
 void iso_gallery_seal_wipe(struct iso_gallery_seal *seal);
 
-/* A record at its place; sealed has size + ISO_SEAL_OVERHEAD bytes. */
+/* Seals or opens a record at its place; sealed has size + ISO_SEAL_OVERHEAD bytes. */
 void iso_gallery_record_close(const struct iso_gallery_seal *seal,
                               const struct iso_gallery_place *place, const void *plain, size_t size,
                               uint8_t *sealed);
@@ -61,13 +62,13 @@ int iso_gallery_record_open(const struct iso_gallery_seal *seal,
                             const struct iso_gallery_place *place, const void *sealed, size_t size,
                             void *plain) __attribute__((warn_unused_result));
 
-/* Puts the record into a digest, or takes it out again. */
+/* Adds the record to a digest, or removes it again. */
 void iso_gallery_record_toggle(const struct iso_gallery_seal *seal,
                                const struct iso_gallery_place *place, const void *sealed,
                                size_t size, uint8_t digest[ISO_SEAL_DIGEST_BYTES]);
 
-/* A person's record: dates and name; id and counts are not in it. get: -EBADMSG a size or a name
- * that cannot be. */
+/* A person's record: dates and name, without id and counts. get: -EBADMSG a size or a name that is
+ * not possible. */
 void iso_gallery_person_put(const struct iso_person *person,
                             uint8_t plain[ISO_GALLERY_PERSON_BYTES]);
 int iso_gallery_person_get(const uint8_t *plain, size_t size, struct iso_person *out)
@@ -76,7 +77,8 @@ int iso_gallery_person_get(const uint8_t *plain, size_t size, struct iso_person 
 void iso_gallery_head_close(const struct iso_gallery_seal *seal,
                             const struct iso_gallery_head *head,
                             uint8_t sealed[ISO_GALLERY_HEAD_SEALED]);
-/* Heads that were written before they knew of other stores open, too: with nothing known. */
+/* Heads that were written before they contained knowledge about other stores can be opened, too;
+ * they then contain none. */
 int iso_gallery_head_open(const struct iso_gallery_seal *seal, const void *sealed, size_t size,
                           struct iso_gallery_head *out) __attribute__((warn_unused_result));
 

@@ -1,4 +1,4 @@
-/* What an open gallery holds. Internal to firmware/gallery. */
+/* The state of an open gallery. Internal to firmware/gallery. */
 #ifndef ISO_FIRMWARE_GALLERY_GALLERY_STATE_H
 #define ISO_FIRMWARE_GALLERY_GALLERY_STATE_H
 

@@ -30,12 +30,12 @@
 enum {
     ISO_TRANSFER_SALT_BYTES = 16,
     ISO_TRANSFER_MAX_BYTES = 64 << 20,
-    ISO_TRANSFER_ADDRESS_SIZE = 2 * 64 + 1, /* hexadecimal digits, with their end */
+    ISO_TRANSFER_ADDRESS_SIZE = 2 * 64 + 1, /* hexadecimal digits and a NUL */
 };
 
 /* Who can open a file. */
 struct iso_transfer_lock {
-    const char *address; /* of an appliance; NULL: who has the key */
+    const char *address; /* of an appliance; NULL: everybody who has the key */
     struct iso_seal_key key;
     uint8_t salt[ISO_TRANSFER_SALT_BYTES];
 };
@@ -43,26 +43,27 @@ struct iso_transfer_lock {
 /* The address of the appliance with this ring. */
 void iso_transfer_address(const struct iso_key_ring *ring, char address[ISO_TRANSFER_ADDRESS_SIZE]);
 
-/* Writes people (NULL: all; else a list that NULL ends) into memory, to be released with
- * iso_transfer_free. The listener is told of people. -EINVAL the address is none, -ENOENT a name is
- * nobody's, -EFBIG, -ENOMEM, or an error of the gallery. */
+/* Writes people (NULL: all; else a list that NULL ends) into memory, which iso_transfer_free
+ * releases. The listener counts people. -EINVAL the address is not valid, -ENOENT nobody has a name
+ * of the list, -EFBIG, -ENOMEM, or an error of the gallery. */
 int iso_transfer_write(struct iso_gallery *gallery, const char *const *people,
                        const struct iso_key_ring *ring, const struct iso_transfer_lock *lock,
                        const struct iso_work_listener *listener, uint8_t **bytes, size_t *size,
                        size_t *n, struct iso_fault *fault) __attribute__((warn_unused_result));
 void iso_transfer_free(uint8_t *bytes, size_t size);
 
-struct iso_transfer; /* people that were read */
+struct iso_transfer; /* people that were read from a file */
 
-/* Reads a file. key: of the passphrase, NULL if there is none. sender: the address that has to have
- * signed it; NULL: whoever knows the passphrase (a file for this appliance needs one: anybody can
- * seal for an address). -EBADMSG damaged or no such file, -EKEYREJECTED it is for somebody else, or
- * the passphrase is wrong, or another appliance has signed it, -EINVAL, -ENOMEM. */
+/* Reads a file. key: from the passphrase, NULL if there is none. sender: the address that has to
+ * have signed it. NULL: every sender who knows the passphrase; a file for this appliance needs an
+ * address, because anybody can seal for an appliance. -EBADMSG damaged or another kind of file,
+ * -EKEYREJECTED it is for another appliance, the passphrase is wrong, or another appliance has
+ * signed it, -EINVAL, -ENOMEM. */
 int iso_transfer_read(const uint8_t *bytes, size_t size, const struct iso_key_ring *ring,
                       const struct iso_seal_key *key, const char *sender, struct iso_transfer **out,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Valid until _done, which wipes them. */
+/* Valid until iso_transfer_done, which wipes them. */
 const struct iso_gallery_item *iso_transfer_items(const struct iso_transfer *transfer, size_t *n);
 void iso_transfer_done(struct iso_transfer *transfer);
 

@@ -1,5 +1,5 @@
-/* What writing and reading of a file of people share (transfer.h has its layout). Internal to
- * firmware/gallery. */
+/* Definitions for both writing and reading a file of people (transfer.h describes its layout).
+ * Internal to firmware/gallery. */
 #ifndef ISO_FIRMWARE_GALLERY_TRANSFER_FORMAT_H
 #define ISO_FIRMWARE_GALLERY_TRANSFER_FORMAT_H
 
@@ -14,7 +14,7 @@ enum {
     ISO__TRANSFER_HEADER_BYTES = ISO__TRANSFER_SIGNER_AT + crypto_sign_PUBLICKEYBYTES,
     ISO__TRANSFER_LEAST_BYTES = ISO__TRANSFER_HEADER_BYTES + ISO_SEAL_OVERHEAD + 4 +
                                 crypto_sign_BYTES,
-    ISO__TRANSFER_PUBLIC_BYTES = 32, /* of one half of an address */
+    ISO__TRANSFER_PUBLIC_BYTES = 32, /* size of one half of an address */
 };
 
 _Static_assert(ISO__TRANSFER_HEADER_BYTES == 144 && ISO__TRANSFER_KEY_BYTES == 80,
@@ -28,7 +28,7 @@ struct iso__transfer_pair {
 struct iso__transfer_pair iso__transfer_receiving_pair(const struct iso_key_ring *ring);
 void iso__transfer_wipe_pair(struct iso__transfer_pair *pair);
 
-/* The halves of an address: whom it names as a signer, and to whom one seals. -EINVAL. */
+/* The two halves of an address: the key of the signer, and the key for sealing. -EINVAL. */
 int iso__transfer_parse_address(const char *address, uint8_t halves[2][ISO__TRANSFER_PUBLIC_BYTES],
                                 struct iso_fault *fault);
 

@@ -33,15 +33,15 @@ enum iso_key_use {
     ISO_KEY_LOG = 2,     /* records of the audit log */
     ISO_KEY_ANCHOR = 3,  /* anchor.h */
     ISO_KEY_SIGN = 4,    /* seed of the Ed25519 pair that signs what is exported */
-    ISO_KEY_RECEIVE = 5, /* seed of the X25519 pair to which others export */
+    ISO_KEY_RECEIVE = 5, /* seed of the X25519 pair for which others seal exports */
 };
 
 enum { ISO_KEY_RING_MOST = 64 };
 
 struct iso_key_place {
     const char *ring;        /* path of the ring */
-    const char *file;        /* path of the appliance's key, if it is no credential */
-    const char *credentials; /* directory; NULL or "": there is none */
+    const char *file;        /* path of the appliance's key, if it is not a credential */
+    const char *credentials; /* directory of credentials; NULL or "": there is none */
 };
 
 struct iso_key_ring;
@@ -63,25 +63,27 @@ const struct iso_seal_key *iso_key_ring_find(const struct iso_key_ring *ring, en
 /* Number of the newest key of this use; 0 if there is none. */
 uint32_t iso_key_ring_newest(const struct iso_key_ring *ring, enum iso_key_use use);
 
-/* Makes a key; its number is above all before. The ring is on the disk when it returns. -ENOSPC (of
- * the disk, or the ring is full), -EIO, ...; then nothing has changed. */
+/* Makes a key; its number is higher than all before. The ring is on the disk when it returns.
+ * -ENOSPC (the disk or the ring is full), -EIO, ...; then nothing has changed. */
 int iso_key_ring_add(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *number,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Drops the keys of this use with numbers below `number`: what they seal is gone for good. */
+/* Drops the keys of this use with numbers below `number`. What they have sealed cannot be read any
+ * more. */
 int iso_key_ring_drop(struct iso_key_ring *ring, enum iso_key_use use, uint32_t number,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Gives the ring another key of the appliance. -EPERM: it is a credential, which the administrator
- * changes. */
+/* Gives the ring another key of the appliance. -EPERM: the key is a credential, which the
+ * administrator changes. */
 int iso_key_ring_change_key(struct iso_key_ring *ring, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Writes the ring as it is, with the next number and present knowledge. -EIO, -ENOSPC, ... */
+/* Writes the ring unchanged, with the next number and the present knowledge. -EIO, -ENOSPC, ... */
 int iso_key_ring_renew(struct iso_key_ring *ring, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Where the stores that have this ring tell each other their counts. Lives as long as the ring. */
+/* The board on which the stores that have this ring exchange their counts. Lives as long as the
+ * ring. */
 struct iso_heads_board *iso_key_ring_board(const struct iso_key_ring *ring);
 
 /* Whether the appliance's key is a credential of the service manager, or a file. */

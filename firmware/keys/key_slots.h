@@ -15,23 +15,23 @@ struct iso_key_entry {
     struct iso_seal_key key;
 };
 
-/* Keys as they are on the disk, or are about to be; `next` is the number that the next key gets. */
+/* Keys as they are on the disk, or will be; `next` is the number of the next key. */
 struct iso_key_list {
     uint32_t n, next;
     struct iso_key_entry entries[ISO_KEY_RING_MOST];
 };
 
-/* All zero: no keys. A slot's number and key are written before its use, and read behind it. */
+/* All zero: no keys. A slot's number and key are written before its use, and read after it. */
 struct iso_key_slots {
     uint32_t next;
     struct iso_key_slot {
-        _Atomic uint32_t use; /* 0: free */
+        _Atomic uint32_t use; /* 0: the slot is free */
         uint32_t number;
         struct iso_seal_key key;
     } slots[ISO_KEY_RING_MOST];
 };
 
-/* What the slots hold. */
+/* The keys in the slots. */
 void iso_key_slots_list(const struct iso_key_slots *slots, struct iso_key_list *out);
 
 /* Makes the slots hold the keys of this list. A key that is in a slot already keeps its slot. Wipes

@@ -1,5 +1,5 @@
-/* Where the key of the appliance comes from: the credentials of the service manager, or a file.
- * Internal to firmware/keys. */
+/* Finds the key of the appliance: in the credentials of the service manager, or in a file. Internal
+ * to firmware/keys. */
 #ifndef ISO_FIRMWARE_KEYS_MASTER_KEYS_H
 #define ISO_FIRMWARE_KEYS_MASTER_KEYS_H
 
@@ -14,14 +14,14 @@ struct iso_master_keys {
     bool have[2];
 };
 
-/* isotherm.key and isotherm.key.old of a directory of credentials. 0 also if there is none; -EINVAL
- * one of them is no key, -ENAMETOOLONG, or an errno of reading. */
+/* Reads isotherm.key and isotherm.key.old from a directory of credentials. Returns 0 also if there
+ * is none; -EINVAL one of them is not a key, -ENAMETOOLONG, or an errno of reading. */
 int iso_master_keys_of_credentials(const char *directory, struct iso_master_keys *out,
                                    struct iso_fault *fault);
 
-/* The file of the key, and FILE.new, which a change of the key that was cut short has left: a whole
- * key or not. 0 also if there is none; -EACCES others can read the file, -EINVAL it is no key, or
- * an errno of reading. */
+/* Reads the file of the key, and FILE.new, which remains if a change of the key was interrupted and
+ * may be incomplete. Returns 0 also if there is none; -EACCES others can read the file, -EINVAL it
+ * is not a key, or an errno of reading. */
 int iso_master_keys_of_file(const char *file, struct iso_master_keys *out, struct iso_fault *fault);
 
 #endif

@@ -15,12 +15,12 @@
 
 enum {
     ISO_SEAL_KEY_BYTES = 32,
-    ISO_SEAL_OVERHEAD = 24 + 16, /* a sealed record is longer by this */
+    ISO_SEAL_OVERHEAD = 24 + 16, /* how much longer a sealed record is */
     ISO_SEAL_DIGEST_BYTES = 32,
     ISO_SEAL_LABEL_BYTES = 128,
 };
 
-/* Plain bytes; the owner wipes them. */
+/* The bytes of a key, not sealed; the owner wipes them. */
 struct iso_seal_key {
     uint8_t bytes[ISO_SEAL_KEY_BYTES];
 };
@@ -32,7 +32,8 @@ struct iso_seal_label {
     size_t size;
 };
 
-/* Before anything else of this header; may be called again. -EIO: the library does not start. */
+/* Must be called before any other function of this header; may be called again. -EIO: the library
+ * does not start. */
 int iso_seal_start(struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* kind: a constant of the source, below 64 characters. */
@@ -40,19 +41,19 @@ struct iso_seal_label iso_seal_label_of(const char *kind);
 void iso_seal_label_number(struct iso_seal_label *label, uint64_t number);
 void iso_seal_label_bytes(struct iso_seal_label *label, const void *bytes, size_t size);
 
-/* A fresh random key; a key for one purpose that is made from another (BLAKE2b as crypto_kdf uses
+/* Makes a random key, or derives a key for one purpose from another key (BLAKE2b as crypto_kdf uses
  * it; context: 8 characters). */
 struct iso_seal_key iso_seal_key_random(void);
 struct iso_seal_key iso_seal_key_derive(const struct iso_seal_key *from, uint64_t number,
                                         const char context[8]);
 void iso_seal_key_wipe(struct iso_seal_key *key);
 
-/* Seals `size` bytes into size + ISO_SEAL_OVERHEAD; the two do not overlap. */
+/* Seals `size` bytes into size + ISO_SEAL_OVERHEAD bytes. The two must not overlap. */
 void iso_seal_close(const struct iso_seal_key *key, const struct iso_seal_label *label,
                     const void *plain, size_t size, uint8_t *sealed);
 
-/* Opens `size` sealed bytes into size - ISO_SEAL_OVERHEAD. -EBADMSG: cut short, changed, of another
- * key or another label; what *plain held is gone. */
+/* Opens `size` sealed bytes into size - ISO_SEAL_OVERHEAD. -EBADMSG: cut short, changed, or sealed
+ * with another key or another label; the earlier content of *plain is lost. */
 int iso_seal_open(const struct iso_seal_key *key, const struct iso_seal_label *label,
                   const uint8_t *sealed, size_t size, void *plain)
     __attribute__((warn_unused_result));

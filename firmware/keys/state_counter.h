@@ -40,13 +40,14 @@
 #include "drivers/base/times.h"
 #include "drivers/counter/counter.h"
 
-/* The anchor has 32 bits for it. A TPM does not live that long: its counters begin near 0. */
+/* The largest number: the anchor has 32 bits for it. A TPM does not reach it in its lifetime,
+ * because its counters begin near 0. */
 #define ISO_STATE_COUNTER_MOST UINT64_C(0xfffffff0)
 
 struct iso_state_counter;
 
-/* Takes over the counter, which it closes at its end; times must outlive it. -ENOMEM; then the
- * counter is still the caller's. */
+/* Takes over the device, which it closes at its end; times must outlive it. -ENOMEM; then the
+ * device still belongs to the caller. */
 int iso_state_counter_new(const struct iso_counter *counter, const struct iso_times *times,
                           struct iso_state_counter **out) __attribute__((warn_unused_result));
 
@@ -56,53 +57,53 @@ void iso_state_counter_free(struct iso_state_counter *counter);
 
 /* ---- at the start ---- */
 
-/* The anchor, as it was found, has this number; 0: it never had one. Has no effect once the counter
- * has begun. */
+/* Reports the number in the anchor as it was found; 0: the anchor never had one. Has no effect once
+ * the counter has begun. */
 void iso_state_counter_found(struct iso_state_counter *counter, uint32_t number);
 
-/* Compares the number that was found with the counter. `path` names the state in faults. 0 they
- * agree, or neither exists yet. -ESTALE the state is of an earlier time, or its counter is gone or
- * is another one, for an administrator to judge; -ERANGE the counter is beyond
- * ISO_STATE_COUNTER_MOST; else the errors of struct iso_counter_ops, but for -ENOENT. */
+/* Compares the number that was found with the counter. `path` names the state in faults. Returns 0
+ * if they agree, or if neither exists yet. -ESTALE the state is of an earlier time, or its counter
+ * is missing or is another one, so an administrator has to decide; -ERANGE the counter is beyond
+ * ISO_STATE_COUNTER_MOST; else the errors of struct iso_counter_ops, except -ENOENT. */
 int iso_state_counter_check(struct iso_state_counter *counter, const char *path,
                             struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Begins to count, whatever the number was: makes the counter if it is not there. The next anchor
- * that is written has a new number. To be called after a successful check, or when an administrator
- * accepts the state. Errors as of check, but for -ESTALE. */
+/* Begins to count, whatever the number was, and makes the counter if it does not exist. The next
+ * anchor that is written has a new number. Call it after a successful check, or when an
+ * administrator accepts the state. Errors as of check, except -ESTALE. */
 int iso_state_counter_begin(struct iso_state_counter *counter, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Leaves the increments to a thread from now on. Without it the call that says that the anchor was
- * written increments the counter before it returns: for clocks that are injected. -EAGAIN, -ENOMEM
- * no thread can be had. */
+/* Leaves the increments to a thread from now on. Without the thread, the call which reports that
+ * the anchor was written increments the counter before it returns, for clocks that are injected.
+ * -EAGAIN, -ENOMEM no thread can be had. */
 int iso_state_counter_start_thread(struct iso_state_counter *counter)
     __attribute__((warn_unused_result));
 
 /* ---- when the log writes ---- */
 
-/* What has changed; each may wait for so long since the number was raised last. */
+/* The kinds of changes. Each may wait for the time given here since the number was raised last. */
 enum iso_state_change {
     ISO_STATE_RECORD,        /* a record was written: an hour */
     ISO_STATE_LOCKOUT,       /* half an hour */
     ISO_STATE_ADMINISTRATOR, /* not at all */
 };
 
-/* Something has changed: the number is to be raised with the anchor that is written next, or with
- * the first one after that time. */
+/* Reports a change: the number is to be raised with the next anchor, or with the first one after
+ * the time of this kind of change. */
 void iso_state_counter_changed(struct iso_state_counter *counter, enum iso_state_change change);
 
-/* Whether the next anchor would have a new number. */
+/* Whether the next anchor would contain a new number. */
 bool iso_state_counter_is_due(struct iso_state_counter *counter);
 
 /* The number for the anchor that is written now. */
 uint32_t iso_state_counter_next(struct iso_state_counter *counter);
 
-/* The anchor with this number is on the disk. */
+/* Reports that the anchor with this number is on the disk. */
 void iso_state_counter_wrote(struct iso_state_counter *counter, uint32_t number);
 
-/* What has gone wrong with the counter since the last call, or that it is well again. False:
- * nothing new. *error: 0 it is well again. */
+/* Returns a new fault of the counter since the last call, or the end of a fault (*error 0). False:
+ * there is no news. */
 bool iso_state_counter_take_news(struct iso_state_counter *counter, int *error,
                                  struct iso_fault *fault);
 
