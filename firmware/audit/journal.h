@@ -24,23 +24,23 @@ enum { ISO_JOURNAL_ENTRIES = 128 };
 
 struct iso_journal;
 
-/* Sends an entry of n fields, and may take as long as it likes; what it returns is not looked at.
- * It is sd_journal_sendv, but for tests. */
+/* Sends an entry of n fields. It may block, and its result is ignored. It is sd_journal_sendv,
+ * except in tests. */
 typedef int iso_journal_send(const struct iovec *fields, int n);
 
 /* Starts the thread. -ENOMEM, -EAGAIN no thread can be had. */
 int iso_journal_new(iso_journal_send *send, struct iso_journal **out)
     __attribute__((warn_unused_result));
 
-/* Sends what is queued, but waits for that for a second at most. NULL is fine. */
+/* Sends the queued entries, but waits for at most a second. NULL is fine. */
 void iso_journal_free(struct iso_journal *journal);
 
-/* For iso_audit_options.written, with the journal as its context: queues an entry, and waits for
- * nothing. */
+/* For iso_audit_options.written, with the journal as its context: queues an entry without
+ * waiting. */
 void iso_journal_record(void *journal, const struct iso_audit_record *record, uint64_t sequence,
                         const char *head);
 
-/* The fields, as texts "NAME=value"; returns how many there are. */
+/* Writes the fields as texts "NAME=value". Returns their number. */
 enum { ISO_JOURNAL_FIELDS_MAX = 15, ISO_JOURNAL_FIELD_SIZE = 192 };
 
 size_t iso_journal_fields(const struct iso_audit_record *record, uint64_t sequence,

@@ -16,8 +16,7 @@ struct iso_gallery_db {
     struct iso_key_ring *ring;
     struct iso_anchor *anchor;
     struct iso_gallery_seal seal;
-    struct iso_gallery_head head,
-        draft;                   /* head: on the disk; draft: with the changes of a transaction */
+    struct iso_gallery_head head, draft; /* on the disk; with the changes of a transaction */
     bool lost;                   /* the contents of the disk are not known (gallery_truth.c) */
     struct iso_fault lost_fault; /* the reason for `lost` */
     /* Room for one record. */

@@ -1,19 +1,19 @@
-/* One enrolment: several usable frames of one face become a template to keep. Pure: comparisons are
- * made by the pipeline it is given, time comes as an argument.
+/* One enrolment: several usable frames of one face become a template to keep. Pure: the given
+ * pipeline makes the comparisons, and time is an argument.
  *
  *   ACTIVE  a frame that agrees with all frames before    -> ACTIVE, a stage is passed
- *           the last one of them, and it is new           -> COMPLETED
- *           the last one, but somebody else looks so      -> DUPLICATE (unless that is allowed)
+ *           the last frame of them, and the face is new   -> COMPLETED
+ *           the last one, but another person looks so     -> DUPLICATE (unless that is allowed)
  *           ... or the person of this name does not       -> OTHER_FACE
  *           as many misfits as there are stages           -> FAILED
  *           attack_frames attack frames since a stage     -> ATTACK
  *           timeout_ns after its start                    -> TIMED_OUT
  *           the sensor is gone                            -> DISCONNECTED
  *
- * A misfit is a usable frame that is not like the ones before it: another face, or a bad
- * registration. It is not taken, and told to the person as what it is. An attack frame has a cue of
- * a presentation attack and no template; those of one stage count together. All states but ACTIVE
- * are final. */
+ * A misfit is a usable frame that is not similar to the frames before it: another face, or a bad
+ * registration. It is not used, and the person is told the reason. An attack frame has a cue of a
+ * presentation attack and no template; those of one stage count together. All states but ACTIVE are
+ * final. */
 #ifndef ISO_FIRMWARE_RECOGNISE_ENROLMENT_H
 #define ISO_FIRMWARE_RECOGNISE_ENROLMENT_H
 
@@ -38,54 +38,54 @@ enum iso_enrolment_state {
 };
 
 struct iso_enrolment_options {
-    int stages; /* 1..ISO_ENROLMENT_STAGES_MAX */
-    double
-        agree_score; /* of a frame with every one before it, and with the person's own templates */
-    double duplicate_score; /* from which on somebody else is the same person */
+    int stages;             /* 1..ISO_ENROLMENT_STAGES_MAX */
+    double agree_score;     /* of a frame with every frame before it, and with the person's own
+                               templates */
+    double duplicate_score; /* the score from which on two people count as the same */
     int attack_frames;      /* 1 or more */
     int64_t timeout_ns;
     bool allow_duplicate;
 };
 
-/* Whom the new template is compared with. */
+/* The people with whom the new template is compared. */
 struct iso_enrolment_gallery {
-    struct iso_candidate_list everybody, own; /* own: the person enrolled, alone */
-    int64_t person;                           /* who that is, if already known, else 0 */
+    struct iso_candidate_list everybody, own; /* own: only the person who is enrolled */
+    int64_t person;                           /* number of that person if known already, else 0 */
 };
 
 struct iso_enrolment {
     struct iso_enrolment_options options;
     enum iso_enrolment_state state;
     int64_t deadline_ns;
-    int stage; /* frames taken */
+    int stage; /* number of frames used */
     int misfits;
-    int attack_frames;    /* since the last stage */
-    enum iso_capture cue; /* of the last of them */
+    int attack_frames;    /* number since the last stage */
+    enum iso_capture cue; /* cue of the last of them */
     struct iso_template frames[ISO_ENROLMENT_STAGES_MAX];
     struct iso_template fused;             /* COMPLETED: the template to keep */
-    struct iso_icp_workspace registration; /* of the frames */
-    int64_t duplicate_of;                  /* DUPLICATE: who that is */
+    struct iso_icp_workspace registration; /* for the registration of the frames */
+    int64_t duplicate_of;                  /* DUPLICATE: the number of the other person */
 };
 
-/* ACTIVE, with no frame yet. */
+/* Begins in ACTIVE, with no frame yet. */
 void iso_enrolment_begin(struct iso_enrolment *enrolment,
                          const struct iso_enrolment_options *options, int64_t now_ns);
 
-/* Takes a usable frame in; only while ACTIVE. *passed: it was taken (else it was a misfit). Look at
- * the state then. Negative errno if a comparison fails for another reason than the frame; that
- * ends nothing, unless it was the last stage: FAILED. */
+/* Handles a usable frame; only while ACTIVE. *passed: the frame was used (otherwise it was a
+ * misfit). Check the state after the call. Returns a negative errno if a comparison fails for a
+ * reason other than the frame. This ends the enrolment only at the last stage: FAILED. */
 int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_template *frame,
                         const struct iso_pipeline *pipeline,
                         const struct iso_enrolment_gallery *gallery, bool *passed)
     __attribute__((warn_unused_result));
 
-/* While ACTIVE: takes a frame with a cue of an attack in (iso_capture_is_attack). */
+/* While ACTIVE: counts a frame with a cue of an attack (iso_capture_is_attack). */
 void iso_enrolment_attack(struct iso_enrolment *enrolment, enum iso_capture cue);
 
-/* While ACTIVE: ends it if its time is over. */
+/* While ACTIVE: ends the enrolment if its time is over. */
 void iso_enrolment_time(struct iso_enrolment *enrolment, int64_t now_ns);
 
-/* While ACTIVE: the sensor is gone. */
+/* While ACTIVE: ends the enrolment because the sensor is gone. */
 void iso_enrolment_disconnect(struct iso_enrolment *enrolment);
 
 /* Overwrites all templates (biometric data). */

@@ -1,4 +1,4 @@
-/* What the images of one visit said of its faces, counted, for the audit log. Pure. */
+/* Counts the results of the image check for the faces of one visit, for the audit log. Pure. */
 #ifndef ISO_FIRMWARE_RECOGNISE_IMAGE_TALLY_H
 #define ISO_FIRMWARE_RECOGNISE_IMAGE_TALLY_H
 
@@ -9,14 +9,14 @@
 enum { ISO_IMAGE_TALLY_TEXT_SIZE = 96 };
 
 struct iso_image_tally {
-    unsigned confirmed, contradicted, unsure; /* frames */
+    unsigned confirmed, contradicted, unsure; /* numbers of frames */
 };
 
-/* Counts one; faces that were not checked, or that have no image, do not count. */
+/* Counts one result. Faces that were not checked, or that have no image, do not count. */
 void iso_image_tally_take(struct iso_image_tally *tally, enum iso_face_seen seen);
 
-/* "image: 2 confirmed, 1 contradicted, 0 unsure". False, and nothing written, if nothing was
- * counted. */
+/* Writes "image: 2 confirmed, 1 contradicted, 0 unsure". Returns false and writes nothing if
+ * nothing was counted. */
 bool iso_image_tally_text(const struct iso_image_tally *tally,
                           char text[ISO_IMAGE_TALLY_TEXT_SIZE]);
 

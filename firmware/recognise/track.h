@@ -29,21 +29,21 @@
 
 struct iso_track_options {
     int64_t lost_ns;                /* a face that is not seen for so long is lost */
-    double jump_mm_s, jump_rad_s;   /* what no head exceeds */
-    double still_mm_s, still_rad_s; /* what a face that is held still does not exceed */
+    double jump_mm_s, jump_rad_s;   /* speed that no head exceeds */
+    double still_mm_s, still_rad_s; /* speed that a face that is held still does not exceed */
 };
 
-/* What a pose says in the light of the one before. */
+/* Results for a pose, compared with the pose before. */
 struct iso_track_motion {
-    uint64_t track;     /* from 1; another number is another face */
-    bool known;         /* there is a pose before in this track; else the speeds are 0 */
-    double mm_s, rad_s; /* of the origin of the face frame (the nose tip), and of its attitude */
+    uint64_t track;     /* from 1; a different number means a different face */
+    bool known;         /* there is an earlier pose in this track; otherwise the speeds are 0 */
+    double mm_s, rad_s; /* of the origin of the face frame (the nose tip), and of the attitude */
     bool moving;        /* one of them exceeds its limit: the frame is blurred and sheared */
 };
 
 struct iso_track {
     struct iso_track_options options;
-    uint64_t number; /* of the last track; 0: there was none */
+    uint64_t number; /* number of the last track; 0: there was none */
     bool has_pose;
     int64_t t_ns;
     struct iso_rigid camera_from_face;
@@ -51,11 +51,11 @@ struct iso_track {
 
 void iso_track_init(struct iso_track *track, const struct iso_track_options *options);
 
-/* The next pose begins a new track. */
+/* Makes the next pose begin a new track. */
 void iso_track_reset(struct iso_track *track);
 
-/* Takes a fitted pose in; t_ns does not fall. Frames without a fitted face are not told of. Two
- * poses of one time say nothing of speed. */
+/* Handles a fitted pose; t_ns never decreases. Do not call it for frames without a fitted face. Two
+ * poses of the same time give no speed. */
 struct iso_track_motion iso_track_pose(struct iso_track *track, int64_t t_ns,
                                        const struct iso_rigid *camera_from_face);
 

@@ -26,7 +26,7 @@
 #include "core/base/fault.h"
 #include "drivers/sensor/contract/sensor.h"
 
-/* Opens the sensor anew; the errors are those of iso_sensor_open. */
+/* Opens the sensor again. The errors are those of iso_sensor_open. */
 struct iso_sensor_source {
     int (*open)(void *context, struct iso_sensor **out, struct iso_fault *fault);
     void *context;
@@ -35,36 +35,36 @@ struct iso_sensor_source {
 struct iso_sensor_supervisor_options {
     int64_t silence_ns, retry_ns, retry_max_ns;
     int64_t pause_ns; /* how old the last usable frame may be until `sees` becomes false */
-    int64_t stale_ns; /* a frame that comes so long after its exposure is of no use */
+    int64_t stale_ns; /* a frame that arrives so long after its exposure cannot be used */
 };
 
 struct iso_sensor_supervisor {
     struct iso_sensor_supervisor_options options;
     struct iso_sensor_source source;
     struct iso_sensor *sensor; /* RUNNING; NULL: AWAY */
-    int64_t try_ns;            /* AWAY: when to try next */
-    int64_t wait_ns;           /* how long after the next failure */
+    int64_t try_ns;            /* AWAY: the next attempt to open it */
+    int64_t wait_ns;           /* the delay after the next failure */
     int64_t heard_ns;          /* RUNNING: the last sign of life */
-    int64_t seen_ns;           /* RUNNING: exposure of the last frame of use */
-    bool sees;                 /* what is before the camera now is known */
+    int64_t seen_ns;           /* RUNNING: exposure of the last usable frame */
+    bool sees;                 /* the present scene is known */
     bool found;                /* RUNNING: the last look found a frame */
     uint64_t progress;         /* counts signs of life, for the watchdog */
     uint64_t frames;
-    char model[32];                       /* of the sensor; "" while unknown */
-    char calibration[96];                 /* the same */
+    char model[32];                       /* model of the sensor; "" while unknown */
+    char calibration[96];                 /* its calibration; "" while unknown */
     enum iso_fault_code calibration_code; /* iso_sensor_description.calibration_code */
     bool repeats;                         /* iso_sensor_description.repeats */
-    int error;                            /* the last one, negative errno; 0 if there was none */
-    struct iso_fault fault;               /* what it was */
+    int error;              /* the last error, a negative errno; 0 if there was none */
+    struct iso_fault fault; /* the fault of that error */
 };
 
 enum iso_sensor_news {
-    ISO_SENSOR_QUIET, /* nothing happened */
+    ISO_SENSOR_QUIET, /* there is no news */
     ISO_SENSOR_FRAME, /* *frame is there */
     ISO_SENSOR_FLAW,  /* a frame was lost or damaged, or the sensor could not be opened again; see
                          ->fault */
-    ISO_SENSOR_BACK,  /* it runs, from now on */
-    ISO_SENSOR_GONE,  /* it does not, from now on; see ->fault */
+    ISO_SENSOR_BACK,  /* it runs again */
+    ISO_SENSOR_GONE,  /* it no longer runs; see ->fault */
 };
 
 /* Begins in AWAY; the sensor is opened with the first look. `sees` is true at first. */
@@ -72,18 +72,18 @@ void iso_sensor_supervisor_init(struct iso_sensor_supervisor *supervisor,
                                 const struct iso_sensor_supervisor_options *options,
                                 const struct iso_sensor_source *source, int64_t now_ns);
 
-/* Reads what the sensor has, without waiting. *frame belongs to the sensor and is valid until the
+/* Reads the news of the sensor without waiting. *frame belongs to the sensor and is valid until the
  * next call. */
 enum iso_sensor_news iso_sensor_supervisor_look(struct iso_sensor_supervisor *supervisor,
                                                 int64_t now_ns, const struct iso_frame **frame);
 
-/* To be called before the next look if the caller was held up for the last held_up_ns and could
- * not look. A dead sensor is found later by this time, and by no more. */
+/* Call this before the next look if the caller was held up for the last held_up_ns and could not
+ * look. A dead sensor is noticed later by exactly this time. */
 void iso_sensor_supervisor_excuse(struct iso_sensor_supervisor *supervisor, int64_t held_up_ns,
                                   int64_t now_ns);
 
-/* When to look again, if nothing is to be missed; earlier if the sensor's descriptor is readable.
- */
+/* The latest time of the next look if nothing is to be missed. Look earlier if the sensor's
+ * descriptor is readable. */
 int64_t iso_sensor_supervisor_due_ns(const struct iso_sensor_supervisor *supervisor,
                                      int64_t now_ns);
 

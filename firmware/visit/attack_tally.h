@@ -19,8 +19,8 @@
 struct iso_attack_attempt {
     enum iso_capture cue; /* the one that most of its frames have; of two equal ones, the one that
                              reached this number first */
-    int frames;           /* with any cue */
-    int64_t duration_ns;  /* from the first to the last of them */
+    int frames;           /* number of frames with any cue */
+    int64_t duration_ns;  /* time from the first to the last of them */
 };
 
 struct iso_attack_tally {
@@ -33,18 +33,18 @@ struct iso_attack_tally {
 
 void iso_attack_tally_init(struct iso_attack_tally *tally, int64_t quiet_ns, int64_t longest_ns);
 
-/* Takes in a frame with a cue. Call iso_attack_tally_time with the time of the frame before. */
+/* Counts a frame with a cue. Call iso_attack_tally_time with the time of the frame before. */
 void iso_attack_tally_frame(struct iso_attack_tally *tally, enum iso_capture cue, int64_t t_ns);
 
-/* Says that there were no other such frames until t_ns. Returns true if that ends an attempt;
- * *attempt is that attempt then, else it is untouched. */
+/* Reports that there were no other such frames until t_ns. Returns true if that ends an attempt;
+ * *attempt is then that attempt, otherwise it is unchanged. */
 bool iso_attack_tally_time(struct iso_attack_tally *tally, int64_t t_ns,
                            struct iso_attack_attempt *attempt);
 
-/* Ends the attempt that goes on, if there is one. Returns as iso_attack_tally_time. */
+/* Ends the attempt that goes on, if there is one. Returns the same as iso_attack_tally_time. */
 bool iso_attack_tally_end(struct iso_attack_tally *tally, struct iso_attack_attempt *attempt);
 
-/* When iso_attack_tally_time will do something; ISO_NEVER_NS if nothing is due. */
+/* The time at which iso_attack_tally_time will have an effect; ISO_NEVER_NS if nothing is due. */
 int64_t iso_attack_tally_due_ns(const struct iso_attack_tally *tally);
 
 #endif

@@ -35,10 +35,10 @@ enum { ISO_DECISION_FRAMES_MAX = 64 };
 
 enum iso_reason {
     ISO_REASON_NONE = 0,
-    ISO_REASON_MATCH,     /* the only one that allows */
-    ISO_REASON_UNKNOWN,   /* max_frames without agreement */
-    ISO_REASON_LEFT,      /* gone before there was agreement */
-    ISO_REASON_NOT_VALID, /* known, but not at this time */
+    ISO_REASON_MATCH,     /* the only reason that allows */
+    ISO_REASON_UNKNOWN,   /* max_frames frames without agreement */
+    ISO_REASON_LEFT,      /* the person left before there was agreement */
+    ISO_REASON_NOT_VALID, /* a known person who may not enter at this time */
     ISO_REASON_UNLOGGED,  /* the audit log cannot be written */
     ISO_REASON_ATTACK,    /* a picture, a screen, a mask */
     /* Reasons of the lock-out (lockout.h), which is asked before the decision. */
@@ -60,10 +60,10 @@ const char *iso_reason_name(enum iso_reason reason);
 struct iso_verdict {
     bool allow;
     enum iso_reason reason;
-    int64_t person;   /* the person recognised; 0: nobody, with enough certainty */
+    int64_t person;   /* the person recognised; 0: nobody was certain enough */
     double score;     /* the best score of that person, else of anybody; NaN: there is none */
-    int frames;       /* usable ones */
-    int64_t since_ns; /* allowed: time of the oldest of the frames that agree */
+    int frames;       /* number of usable frames */
+    int64_t since_ns; /* if allowed: time of the oldest of the agreeing frames */
     int attack_frames;
     enum iso_capture cue; /* the cue of most attack frames; ISO_CAPTURE_OK: there were none */
 };
@@ -78,13 +78,12 @@ struct iso_decision_options {
 
 /* A usable face. */
 struct iso_decision_frame {
-    int64_t t_ns;   /* of the frame; does not fall */
-    int64_t person; /* the best one, from 1; 0 if the gallery is empty */
-    double score;   /* the score of that person, if there is one. Not finite: the frame counts for
-                       nobody */
-    double second_score; /* of the next person; -INFINITY if there is none */
+    int64_t t_ns;   /* time of the frame; never decreases */
+    int64_t person; /* the best person, from 1; 0 if the gallery is empty */
+    double score;   /* score of that person; if it is not finite, the frame counts for nobody */
+    double second_score; /* score of the second person; -INFINITY if there is none */
     bool valid;          /* that person may enter now */
-    uint64_t track;      /* of the face, from 1 */
+    uint64_t track;      /* track of the face, from 1 */
 };
 
 enum iso_decision_state {
@@ -96,48 +95,48 @@ enum iso_decision_state {
 struct iso_decision {
     struct iso_decision_options options;
     enum iso_decision_state state;
-    int64_t seen_ns;    /* VISIT, SPENT: the last usable face or attack frame */
-    int64_t verdict_ns; /* SPENT: since when */
-    uint64_t track;     /* VISIT: of its usable frames, if there are any */
-    int n_frames;       /* usable ones of this visit */
+    int64_t seen_ns;    /* VISIT, SPENT: time of the last usable face or attack frame */
+    int64_t verdict_ns; /* SPENT: time of the verdict */
+    uint64_t track;     /* VISIT: track of its usable frames, if there are any */
+    int n_frames;       /* number of usable frames of this visit */
     struct {
-        int64_t person; /* whom the frame counts for; 0: nobody */
+        int64_t person; /* the person for whom the frame counts; 0: nobody */
         double score;
         int64_t t_ns;
     } frames[ISO_DECISION_FRAMES_MAX];
-    double best_score; /* of all frames and anybody; NaN without any */
+    double best_score; /* of all frames and all people; NaN if there is none */
     int n_attack_frames;
     int by_cue[ISO_CAPTURES];
 };
 
 void iso_decision_init(struct iso_decision *decision, const struct iso_decision_options *options);
 
-/* Sets the threshold for the frames from now on. Earlier frames are not judged again. */
+/* Sets the threshold for all later frames. Earlier frames are not judged again. */
 void iso_decision_set_threshold(struct iso_decision *decision, double threshold);
 
 /* Goes back to IDLE. A visit that has begun is forgotten. */
 void iso_decision_reset(struct iso_decision *decision);
 
-/* The four functions below return true and fill in *verdict if there is a verdict. Else *verdict
- * is untouched. */
+/* The four functions below return true and fill in *verdict if there is a verdict. Otherwise
+ * *verdict is unchanged. */
 
-/* Says that the face seen from now on has this track. Call it before iso_decision_face. */
+/* Reports that the face has this track from now on. Call it before iso_decision_face. */
 bool iso_decision_track(struct iso_decision *decision, uint64_t track, struct iso_verdict *verdict);
 
-/* Takes in a usable face. Call iso_decision_time with its t_ns, and iso_decision_track with its
+/* Handles a usable face. Call iso_decision_time with its t_ns, and iso_decision_track with its
  * track, before. */
 bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_frame *frame,
                        struct iso_verdict *verdict);
 
-/* Takes in an attack frame of time t_ns with this cue (iso_capture_is_attack). Call
+/* Handles an attack frame of time t_ns with this cue (iso_capture_is_attack). Call
  * iso_decision_time before. */
 bool iso_decision_attack(struct iso_decision *decision, enum iso_capture cue, int64_t t_ns,
                          struct iso_verdict *verdict);
 
-/* Says that there were no other frames of either kind until t_ns. */
+/* Reports that there were no other frames of either kind until t_ns. */
 bool iso_decision_time(struct iso_decision *decision, int64_t t_ns, struct iso_verdict *verdict);
 
-/* When iso_decision_time will do something; ISO_NEVER_NS if nothing is due. */
+/* The time at which iso_decision_time will have an effect; ISO_NEVER_NS if nothing is due. */
 int64_t iso_decision_due_ns(const struct iso_decision *decision);
 
 #endif

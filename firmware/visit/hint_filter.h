@@ -30,7 +30,7 @@ struct iso_hint_options {
 
 struct iso_hint_filter {
     struct iso_hint_options options;
-    int n_frames; /* that vote at most: the first of these, the newest first */
+    int n_frames; /* how many of `frames` may vote; the newest is the first */
     struct {
         enum iso_capture capture;
         int64_t t_ns;
@@ -41,15 +41,15 @@ struct iso_hint_filter {
 
 void iso_hint_filter_init(struct iso_hint_filter *filter, const struct iso_hint_options *options);
 
-/* Something new begins: no earlier frame votes, and the first hint does not wait for the interval.
- */
+/* Something new begins: no earlier frame votes, and the first hint does not wait for the
+ * interval. */
 void iso_hint_filter_reset(struct iso_hint_filter *filter);
 
 /* The person has done what a hint asked for (a stage of an enrolment has passed): no earlier frame
  * votes, but the interval after the last hint still applies. */
 void iso_hint_filter_forget(struct iso_hint_filter *filter);
 
-/* Takes in the word of a frame; t_ns never decreases. Returns the hint to be given now, or
+/* Handles the word of a frame; t_ns never decreases. Returns the hint to be given now, or
  * ISO_CAPTURE_OK. */
 enum iso_capture iso_hint_filter_frame(struct iso_hint_filter *filter, enum iso_capture capture,
                                        int64_t t_ns);

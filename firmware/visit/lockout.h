@@ -27,14 +27,14 @@
 #include "firmware/visit/decision.h"
 
 struct iso_lockout_options {
-    int failures, attacks;        /* 0: they never lock */
+    int failures, attacks;        /* 0: the door is never locked */
     int64_t first_ns, longest_ns; /* 1 <= first_ns <= longest_ns */
     int64_t forget_ns;            /* 1 or more */
 };
 
-/* What is kept over a restart. Times are durations, because no clock is sure to go on meanwhile: a
- * lock that a restart interrupts goes on with the time that was left when the record was written.
- */
+/* The state that is kept over a restart. Times are durations, because no clock is certain to
+ * continue meanwhile. A lock that a restart interrupts continues with the time that was left when
+ * the record was written. */
 struct iso_lockout_record {
     int failures, attacks, locks;
     int64_t remaining_ns; /* of the lock; 0: OPEN */
@@ -43,14 +43,14 @@ struct iso_lockout_record {
 
 struct iso_lockout {
     struct iso_lockout_options options;
-    int failures, attacks; /* counted so far */
-    int locks;             /* in a row: how often the length has doubled */
+    int failures, attacks; /* number counted so far */
+    int locks;             /* locks in a row, which is how often the duration has doubled */
     int64_t until_ns;      /* LOCKED until then; ISO_NEVER_NS: OPEN */
-    int64_t last_ns;       /* of the last failure or attack, or the end of a lock */
+    int64_t last_ns;       /* time of the last failure or attack, or of the end of a lock */
     bool lockdown;
 };
 
-/* OPEN, and nothing has happened. */
+/* Begins in OPEN, with nothing counted. */
 void iso_lockout_init(struct iso_lockout *lockout, const struct iso_lockout_options *options);
 
 /* Restores the state of a record. A number out of range becomes the strictest one in the range. */
@@ -58,9 +58,9 @@ void iso_lockout_restore(struct iso_lockout *lockout, const struct iso_lockout_r
                          int64_t now_ns);
 struct iso_lockout_record iso_lockout_record_of(const struct iso_lockout *lockout, int64_t now_ns);
 
-/* Takes in a verdict that was given in OPEN. Failures (iso_lockout_counts) and admissions matter,
- * others are ignored. Returns true if the door is locked now. Call iso_lockout_time with the same
- * now_ns before. */
+/* Handles a verdict that was given in OPEN. Only failures (iso_lockout_counts) and admissions have
+ * an effect. Returns true if the door is locked now. Call iso_lockout_time with the same now_ns
+ * before. */
 bool iso_lockout_verdict(struct iso_lockout *lockout, const struct iso_verdict *verdict, int agree,
                          int64_t now_ns);
 
@@ -69,17 +69,18 @@ bool iso_lockout_verdict(struct iso_lockout *lockout, const struct iso_verdict *
  * known person who comes at the wrong time is no stranger. Neither counts. */
 bool iso_lockout_counts(const struct iso_verdict *verdict, int agree);
 
-/* Says that it is now_ns. Returns true if something has changed: a lock is over, or all failures
- * are forgotten. / */
+/* Reports that it is now_ns. Returns true if something has changed: a lock is over, or all failures
+ * are forgotten. */
 bool iso_lockout_time(struct iso_lockout *lockout, int64_t now_ns);
 
-/* When iso_lockout_time will do something; ISO_NEVER_NS if nothing is due. */
+/* The time at which iso_lockout_time will have an effect; ISO_NEVER_NS if nothing is due. */
 int64_t iso_lockout_due_ns(const struct iso_lockout *lockout);
 
 /* An administrator ends the lock and clears all failures. A lockdown stays. */
 void iso_lockout_clear(struct iso_lockout *lockout);
 
-/* Why nobody is let in: ISO_REASON_LOCKDOWN, ISO_REASON_LOCKED_OUT, or ISO_REASON_NONE. */
+/* The reason why nobody is let in: ISO_REASON_LOCKDOWN, ISO_REASON_LOCKED_OUT, or
+ * ISO_REASON_NONE. */
 enum iso_reason iso_lockout_refusal(const struct iso_lockout *lockout);
 
 /* How long the lock still lasts; 0 in OPEN. */

@@ -22,38 +22,40 @@
 enum { ISO_LOCKOUT_PLAIN_BYTES = 8 + 3 * 4 + 8 + 1 + ISO_HEADS_BYTES };
 
 struct iso_lockout_file {
-    uint64_t number; /* 0: of format 1, which had none */
+    uint64_t number; /* 0: of format 1, which had no number */
     struct iso_lockout_record record;
     struct iso_heads known;
 };
 
-/* Reads the file, and tells the ring's board what was found. With *out untouched:
- *   -ENOENT  there is none, and no store knows of one (the fault is untouched then)
+/* Reads the file, and tells the ring's board what was found. After an error *out is unchanged:
+ *   -ENOENT  there is none, and no store knows of one (the fault is unchanged then)
  *   -ESTALE  there is none, or an older one, and a store knows of a newer one
- *   -EBADMSG it is damaged or sealed with a key that the ring has not; or an errno of reading it */
+ *   -EBADMSG it is damaged, or sealed with a key that is not in the ring
+ * Otherwise it is an errno of reading the file. */
 int iso_lockout_load(const char *path, const struct iso_key_ring *ring,
                      struct iso_lockout_file *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Reads the file, whatever the other stores know. -ENOENT (the fault is untouched then), -EBADMSG.
- */
+/* Reads the file, whatever the other stores know. -ENOENT (the fault is unchanged then),
+ * -EBADMSG. */
 int iso_lockout_read(const char *path, const struct iso_key_ring *ring,
                      struct iso_lockout_file *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Writes the file with the next number; it is on the disk when this returns. An error of
- * storage_fault.h: the file is as it was, or as it was to become without being synchronised;
- * iso_lockout_read tells. */
+ * storage_fault.h: then the file has the old contents, or the new ones without being synchronised;
+ * iso_lockout_read finds out. */
 int iso_lockout_save(const char *path, const struct iso_key_ring *ring,
                      const struct iso_lockout_record *record, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* What is sealed, and back. get: -EBADMSG for a size or numbers that cannot be. */
+/* Writes the bytes that are sealed, and reads them. get: -EBADMSG for a size or numbers that are
+ * not possible. */
 void iso_lockout_put(const struct iso_lockout_file *file, uint8_t plain[ISO_LOCKOUT_PLAIN_BYTES]);
 int iso_lockout_get(const uint8_t *plain, size_t size, struct iso_lockout_file *out)
     __attribute__((warn_unused_result));
 
-/* Reads the text of a file of format 1, of `size` bytes with a NUL behind. -EBADMSG. */
+/* Reads the text of a file of format 1, of `size` bytes and a NUL. -EBADMSG. */
 int iso_lockout_parse(const char *text, size_t size, struct iso_lockout_record *out)
     __attribute__((warn_unused_result));
 

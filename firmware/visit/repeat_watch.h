@@ -1,10 +1,10 @@
-/* Whether a sensor is stuck: it delivers frames again that it delivered before. Pure.
+/* Whether a sensor is stuck, which means that it delivers earlier frames again. Pure.
  *
  *   FREE    three repeated frames in a row; one may look like another by chance   -> STUCK
  *   STUCK   fifteen new frames in a row (half a second of 30 frames a second)     -> FREE
  *
- * The two differ so that a stream of new and repeated frames in turns does not begin and end a
- * fault with each of them. A repeated frame is evidence of nothing in either state. */
+ * The two numbers differ, so that a stream in which new and repeated frames alternate does not
+ * begin and end a fault with each of them. A repeated frame proves nothing in either state. */
 #ifndef ISO_FIRMWARE_VISIT_REPEAT_WATCH_H
 #define ISO_FIRMWARE_VISIT_REPEAT_WATCH_H
 
@@ -12,13 +12,13 @@
 
 enum { ISO_REPEATS_TO_STUCK = 3, ISO_NEW_TO_FREE = 15 };
 
-/* All zero: FREE, and nothing has been seen. */
+/* All zero: FREE, and no frame was counted. */
 struct iso_repeat_watch {
     bool stuck;
-    int run; /* frames in a row that speak against the state */
+    int run; /* number of consecutive frames that contradict the state */
 };
 
-/* Takes a usable frame in. True: the state has changed. */
+/* Handles a usable frame. Returns true if the state has changed. */
 bool iso_repeat_watch_take(struct iso_repeat_watch *watch, bool repeats);
 
 #endif
