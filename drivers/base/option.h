@@ -1,8 +1,8 @@
-/* Options of back ends. A back end publishes a table of the options that it has (struct
- * iso_option_spec, ended by an entry without a name); the configuration, the help and the manual
- * are made from the tables or checked against them. What somebody sets is a list of keys and values
- * (struct iso_option). An empty value is the same as an option that is not given: the standard
- * value of the table holds. */
+/* Options of back ends. A back end publishes a table of its options (struct iso_option_spec, ended
+ * by an entry without a name); the configuration, the help and the manual are made from the tables
+ * or checked against them. The options that are set are a list of keys and values (struct
+ * iso_option). An empty value means the same as an option that is not given: the standard value of
+ * the table is used. */
 #ifndef ISO_DRIVERS_BASE_OPTION_H
 #define ISO_DRIVERS_BASE_OPTION_H
 
@@ -11,7 +11,7 @@
 
 #include "core/base/fault.h"
 
-/* What somebody sets. */
+/* One option that is set. */
 struct iso_option {
     const char *key, *value;
 };
@@ -39,12 +39,13 @@ struct iso_option_spec {
     bool tools_only;      /* for programs that open the back end themselves, such as `isotherm-sim
                              record`; a configuration file must not have it */
 
-    /* OPTIONAL. What kind and range cannot say of a value that is not empty: 0, or -EINVAL with a
-     * fault such as "'foo' is not a line". Opens no file and touches no device. */
+    /* OPTIONAL. Checks what kind and range cannot express about a value that is not empty: returns
+     * 0, or -EINVAL with a fault such as "'foo' is not a line". Opens no file and uses no
+     * device. */
     int (*check)(const char *value, struct iso_fault *fault);
 };
 
-/* The options of a table and what is set of them. */
+/* The options of a table and the values that are set. */
 struct iso_option_set {
     const struct iso_option_spec *specs; /* NULL: there are none */
     const struct iso_option *options;    /* [n_options] */
@@ -59,7 +60,7 @@ const struct iso_option_spec *iso_option_find_spec(const struct iso_option_spec 
  * if the list does not have the word. */
 int iso_option_find_choice(const char *choices, const char *word);
 
-/* Writes what a value has to be: "no|yes", "a number, 0 to 1", or "" for texts of any form. */
+/* Writes the values that are allowed: "no|yes", "a number, 0 to 1", or "" for texts of any form. */
 void iso_option_describe(const struct iso_option_spec *spec, char *text, size_t size);
 
 /* Whether an option may have a value: 0, or -EINVAL with a fault that names the option and what was
@@ -79,8 +80,8 @@ const char *iso_options_find(const struct iso_option *options, size_t n_options,
 /* Whether an option is set to a value that is not empty. */
 bool iso_option_is_given(const struct iso_option_set *set, const char *name);
 
-/* The value of an option of the table, after iso_options_check has accepted the set: what is given,
- * else the standard value. The text belongs to the set. */
+/* The value of an option of the table, after iso_options_check has accepted the set: the given
+ * value, or else the standard value. The text belongs to the set. */
 const char *iso_option_text(const struct iso_option_set *set, const char *name);
 bool iso_option_switch(const struct iso_option_set *set, const char *name);
 double iso_option_number(const struct iso_option_set *set, const char *name);

@@ -1,5 +1,5 @@
-/* The times an appliance lives by, all injected: one that measures and that the frames of the
- * sensors bear, one that also counts while the machine sleeps, and the date. */
+/* The times of an appliance, all injected: the time for measurements, which the frames of the
+ * sensors have, too; a time that also runs while the machine is suspended; and the date. */
 #ifndef ISO_DRIVERS_BASE_TIMES_H
 #define ISO_DRIVERS_BASE_TIMES_H
 
@@ -21,8 +21,8 @@ struct iso_times {
     struct iso_clock monotonic;
     int64_t (*wall_ns)(void *context); /* since 1970 UTC; may jump when the clock is set */
     void *wall_context;
-    /* Counts on while the machine is suspended, which `monotonic` does not; otherwise the two run
-     * alike. All zero: the machine is never suspended, and `monotonic` serves for both. */
+    /* Runs on while the machine is suspended, which `monotonic` does not; otherwise the two run
+     * alike. All zero: the machine is never suspended, and `monotonic` is used for both. */
     struct iso_clock boottime;
 };
 

@@ -5,8 +5,9 @@
 #include <stdint.h>
 
 /* Decodes the character at the beginning of a NUL-terminated text. Returns its length in bytes,
- * 1..4; or 0, with *character untouched, if that is no UTF-8 (also: longer than need be, surrogate,
- * beyond U+10FFFF, cut short). The terminating NUL counts as a character of length 1. */
+ * 1..4; or 0, with *character unchanged, if the bytes are not UTF-8 (also an overlong sequence, a
+ * surrogate, a character beyond U+10FFFF, or one that is cut short). The terminating NUL counts as
+ * a character of length 1. */
 int iso_utf8_decode(const char *text, uint32_t *character);
 
 #endif

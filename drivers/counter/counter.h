@@ -1,5 +1,5 @@
-/* A counter in hardware: a number that can only rise, even if somebody has the disk. It shows that
- * a state directory is of an earlier time (firmware/keys/state_counter.h). */
+/* A counter in hardware: a number that can only rise, even if an attacker has the disk. It shows
+ * that a state directory is of an earlier time (firmware/keys/state_counter.h). */
 #ifndef ISO_DRIVERS_COUNTER_COUNTER_H
 #define ISO_DRIVERS_COUNTER_COUNTER_H
 
@@ -19,16 +19,16 @@
 struct iso_counter_ops {
     const char *name; /* "tpm2" */
     int (*read)(void *self, uint64_t *value, struct iso_fault *fault);
-    /* Makes the counter, and counts once, so that it can be read. A counter that was made and never
-     * counted is taken. Its first value is above that of every counter that the device had before.
-     */
+    /* Makes the counter, and counts once, so that it can be read. A counter that was made but never
+     * counted is used. Its first value is above that of every counter that the device had
+     * before. */
     int (*define)(void *self, uint64_t *value, struct iso_fault *fault);
     /* Counts once; *value is the new number. */
     int (*increment)(void *self, uint64_t *value, struct iso_fault *fault);
     void (*close)(void *self);
 };
 
-/* ops NULL: there is none. */
+/* ops NULL: there is no counter. */
 struct iso_counter {
     const struct iso_counter_ops *ops;
     void *self;

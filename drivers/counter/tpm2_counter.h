@@ -22,9 +22,9 @@
 /* Indices of the owner's. */
 enum { ISO_TPM2_INDEX_FIRST = 0x01800000, ISO_TPM2_INDEX_LAST = 0x01bfffff };
 
-/* Loads the module, unless it is loaded. Before threads are started, as it sets a variable of the
- * environment: the software stack then writes no lines of its own. The errors of iso_module_load.
- */
+/* Loads the module, unless it is loaded. Must be called before threads are started, because it sets
+ * a variable of the environment, so that the software stack writes no lines of its own. The errors
+ * of iso_module_load. */
 int iso_tpm2_counter_load(struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Opens a TPM. tcti: how it is reached, "device:/dev/tpmrm0" or another name that Tss2_TctiLdr_

@@ -1,11 +1,11 @@
-/* One GPIO line of the kernel's character devices. Everything that knows libgpiod stands in
- * gpio_line.c (its version 1, which Debian 12 has; version 2 has another API and would be another
- * file behind this header).
+/* One GPIO line of the kernel's character devices. Only gpio_line.c uses libgpiod. It uses version
+ * 1, which Debian 12 has; version 2 has another API and would need another file behind this header.
  *
- * Levels are logical: a line that is `active-low` is active when its voltage is low. A line is
- * used by one thread at a time; nothing here blocks.
+ * Levels are logical: a line that is `active-low` is active when its voltage is low. A line is used
+ * by one thread at a time; no function here blocks.
  *
- * After the chip is gone (unplugged, its driver unbound) every call but close is -ENODEV. */
+ * After the chip is gone (unplugged, its driver unbound) every call except close returns
+ * -ENODEV. */
 #ifndef ISO_DRIVERS_DOOR_GPIO_LINE_H
 #define ISO_DRIVERS_DOOR_GPIO_LINE_H
 
@@ -56,9 +56,9 @@ enum iso_fault_code iso_gpio_fault_code(int error);
 /* Claims a line as an output with the level `active` from the first moment, or as an input that
  * reports its edges. The spec need not outlive the call.
  *
- * -ENODEV no such chip or line; -EBUSY somebody else has the line (the fault says who); -EACCES no
- * permission for the chip, or, for a named line that was not found, for one of the chips; -EINVAL
- * the name is not unique, or the chip does not know such a wiring; -ENOMEM; -EIO. */
+ * -ENODEV no such chip or line; -EBUSY another process has the line (the fault names it); -EACCES
+ * no permission for the chip, or, for a named line that was not found, for one of the chips;
+ * -EINVAL the name is not unique, or the chip does not support such a wiring; -ENOMEM; -EIO. */
 int iso_gpio_line_open_output(const struct iso_gpio_spec *spec, bool active,
                               struct iso_gpio_line **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -15,7 +15,7 @@ extern const struct iso_option_spec iso__gpiod_options[];
 /* The options of the Wiegand lines D0 and D1. */
 extern const char *const iso__gpiod_wiegand_names[2];
 
-/* Which line is wired where. */
+/* The wiring of the lines. */
 struct iso__gpiod_wiring {
     bool has_output[ISO_DOOR_OUTPUTS], has_input[ISO_DOOR_INPUTS];
     struct iso_gpio_spec outputs[ISO_DOOR_OUTPUTS], inputs[ISO_DOOR_INPUTS];
@@ -25,7 +25,7 @@ struct iso__gpiod_wiring {
     int64_t debounce_ns;
 };
 
-/* Reads the options. -EINVAL with a fault if one is bad or missing; *out stays untouched then. */
+/* Reads the options. -EINVAL with a fault if one is bad or missing; *out is unchanged then. */
 int iso__gpiod_parse_options(const struct iso_option *options, size_t n_options,
                              struct iso__gpiod_wiring *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -1,4 +1,4 @@
-/* Small files as a whole: reading one, and putting a new one in its place. */
+/* Small files that are read as a whole, or replaced by a new one. */
 #ifndef ISO_DRIVERS_FILE_DATA_FILE_H
 #define ISO_DRIVERS_FILE_DATA_FILE_H
 
@@ -7,9 +7,9 @@
 
 #include "core/base/fault.h"
 
-/* Reads a whole file of at most max_bytes into memory that the caller frees with free(). The
- * errors of iso_file_read (drivers/file/file.h), each with a fault that names the file. Those of
- * the disk are in the words of storage_fault.h, as what iso_data_file_replace says. */
+/* Reads a whole file of at most max_bytes into memory that the caller frees with free(). The errors
+ * of iso_file_read (drivers/file/file.h), each with a fault that names the file. Errors of the disk
+ * have the words of storage_fault.h, like those of iso_data_file_replace. */
 int iso_data_file_read(const char *path, size_t max_bytes, void **bytes, size_t *size,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
@@ -21,11 +21,11 @@ int iso_data_file_read(const char *path, size_t max_bytes, void **bytes, size_t 
 int iso_data_file_replace(const char *path, const void *bytes, size_t size, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Whether a file can be read and holds exactly these bytes. */
+/* Whether a file can be read and contains exactly these bytes. */
 bool iso_data_file_holds(const char *path, const void *bytes, size_t size);
 
-/* Overwrites what an open file holds with zeros, as far as that goes: a flash memory writes them
- * elsewhere. */
+/* Overwrites the contents of an open file with zeros, as far as possible: a flash memory writes the
+ * zeros to another place. */
 void iso_data_file_overwrite(int fd);
 
 #endif

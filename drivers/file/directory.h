@@ -1,4 +1,4 @@
-/* Making sure of names: a file's name is on the disk only when its directory is. */
+/* Makes names permanent: a file's name is on the disk only when its directory is. */
 #ifndef ISO_DRIVERS_FILE_DIRECTORY_H
 #define ISO_DRIVERS_FILE_DIRECTORY_H
 

@@ -1,19 +1,20 @@
 /* Opens data files. Every program opens the files that it reads and writes through these functions
  * (tests/gate/open_files.sh).
  *
- * A path that is given to a program may not be that of a file: a FIFO waits for a writer, /dev/zero
- * has no end, opening a device can have an effect, a symbolic link leads elsewhere, and a file may
- * be larger than the memory. Therefore the kind of the path is checked before it is opened; it is
- * opened with O_NOFOLLOW, O_NONBLOCK, O_NOCTTY and O_CLOEXEC; and the kind is checked again after
- * that. Directories of the path may be symbolic links; the last component may not.
+ * A path that is given to a program may not lead to a regular file. A FIFO waits for a writer,
+ * /dev/zero has no end, opening a device can have an effect, a symbolic link leads to another
+ * place, and a file may be larger than the memory. Therefore the kind of the file is checked before
+ * it is opened. It is opened with O_NOFOLLOW, O_NONBLOCK, O_NOCTTY and O_CLOEXEC, and its kind is
+ * checked again after that. Directories of the path may be symbolic links; the last component may
+ * not.
  *
- * A function that fails leaves its outputs untouched and writes one line that names the path.
+ * A function that fails leaves its outputs unchanged and writes one line that names the path.
  * Errors of all:
  *   -EISDIR       it is a directory
  *   -ELOOP        it is a symbolic link
  *   -EMEDIUMTYPE  it is a FIFO, a socket or a device
  *   -EFBIG        it is longer than max_bytes
- *   others        the errno of open() or fstat(); -ENOENT for a file that does not exist */
+ * Other errors are the errno of open() or fstat(); -ENOENT for a file that does not exist. */
 #ifndef ISO_DRIVERS_FILE_FILE_H
 #define ISO_DRIVERS_FILE_FILE_H
 
@@ -23,7 +24,7 @@
 
 #include "core/base/fault.h"
 
-/* For max_bytes: the caller reads piece by piece and needs no bound. */
+/* For max_bytes: the caller reads piece by piece and needs no limit. */
 #define ISO_FILE_ANY_SIZE UINT64_MAX
 
 /* Describes that a call of the system failed with `error` (a negative errno) for the file or
@@ -36,9 +37,9 @@ int iso_file_fault(const char *path, int error, struct iso_fault *fault);
 int iso_file_check(const char *path, uint64_t max_bytes, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Opens the file; `flags` are those of open(). A file that is made belongs to its owner alone
- * (0600). With O_CREAT | O_TRUNC it is always made anew: a regular file of that name is unlinked,
- * and its other names keep their content; -EEXIST if somebody makes one in between. The caller
+/* Opens the file; `flags` are those of open(). A new file belongs to its owner alone (0600). With
+ * O_CREAT | O_TRUNC the file is always created again: a regular file of that name is unlinked, and
+ * its other names keep their content; -EEXIST if another process creates one in between. The caller
  * closes *fd. */
 int iso_file_open(const char *path, int flags, uint64_t max_bytes, int *fd, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -1,6 +1,6 @@
 /* PNG files, read strictly and written reproducibly: 8- and 16-bit grey and RGB.
  *
- * Anything that libpng would mend or pass over is refused: truncation, bad checksums, missing
+ * Everything that libpng would repair or ignore is refused: truncation, bad checksums, missing
  * pixels, bytes after the end; so are palettes, alpha and other bit depths. Nothing is printed;
  * every failure is one line "file: what is wrong" in *fault (which may be NULL). */
 #ifndef ISO_DRIVERS_FILE_PNG_H
@@ -11,7 +11,7 @@
 
 #include "core/base/fault.h"
 
-/* Bits, so that a set of them can be asked for. */
+/* Bits, so that they can be combined to a set. */
 enum iso_pixel {
     ISO_PIXEL_GREY8 = 1,
     ISO_PIXEL_GREY16 = 2,
@@ -61,8 +61,8 @@ int iso_png_read_memory(const char *name, const void *bytes, size_t size,
 int iso_png_write(const char *path, const struct iso_image *image, int level,
                   struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* The same into an open file, from where it stands; the descriptor stays open, and what was written
- * stays when it fails. `name` stands for the file in faults. */
+/* The same into an open file, at its present position. The descriptor stays open, and after a
+ * failure the part that was written stays. `name` is the file's name in faults. */
 int iso_png_write_descriptor(int fd, const char *name, const struct iso_image *image, int level,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -12,8 +12,8 @@
  * -EIO for everything else. */
 int iso_storage_refused(const char *path, int error, struct iso_fault *fault);
 
-/* Puts what a call such as open has said into the same words, if its error is of the disk. Returns
- * the error (0 is none), and leaves other faults as they are. */
+/* Puts the fault of a call such as open into the same words if its error is one of the disk.
+ * Returns the error (0 is none), and leaves other faults as they are. */
 int iso_storage_reword(const char *path, int error, struct iso_fault *fault);
 
 /* Appends a half-sentence to a fault that was described. NULL: does nothing. */

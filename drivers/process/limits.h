@@ -6,9 +6,9 @@
  * more than 16 KiB (cmake/IsothermWarnings.cmake), and programs need less than 136 KiB. */
 enum { ISO_STACK_LEAST_BYTES = 256 << 10 };
 
-/* Checks the limit of the main thread's stack. -ENOMEM if it is below that, after one line to
- * standard error that begins with the program's name: the program must end, because a signal would
- * kill it in the middle of its work. */
+/* Checks the limit of the main thread's stack. Returns -ENOMEM if it is lower, after one line to
+ * standard error that begins with the program's name. The program must end then, because otherwise
+ * a signal would kill it in the middle of its work. */
 int iso_limits_check(const char *program) __attribute__((warn_unused_result));
 
 #endif

@@ -1,7 +1,6 @@
-/* Starting threads. A thread of ours takes no signals, since those are the business of the thread
- * that has always been there; and it has a stack of a stated size. Without one it gets what the
- * limit of the stack says when the program starts: 8 MiB on one machine, of which little is used,
- * and too little on another. */
+/* Starts threads. Our threads take no signals, because the main thread handles them, and have a
+ * stack of a fixed size. Without a fixed size a thread gets the stack limit with which the program
+ * starts: 8 MiB on one machine, of which little is used, and too little on another. */
 #ifndef ISO_DRIVERS_PROCESS_THREAD_H
 #define ISO_DRIVERS_PROCESS_THREAD_H
 

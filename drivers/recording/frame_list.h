@@ -1,4 +1,5 @@
-/* The lists of a recording (depth.txt, ir.txt, rgb.txt): which file was taken when. */
+/* The lists of a recording (depth.txt, ir.txt, rgb.txt), with the file and the time of each
+ * frame. */
 #ifndef ISO_DRIVERS_RECORDING_FRAME_LIST_H
 #define ISO_DRIVERS_RECORDING_FRAME_LIST_H
 

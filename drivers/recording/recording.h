@@ -1,4 +1,4 @@
-/* Recordings: directories with what one depth sensor saw, format 1.
+/* Recordings: directories with the frames of one depth sensor, format 1.
  *
  *   recording.ini   [recording] format = 1, sensor = NAME
  *                   [depth] projection = pinhole | orthographic; width_px, height_px;
@@ -13,8 +13,8 @@
  *   landmarks.csv   optional ground truth: frame,name,x_mm,y_mm,z_mm in the camera frame
  *
  * The cx_px and cy_px of a recording include the crop of the sensor image, so that frames from a
- * reader have no crop offset. The reader refuses what it does not understand. On a failure *fault
- * (which may be NULL) holds one line, "file: what is wrong". */
+ * reader have no crop offset. The reader refuses everything that it does not know. On a failure
+ * *fault (which may be NULL) holds one line, "file: what is wrong". */
 #ifndef ISO_DRIVERS_RECORDING_RECORDING_H
 #define ISO_DRIVERS_RECORDING_RECORDING_H
 
@@ -27,7 +27,7 @@
 
 enum { ISO_RECORDING_SENSOR_MAX = 32, ISO_RECORDING_LANDMARK_MAX = 32 };
 
-/* What recording.ini says. The camera is that of the recorded planes: its size is theirs. */
+/* The contents of recording.ini. The camera is that of the recorded planes and has their size. */
 struct iso_recording_meta {
     char sensor[ISO_RECORDING_SENSOR_MAX]; /* letters, digits, '-', '_', '.' */
     struct iso_camera camera;

@@ -1,6 +1,6 @@
-/* Writes recordings in the format that drivers/recording/recording.h reads. What is written can be
- * read back: the writer refuses what the reader would refuse. Deterministic: the same frames make
- * the same bytes. Every failure is one line in *fault (which may be NULL). */
+/* Writes recordings in the format that drivers/recording/recording.h reads. The writer refuses
+ * everything that the reader would refuse, so that each recording can be read back. The same frames
+ * always make the same bytes. Every failure is one line in *fault (which may be NULL). */
 #ifndef SIM_RECORDING_RECORDING_WRITER_H
 #define SIM_RECORDING_RECORDING_WRITER_H
 
@@ -39,8 +39,8 @@ int sim_recording_writer_landmark(struct sim_recording_writer *writer, const cha
                                   struct iso_vec3 point_mm, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Writes what is still in buffers and closes the files. -ENODATA if no frame was appended, or the
- * errno of writing. The writer remains to be freed. */
+/* Writes the remaining buffers and closes the files. -ENODATA if no frame was appended, or the
+ * errno of writing. The writer still has to be freed. */
 int sim_recording_writer_finish(struct sim_recording_writer *writer, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -1,6 +1,7 @@
-/* What the calibration (board.h) borrows from OpenCV: finding checkerboards, solving for cameras.
- * The .cc file is C++, this header is C; no exception comes out of it. The code is in the module
- * `stereo` (stereo_module.h); -ENOENT and -EBADMSG of both functions are those of loading it. */
+/* The functions of OpenCV that the calibration (board.h) uses: finding checkerboards, and solving
+ * for cameras. The .cc file is C++, this header is C; no exception comes out of it. The code is in
+ * the module `stereo` (stereo_module.h); -ENOENT and -EBADMSG of both functions are those of
+ * loading it. */
 #ifndef ISO_DRIVERS_STEREO_BOARD_OPENCV_H
 #define ISO_DRIVERS_STEREO_BOARD_OPENCV_H
 
@@ -19,7 +20,7 @@ struct iso_board_opencv_problem {
     int columns, rows, n_pairs, width_px, height_px;
     double square_mm;
     const float (*corners_px[2])[2]; /* of each eye: [n_pairs * columns * rows] */
-    void (*solved)(void *context);   /* after each of the three solutions; NULL: nobody is told */
+    void (*solved)(void *context);   /* called after each of the three solutions; NULL: no call */
     void *context;
 };
 

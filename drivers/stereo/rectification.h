@@ -17,8 +17,8 @@ struct iso_rectification {
  * have passed its check. */
 struct iso_rectification iso_rectification_of(const struct iso_stereo_calibration *calibration);
 
-/* For each pixel of an eye's rectified image, row by row, where it lies in the image as it came:
- * x_px and y_px have room for width_px * height_px. A pixel that the camera cannot see lies at
+/* For each pixel of an eye's rectified image, row by row, its position in the original image. x_px
+ * and y_px have room for width_px * height_px. A pixel that the camera cannot see gets the position
  * (-1e4, -1e4). */
 void iso_rectification_map(const struct iso_rectification *rectification,
                            const struct iso_stereo_calibration *calibration, enum iso_eye eye,

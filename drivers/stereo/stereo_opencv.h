@@ -1,7 +1,7 @@
-/* What the stereo path borrows from OpenCV: resampling an image through a map, and semi-global
- * matching (Hirschmueller 2008; OpenCV's StereoSGBM, which sums five directions in one pass over
- * Birchfield-Tomasi costs). The .cc file is C++, this header is C; no exception comes out of it.
- * The code is in the module `stereo` (stereo_module.h).
+/* The functions of OpenCV that the stereo path uses: resampling an image through a map, and
+ * semi-global matching (Hirschmueller 2008; OpenCV's StereoSGBM, which sums five directions in one
+ * pass over Birchfield-Tomasi costs). The .cc file is C++, this header is C; no exception comes out
+ * of it. The code is in the module `stereo` (stereo_module.h).
  *
  * OpenCV's own threads are switched off for the whole process: its parallel code runs in the
  * caller's thread. */

@@ -1,6 +1,6 @@
 /* Texts in columns: how many columns of a terminal a text takes, whatever letters it has. Chinese,
- * Japanese and Korean letters take two, combining marks none. The locale of the program has no say:
- * texts are UTF-8. */
+ * Japanese and Korean letters take two, combining marks none. The locale of the program has no
+ * effect, because texts are UTF-8. */
 #ifndef ISO_DRIVERS_TERMINAL_COLUMNS_H
 #define ISO_DRIVERS_TERMINAL_COLUMNS_H
 

@@ -1,11 +1,10 @@
-/* What a program has printed counts only when it has been written. */
+/* Checks at the end of a program that its output was written. */
 #ifndef ISO_DRIVERS_TERMINAL_OUTPUT_H
 #define ISO_DRIVERS_TERMINAL_OUTPUT_H
 
-/* Writes out what standard output still holds. If that, or any print before it, has failed: says
- * "PROGRAM: standard output: No space left on device" (or, where the cause is no longer known,
- * "cannot be written") on standard error and returns a negative errno. To be called once, by
- * main(), at the very end. */
+/* Writes the rest of standard output. If that, or any print before it, has failed, prints "PROGRAM:
+ * standard output: No space left on device" (or "cannot be written" if the cause is no longer
+ * known) to standard error and returns a negative errno. main() calls it once, at the very end. */
 int iso_output_end(const char *program) __attribute__((warn_unused_result));
 
 #endif

@@ -1,4 +1,5 @@
-/* What a program may print on a stream: whether it is a terminal, how wide, and with colours. */
+/* The properties of a stream: whether it is a terminal, how wide it is, and whether it shows
+ * colours. */
 #ifndef ISO_DRIVERS_TERMINAL_TERMINAL_H
 #define ISO_DRIVERS_TERMINAL_TERMINAL_H
 
@@ -9,10 +10,10 @@ struct iso_terminal {
     FILE *out;
     bool is_terminal;
     bool colour;      /* a terminal that knows colours, and NO_COLOR is unset or empty */
-    unsigned columns; /* 80 where nobody knows */
+    unsigned columns; /* 80 if the width is not known */
 };
 
-/* What the colours mean, not which they are. */
+/* The meanings of colours. */
 enum iso_paint {
     ISO_PAINT_PLAIN, /* ends another */
     ISO_PAINT_GOOD,
@@ -21,7 +22,8 @@ enum iso_paint {
     ISO_PAINT_HEADING,
 };
 
-/* Asks the stream and the environment (TERM and NO_COLOR, see https://no-color.org). */
+/* Reads the properties from the stream and the environment (TERM and NO_COLOR, see
+ * https://no-color.org). */
 struct iso_terminal iso_terminal_of(FILE *out);
 
 /* The sequence that begins a colour, or ends it; "" where there are no colours. A literal. */

@@ -1,4 +1,5 @@
-/* Small things that programs say: one person or two people, how long, and what was meant. */
+/* Small texts for the output of programs: singular or plural, durations, and suggestions for
+ * mistyped words. */
 #ifndef ISO_DRIVERS_TERMINAL_WORDS_H
 #define ISO_DRIVERS_TERMINAL_WORDS_H
 

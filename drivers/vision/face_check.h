@@ -25,20 +25,20 @@
 #include "isotherm/frame.h"
 #include "isotherm/landmark.h"
 
-/* What the image says. */
+/* The result of the image check. */
 enum iso_face_seen {
     ISO_FACE_NOT_CHECKED = 0,
-    /* It cannot say. */
-    ISO_FACE_NO_INTENSITY, /* the frame has none */
-    ISO_FACE_TURNED,       /* too far for a frontal face to be made of it */
+    /* The image cannot be judged. */
+    ISO_FACE_NO_INTENSITY, /* the frame has no image */
+    ISO_FACE_TURNED,       /* turned too far for a frontal view */
     ISO_FACE_HIDDEN,       /* too little of the face's middle is measured and in the image */
     ISO_FACE_DARK,
     ISO_FACE_GLARING, /* overexposed */
     ISO_FACE_GRAINY,  /* noise, or the dots of a projector */
-    /* It agrees. */
+    /* The image confirms the face. */
     ISO_FACE_CONFIRMED,
-    /* It disagrees. */
-    ISO_FACE_ELSEWHERE, /* a face is seen, but not there */
+    /* The image contradicts. */
+    ISO_FACE_ELSEWHERE, /* a face is seen at another place */
     ISO_FACE_ABSENT,    /* no face is seen */
     ISO_FACE_SEEN
 };
@@ -51,8 +51,8 @@ bool iso_face_seen_disagrees(enum iso_face_seen seen);
 
 struct iso_face_checked {
     enum iso_face_seen seen;
-    double offset_mm; /* from where the face should be to where it is seen; 0 if it is not */
-    double side_mm;   /* of the square in which it is seen; likewise */
+    double offset_mm; /* from the expected place to the face that is seen; 0 if none is seen */
+    double side_mm;   /* of the square in which it is seen; 0 if none is seen */
     int votes;        /* windows of the cascade that agreed */
 };
 

@@ -16,8 +16,8 @@ struct iso_camera_file {
 int iso_camera_file_read(const char *path, struct iso_camera_file *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* What the sensor measures by, for people: "FILE", or "nominal (FILE)" if the file says that its
- * intrinsics are those of the model and were not measured. */
+/* The calibration of the sensor as a text for people: "FILE", or "nominal (FILE)" if the file says
+ * that its intrinsics are those of the model and were not measured. */
 void iso_camera_file_describe(const struct iso_camera_file *file, char *text, size_t size);
 
 #endif

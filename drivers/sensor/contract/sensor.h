@@ -21,7 +21,7 @@
 #include "drivers/base/option.h"
 #include "isotherm/frame.h"
 
-/* What is known of the device behind a sensor, and what it can do. */
+/* The known properties of the device behind a sensor, and what it can do. */
 struct iso_sensor_description {
     char model[32];          /* the kind of sensor, as in a recording's `sensor` and in templates */
     char serial[64];         /* "" if it has none */
@@ -186,10 +186,10 @@ enum iso_sensor_state {
 /* "open", "started", "lost"; NULL outside the range. */
 const char *iso_sensor_state_name(enum iso_sensor_state state);
 
-/* Counted since open. */
+/* Counts since the opening. */
 struct iso_sensor_health {
     enum iso_sensor_state state;
-    uint64_t frames;                        /* that the caller got */
+    uint64_t frames;                        /* frames that the caller received */
     uint64_t lost;                          /* gaps in the sequence */
     uint64_t refused;                       /* frames that failed the check */
     uint64_t faults;                        /* other failures of wait, except time-outs */

@@ -1,4 +1,4 @@
-/* From OpenNI2's frames to ours. Pure: no device is asked. */
+/* Converts OpenNI2's frames to ours. Pure: no device is used. */
 #ifndef ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_FRAME_H
 #define ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_FRAME_H
 
@@ -8,7 +8,7 @@
 #include "isotherm/camera.h"
 #include "isotherm/frame.h"
 
-/* Millimetres per count of a depth format; 0 for one that holds no lengths. */
+/* Millimetres per count of a depth format; 0 for a format without lengths. */
 double iso__openni2_unit_mm(OniPixelFormat format);
 
 /* The camera that sees width x height pixels under these angles: focal length

@@ -13,7 +13,7 @@
 /* Ended by an entry without a name. */
 extern const struct iso_option_spec iso__openni2_options[];
 
-/* What the options ask for. */
+/* The settings from the options. */
 struct iso__openni2_settings {
     struct iso__openni2_wish wish; /* points to the texts below */
     char *path, *device, *record;  /* NULL: not given */

@@ -1,5 +1,5 @@
-/* OpenNI2's runtime: starting it, what it sees, and its refusals. For the sources of this folder.
- */
+/* OpenNI2's runtime: starting it, listing its devices, and describing its errors. For the sources
+ * of this folder. */
 #ifndef ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_RUNTIME_H
 #define ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_RUNTIME_H
 

@@ -15,10 +15,10 @@
 struct iso__openni2_stream {
     OniStreamHandle handle; /* NULL: there is none */
     OniVideoMode mode;
-    bool mirrored;     /* the frames are: it could not be turned off */
+    bool mirrored;     /* the frames are mirrored, because this could not be turned off */
     double full_scale; /* grey only */
-    int n_frames;      /* of a file: that it has */
-    int taken;         /* of a file: that have been taken */
+    int n_frames;      /* of a file: number of frames in the stream */
+    int taken;         /* of a file: number of frames taken so far */
 };
 
 struct iso__openni2_session {
@@ -61,7 +61,7 @@ int iso__openni2_session_take(struct iso__openni2_session *session, int timeout_
                               OniFrame **frame, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Whether a file that is not to be looped has no more frames. */
+/* Whether a file that is not looped has no more frames. */
 bool iso__openni2_session_ended(const struct iso__openni2_session *session);
 
 #endif

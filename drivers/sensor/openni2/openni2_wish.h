@@ -1,4 +1,4 @@
-/* Which device and which of its video modes a session is to open. */
+/* The device and the video mode that a session shall open. */
 #ifndef ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_WISH_H
 #define ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_WISH_H
 

@@ -1,5 +1,5 @@
-/* Which pictures of two cameras belong together: pure bookkeeping on their time stamps, for cameras
- * that share a trigger and for those that run free. */
+/* Decides which pictures of two cameras belong together, by their time stamps alone. The cameras
+ * may share a trigger or run freely. */
 #ifndef ISO_DRIVERS_SENSOR_PICTURE_PICTURE_PAIR_H
 #define ISO_DRIVERS_SENSOR_PICTURE_PICTURE_PAIR_H
 
@@ -7,10 +7,10 @@
 #include <stdint.h>
 
 enum iso_pair_verdict {
-    ISO_PAIR_WAIT,        /* nothing to do before another picture comes */
-    ISO_PAIR_TAKE,        /* the oldest of both belong together */
-    ISO_PAIR_DROP_FIRST,  /* the oldest of the first camera has no partner */
-    ISO_PAIR_DROP_SECOND, /* the oldest of the second camera has none */
+    ISO_PAIR_WAIT,        /* wait for another picture */
+    ISO_PAIR_TAKE,        /* the oldest pictures of both cameras belong together */
+    ISO_PAIR_DROP_FIRST,  /* the oldest picture of the first camera has no partner */
+    ISO_PAIR_DROP_SECOND, /* the oldest picture of the second camera has no partner */
 };
 
 /* Looks at the stamps of the pictures that wait, oldest first and rising. Two belong together if

@@ -13,7 +13,7 @@
 
 enum { ISO_V4L2_FORMATS_MAX = 8 };
 
-/* What is wanted of a node. */
+/* The requirements for a node. */
 struct iso_v4l2_wish {
     const char *owner; /* of the faults: "sensor v4l2" */
     const char *path;
@@ -36,10 +36,10 @@ int iso_v4l2_node_open(const struct iso_v4l2_system *system, const struct iso_v4
     __attribute__((warn_unused_result));
 void iso_v4l2_node_close(struct iso_v4l2_node *node);
 
-/* What can be done with it; the node must outlive it. */
+/* The node as a source of pictures; the node must outlive it. */
 struct iso_picture_source iso_v4l2_node_source(struct iso_v4l2_node *node);
 
-/* Where it is plugged in; owned by the node. */
+/* The port of the device; owned by the node. */
 const char *iso_v4l2_node_bus(const struct iso_v4l2_node *node);
 
 /* Tells of every node /dev/video0 to 63 that takes pictures (label: card, bus and pixel formats),

@@ -1,5 +1,5 @@
-/* What the V4L2 back ends ask of the kernel, as a table: theirs is iso_v4l2_kernel; a test can
- * stand in for a camera. Descriptors must be real ones that poll and epoll understand. */
+/* The system calls that the V4L2 back ends make, as a table. The back ends use iso_v4l2_kernel; a
+ * test can replace a camera. Descriptors must be real ones, which poll and epoll accept. */
 #ifndef ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_SYSTEM_H
 #define ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_SYSTEM_H
 
@@ -11,7 +11,7 @@ struct iso_v4l2_system {
     int (*open)(void *context, const char *path); /* non-blocking; a descriptor or -errno */
     void (*close)(void *context, int fd);
     int (*ioctl)(void *context, int fd, unsigned long request, void *argument); /* 0 or -errno */
-    /* Shared, readable; NULL if it cannot be. */
+    /* Maps shared and readable memory; NULL on failure. */
     void *(*map)(void *context, int fd, size_t length, int64_t offset);
     void (*unmap)(void *context, void *at, size_t length);
     int64_t (*monotonic_ns)(void *context); /* the clock that the kernel stamps pictures with */
