@@ -29,6 +29,8 @@ struct iso_candidate_options {
 struct iso_candidate_finder;
 int iso_candidate_finder_new(size_t capacity_px, struct iso_candidate_finder **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_candidate_finder_free(struct iso_candidate_finder *finder);
 
 /* Writes at most ISO_CANDIDATES_MAX candidates, part by part and by falling height within one;

@@ -18,6 +18,8 @@ struct iso_ldl; /* block.h, internal to core/heat */
 /* For matrices up to the given size. -EINVAL, -ENOMEM. */
 int iso_factor_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_factor **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_factor_free(struct iso_factor *factor);
 
 /* Factorises a * stiffness + b * mass (one pattern, as iso_stiffness_mass makes them). -EINVAL if

@@ -28,6 +28,8 @@ struct iso_lanczos {
 int iso_lanczos_init(struct iso_lanczos *l, const struct iso_symmetric *mass,
                      struct iso_factor *factor, int32_t block, int32_t capacity)
     __attribute__((warn_unused_result));
+
+/* Releases what it holds. */
 void iso_lanczos_done(struct iso_lanczos *l);
 
 /* Applies A to the pending block and makes the next one. -EDOM, -ENOMEM from the solver. */

@@ -18,6 +18,8 @@ struct iso_permuted {
 /* -EINVAL, -ENOMEM. */
 int iso_permuted_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_permuted **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_permuted_free(struct iso_permuted *matrix);
 
 /* Row and column k become row and column order[k] of `a` (a permutation of 0..n - 1, which is not

@@ -28,6 +28,8 @@ struct iso__grid_band {
  * failed one. */
 int iso__grid_band_init(struct iso__grid_band *band, const struct iso_grid *grid)
     __attribute__((warn_unused_result));
+
+/* Releases what it holds. */
 void iso__grid_band_done(struct iso__grid_band *band);
 
 /* Finds the level with the area pi radius^2 above it in the field's window, and the band about it.

@@ -12,6 +12,8 @@
 struct iso_grid_tracer;
 int iso_grid_tracer_new(const struct iso_grid *grid, struct iso_grid_tracer **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_grid_tracer_free(struct iso_grid_tracer *tracer);
 
 /* Finds the level of a field that encloses the area pi radius^2 and traces all its curves. Returns

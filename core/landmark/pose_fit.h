@@ -23,6 +23,8 @@ struct iso_pose_vertices {
  * not ISO_HEAD_RIGID get `soft_weight`. -EINVAL if the model has no such region, -ENOMEM. */
 int iso_pose_vertices_new(const struct iso_head_model *model, int count, double soft_weight,
                           struct iso_pose_vertices **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_pose_vertices_free(struct iso_pose_vertices *vertices);
 
 struct iso_pose_options {

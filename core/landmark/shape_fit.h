@@ -43,6 +43,8 @@ struct iso_shape_fitter;
 int iso_shape_fitter_new(const struct iso_head_model *model,
                          const struct iso_shape_fit_options *options, struct iso_shape_fitter **out)
     __attribute__((warn_unused_result));
+
+/* Wipes and frees it and what it holds. NULL is accepted. */
 void iso_shape_fitter_free(struct iso_shape_fitter *fitter);
 
 /* Starts from a pose of the mean face. -ENODATA if too little of the face is measured to fix it. */

@@ -30,6 +30,7 @@ int iso_cohort_parse(const void *bytes, size_t size, struct iso_cohort **out, co
 int iso_cohort_serialise(const struct iso_template *const *templates, int n, void **bytes,
                          size_t *size) __attribute__((warn_unused_result));
 
+/* Frees it. NULL is accepted. */
 void iso_cohort_free(struct iso_cohort *cohort);
 int iso_cohort_size(const struct iso_cohort *cohort);
 uint32_t iso_cohort_algorithm(const struct iso_cohort *cohort);

@@ -81,6 +81,8 @@ struct iso_presentation;
  * -ENOMEM. */
 int iso_presentation_new(const struct iso_head_model *model, size_t capacity_px,
                          struct iso_presentation **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_presentation_free(struct iso_presentation *presentation);
 
 /* For a frame with a fitted head: relief, size and eyes. `frame` is the original frame, `cleaned`

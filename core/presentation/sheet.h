@@ -24,6 +24,8 @@ struct iso_sheet_finder;
 /* Works on frames of at most capacity_px pixels. -EINVAL, -ENOMEM. */
 int iso_sheet_finder_new(size_t capacity_px, struct iso_sheet_finder **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_sheet_finder_free(struct iso_sheet_finder *finder);
 
 /* The part with the least mean depth of those of at least 60 cm^2, between two depths. -ENOENT if

@@ -24,6 +24,8 @@ struct iso_sizer;
  * has fewer than 60 vertices, -ENOMEM. */
 int iso_sizer_new(const struct iso_head_model *model, struct iso_sizer **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_sizer_free(struct iso_sizer *sizer);
 
 /* `camera_from_face` where the head model was fitted in this frame, the cleaned one. Changes

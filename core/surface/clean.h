@@ -13,6 +13,8 @@ struct iso_cleaner;
 /* Works on frames whose cleaned part has at most capacity_px pixels. -EINVAL, -ENOMEM. */
 int iso_cleaner_new(size_t capacity_px, struct iso_cleaner **out)
     __attribute__((warn_unused_result));
+
+/* Wipes and frees it and what it holds. NULL is accepted. */
 void iso_cleaner_free(struct iso_cleaner *cleaner);
 
 /* Cuts out the square of half side radius_mm about a camera-frame point, shrunk by the largest

@@ -34,6 +34,8 @@ struct iso_face_patch;
 int iso_face_patch_new(const struct iso_head_model *model,
                        const struct iso_face_patch_options *options, struct iso_face_patch **out)
     __attribute__((warn_unused_result));
+
+/* Wipes and frees it and what it holds. NULL is accepted. */
 void iso_face_patch_free(struct iso_face_patch *patch);
 
 /* Resamples a measured surface, given where the face is. The surface is a camera-frame mesh; its

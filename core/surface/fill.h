@@ -8,6 +8,8 @@ struct iso_fill;
 
 /* Workspace for planes of that size (1..1024 a side). -EINVAL, -ENOMEM. */
 int iso_fill_new(int width, int height, struct iso_fill **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_fill_free(struct iso_fill *fill);
 
 /* Gives values to the pixels of `domain` that are not `known`: from a pyramid of averages

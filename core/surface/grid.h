@@ -47,6 +47,8 @@ struct iso_grid_point {
 /* Room for grids of one size, at most 2048 pixels a side. -EINVAL, -ENOMEM. */
 int iso_grid_new(int width_px, int height_px, struct iso_grid **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_grid_free(struct iso_grid *grid);
 
 /* Floats of one plane with its margins, a multiple of 16, and how far pixel (0, 0) lies from its
@@ -57,6 +59,8 @@ size_t iso_grid_plane_origin(const struct iso_grid *grid);
 /* So many zeroed planes of the grid's layout, one after the other, from iso_grid_plane_size to
  * size, aligned to 64 bytes. NULL if there is no memory. iso_grid_planes_free wipes them first. */
 float *iso_grid_planes_new(const struct iso_grid *grid, int n_planes);
+
+/* Wipes and frees it. NULL is accepted. */
 void iso_grid_planes_free(float *planes, size_t plane_size, int n_planes);
 
 /* Takes over the surface of a frame. An edge across a change of depth of more than jump_mm is cut.

@@ -54,6 +54,8 @@ struct iso_recording;
  * used by one thread at a time. */
 int iso_recording_open(const char *directory, struct iso_recording **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Closes it and frees it. NULL is accepted. */
 void iso_recording_close(struct iso_recording *recording);
 
 const struct iso_recording_meta *iso_recording_meta(const struct iso_recording *recording);

@@ -23,6 +23,8 @@ struct iso_board_views;
 int iso_board_views_new(const struct iso_board *board, int width_px, int height_px,
                         struct iso_board_views **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_board_views_free(struct iso_board_views *views);
 
 /* Adds two 8-bit pictures that were taken at the same moment, [height_px * width_px] each. -ENOENT

@@ -31,6 +31,8 @@ struct iso_refine;
 /* A workspace for images of one size. -EINVAL, -ENOMEM. */
 int iso_refine_new(int width_px, int height_px, const struct iso_refine_options *options,
                    struct iso_refine **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_refine_free(struct iso_refine *refine);
 
 /* Refines disparity_px (0: none, stays so) of rectified images; confidence is -1..1, 0 where there

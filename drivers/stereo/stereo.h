@@ -31,6 +31,8 @@ struct iso_stereo;
 int iso_stereo_new(const struct iso_stereo_calibration *calibration,
                    const struct iso_stereo_options *options, struct iso_stereo **out,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_stereo_free(struct iso_stereo *stereo);
 
 /* The camera of the frames and how it stands to the two real ones. */

@@ -26,6 +26,8 @@ struct iso_stereo_opencv_options {
  * errors of iso_stereo_module_load. */
 int iso_stereo_opencv_new(const struct iso_stereo_opencv_options *options,
                           struct iso_stereo_opencv **out) __attribute__((warn_unused_result));
+
+/* Frees it. It must not be NULL. */
 void iso_stereo_opencv_free(struct iso_stereo_opencv *stereo);
 
 /* Resamples (bilinearly) an image of the left eye (0) or the right one (1); what lies outside is 0.

@@ -62,6 +62,8 @@ struct iso_face_check;
  * also if the build found none. One check belongs to one thread. */
 int iso_face_check_new(const char *cascade_path, struct iso_face_check **out,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Wipes and frees it and what it holds. NULL is accepted. */
 void iso_face_check_free(struct iso_face_check *check);
 
 /* Checks a frame that iso_frame_check passes, with the pose of the face in it and the twelve

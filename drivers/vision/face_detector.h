@@ -33,6 +33,8 @@ const char *iso_face_detector_cascade(void);
  * or the errno of opening it. */
 int iso_face_detector_new(const char *cascade_path, struct iso_face_detector **out,
                           struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Frees it. NULL is accepted. */
 void iso_face_detector_free(struct iso_face_detector *detector);
 
 /* Looks for a face whose square has a side of min_px..max_px in a picture, rows from the top

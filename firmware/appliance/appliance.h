@@ -115,6 +115,8 @@ struct iso_appliance;
 /* -ENOMEM; with threads moreover -EAGAIN, or an errno of descriptors. */
 int iso_appliance_new(const struct iso_appliance_borrowed *borrowed, struct iso_appliance **out)
     __attribute__((warn_unused_result));
+
+/* Wipes and frees it and what it holds. NULL is accepted. */
 void iso_appliance_free(struct iso_appliance *appliance);
 
 /* Starts the door, then opens the sensor. A missing sensor is not a failure: the appliance tries

@@ -46,6 +46,8 @@ int iso_anchor_open(const char *path, const char *kind, const struct iso_key_rin
 int iso_anchor_make(const char *path, const char *kind, const struct iso_key_ring *ring, bool sync,
                     const struct iso_anchor_state *state, struct iso_anchor **out,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Closes it and frees it. NULL is accepted. */
 void iso_anchor_close(struct iso_anchor *anchor);
 
 const struct iso_anchor_state *iso_anchor_state(const struct iso_anchor *anchor);

@@ -87,6 +87,8 @@ struct iso_audit;
 int iso_audit_open(const struct iso_audit_options *options, const struct iso_times *times,
                    struct iso_audit **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Wipes it; closes it and frees it. NULL is accepted. */
 void iso_audit_close(struct iso_audit *audit);
 
 /* Writes a record. If this fails, the act that the record announces must not happen. -ENOSPC the

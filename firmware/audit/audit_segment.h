@@ -48,6 +48,8 @@ struct iso_audit_reader {
  * case. */
 int iso_audit_reader_open(struct iso_audit_reader *reader, const char *path,
                           const struct iso_key_ring *ring) __attribute__((warn_unused_result));
+
+/* Wipes it; closes it. NULL is accepted. */
 void iso_audit_reader_close(struct iso_audit_reader *reader);
 
 /* Reads a record into ->record. Returns 1, or 0 at the end; -EBADMSG with ->flaw set if it is not

@@ -78,6 +78,8 @@ struct iso_gallery_options {
  * Other errors are -EIO and -ENOMEM. */
 int iso_gallery_open(const struct iso_gallery_options *options, struct iso_gallery **out,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Closes it and frees it. NULL is accepted. */
 void iso_gallery_close(struct iso_gallery *gallery);
 
 /* Adds a template to the person of this name. A new person is added; an existing person keeps the

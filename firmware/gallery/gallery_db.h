@@ -22,6 +22,8 @@ struct iso_gallery_db;
  * locks it until it is closed. */
 int iso_gallery_db_open(const struct iso_gallery_options *options, struct iso_gallery_db **out,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Wipes it; closes it and frees it. NULL is accepted. */
 void iso_gallery_db_close(struct iso_gallery_db *db);
 
 /* Receives the contents. Functions return 0, or a negative errno with *fault set. */

@@ -50,6 +50,8 @@ int iso_transfer_write(struct iso_gallery *gallery, const char *const *people,
                        const struct iso_key_ring *ring, const struct iso_transfer_lock *lock,
                        const struct iso_work_listener *listener, uint8_t **bytes, size_t *size,
                        size_t *n, struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Wipes and frees it. NULL is accepted. */
 void iso_transfer_free(uint8_t *bytes, size_t size);
 
 struct iso_transfer; /* people that were read from a file */
@@ -65,6 +67,8 @@ int iso_transfer_read(const uint8_t *bytes, size_t size, const struct iso_key_ri
 
 /* Valid until iso_transfer_done, which wipes them. */
 const struct iso_gallery_item *iso_transfer_items(const struct iso_transfer *transfer, size_t *n);
+
+/* Releases what it holds. */
 void iso_transfer_done(struct iso_transfer *transfer);
 
 /* Reads the people of an opened file. -EBADMSG, -ENOMEM. */

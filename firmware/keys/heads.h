@@ -58,6 +58,8 @@ struct iso_heads iso_heads_get_counts(const uint8_t bytes[ISO_HEADS_COUNT_BYTES]
 struct iso_heads_board;
 
 int iso_heads_board_new(struct iso_heads_board **out) __attribute__((warn_unused_result));
+
+/* Frees it. NULL is accepted. */
 void iso_heads_board_free(struct iso_heads_board *board);
 
 /* ---- when a store is opened ---- */

@@ -54,6 +54,8 @@ struct iso_key_ring;
  *   -EACCES       the file can be read by others; -ENOSPC, -EROFS, -EIO, -ENOMEM, ... */
 int iso_key_ring_open(const struct iso_key_place *place, struct iso_key_ring **out,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Wipes it; closes it and frees it. NULL is accepted. */
 void iso_key_ring_close(struct iso_key_ring *ring);
 
 /* The key of this use and number; NULL if there is none. Valid until that key is dropped. */

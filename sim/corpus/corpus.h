@@ -70,6 +70,7 @@ size_t sim_corpus_origin_length(const char *note);
  * False for an empty note. */
 bool sim_corpus_row_is_of(const struct sim_corpus_row *row, const char *note);
 
+/* Frees it and what it holds. NULL is accepted. */
 void sim_corpus_free(struct sim_corpus *corpus);
 
 #endif

@@ -28,6 +28,8 @@ struct sim_scan_grid {
 /* -EBADMSG for a size out of range, -ENOMEM. */
 int sim_scan_grid_new(const char *name, double rows, double columns, struct sim_scan_grid *out,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Releases what it holds. */
 void sim_scan_grid_done(struct sim_scan_grid *grid);
 
 /* Joins neighbours whose points are at most 12 mm apart. -EBADMSG if no triangle results. */

@@ -42,6 +42,8 @@ int sim_rehearsal_door_open(struct sim_rehearsal_door *door,
                             struct sim_virtual_clock *clock, struct sim_shared_extraction *shared,
                             struct sim_trace *trace, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Closes it and frees it. NULL is accepted. */
 void sim_rehearsal_door_close(struct sim_rehearsal_door *door);
 
 /* Claims the camera and begins to enrol a person. Errors of the appliance. Release the claim

@@ -52,6 +52,7 @@ void sim_trace_decide(struct sim_trace *trace, int64_t now_ns);
  * `null`. */
 void sim_trace_end(struct sim_trace *trace, struct iso_door_io *door, int64_t now_ns);
 
+/* Releases what it holds. */
 void sim_trace_done(struct sim_trace *trace);
 
 #endif

@@ -30,6 +30,8 @@ struct iso_grid_stencil {
 /* Planes for grids of that size. -ENOMEM. */
 int iso_grid_stencil_new(const struct iso_grid *grid, struct iso_grid_stencil **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_grid_stencil_free(struct iso_grid_stencil *stencil);
 
 /* The operator of the grid's surface at the pixels of a window, whose column and width are

@@ -43,6 +43,8 @@ struct iso_heat_grid;
 /* n_sources: most sources of a call, 1..64. -EINVAL if it is out of range, -ENOMEM. */
 int iso_heat_grid_new(const struct iso_grid *grid, int n_sources, struct iso_heat_grid **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_heat_grid_free(struct iso_heat_grid *solver);
 
 /* Releases heat on the grid's surface. -EINVAL for more sources than the solver was made for, a

@@ -47,6 +47,8 @@ double iso_code_residual(const struct iso_collaborative *model, const struct iso
 int iso_collaborative_train(const struct iso_collaborative_kind *kind,
                             const struct iso_labelled *training, void **model)
     __attribute__((warn_unused_result));
+
+/* Frees it. It must not be NULL. */
 void iso_collaborative_free(void *model);
 int iso_collaborative_score(const void *model, const float *feature, double *score)
     __attribute__((warn_unused_result));

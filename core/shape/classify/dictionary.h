@@ -20,6 +20,8 @@ struct iso_dictionary {
 /* -ENOMEM, -EDOM if atoms are not finite. */
 int iso_dictionary_init(struct iso_dictionary *d, const float *atom, int32_t n, int32_t size,
                         int32_t stride) __attribute__((warn_unused_result));
+
+/* Releases what it holds. */
 void iso_dictionary_done(struct iso_dictionary *d);
 
 /* D y: [n]. */

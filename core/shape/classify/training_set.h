@@ -14,6 +14,8 @@ struct iso_training_set {
 /* A copy. -ENOMEM. */
 int iso_training_set_init(struct iso_training_set *gallery, const struct iso_labelled *training)
     __attribute__((warn_unused_result));
+
+/* Releases what it holds. */
 void iso_training_set_done(struct iso_training_set *gallery);
 
 /* Gives each part of a feature unit length; a part of zeros stays as it is. */

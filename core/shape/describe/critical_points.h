@@ -22,6 +22,7 @@ int iso_shape_extrema(const struct iso_shape *shape, const double *function,
 int iso_shape_critical_points(const struct iso_shape *shape, struct iso_critical_points *out)
     __attribute__((warn_unused_result));
 
+/* Releases what it holds. */
 void iso_critical_points_done(struct iso_critical_points *points);
 
 #endif

@@ -16,6 +16,8 @@ struct iso_principal {
  * vectors are not finite, -ENOMEM. */
 int iso_principal_init(const float *const *vector, int32_t n, int32_t size, int32_t wanted,
                        struct iso_principal *out) __attribute__((warn_unused_result));
+
+/* Releases what it holds. */
 void iso_principal_done(struct iso_principal *principal);
 
 /* Coefficients of a vector: n_components values. */

@@ -29,6 +29,8 @@ struct iso_fourier;
  * outside 1..n / 2), -ENOMEM. Read-only once made: for any number of threads. */
 int iso_fourier_new(int n, int n_kept, struct iso_fourier **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void iso_fourier_free(struct iso_fourier *fourier);
 
 /* Amplitudes of SI-HK for n_courses courses of n samples: out is [n_courses][n_kept]. A course of

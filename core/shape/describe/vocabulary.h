@@ -22,6 +22,8 @@ struct iso_vocabulary {
 int iso_vocabulary_init(const float *row, int32_t n, int32_t n_values, int32_t n_words,
                         uint64_t seed, struct iso_vocabulary *out)
     __attribute__((warn_unused_result));
+
+/* Releases what it holds. */
 void iso_vocabulary_done(struct iso_vocabulary *vocabulary);
 
 /* Adds n weighted rows to a bag of n_words. */

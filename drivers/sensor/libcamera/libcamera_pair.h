@@ -30,6 +30,8 @@ enum { ISO_LIBCAMERA_TEXT = 200 };
 int iso_libcamera_pair_open(const struct iso_libcamera_options *options,
                             struct iso_libcamera_pair **out, char text[ISO_LIBCAMERA_TEXT])
     __attribute__((warn_unused_result));
+
+/* Closes it. NULL is accepted. */
 void iso_libcamera_pair_close(struct iso_libcamera_pair *pair);
 
 /* Calls `tell` for every camera that libcamera sees, with its name and its model. May be called

@@ -29,6 +29,8 @@ struct iso__openni2_settings {
 int iso__openni2_settings_init(struct iso__openni2_settings *settings,
                                const struct iso_option *options, size_t n_options,
                                struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Releases what it holds. */
 void iso__openni2_settings_done(struct iso__openni2_settings *settings);
 
 #endif

@@ -32,6 +32,8 @@ struct iso_picture_stream;
 int iso_picture_stream_open(const struct iso_picture_stream_options *options,
                             struct iso_picture_stream **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Closes it and frees it. NULL is accepted. */
 void iso_picture_stream_close(struct iso_picture_stream *stream);
 
 int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault *fault)

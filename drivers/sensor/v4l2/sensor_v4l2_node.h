@@ -34,6 +34,8 @@ enum iso_fault_code iso_v4l2_fault_code(int error);
 int iso_v4l2_node_open(const struct iso_v4l2_system *system, const struct iso_v4l2_wish *wish,
                        struct iso_v4l2_node **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Closes it and frees it. NULL is accepted. */
 void iso_v4l2_node_close(struct iso_v4l2_node *node);
 
 /* The node as a source of pictures; the node must outlive it. */

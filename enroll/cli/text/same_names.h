@@ -16,6 +16,7 @@ void cli_same_names_add(struct cli_same_names *names, const char *name);
 /* Prints a line for each pair of names that look the same, with a remedy. */
 void cli_same_names_print(struct cli_same_names *names, FILE *out);
 
+/* Releases what it holds. */
 void cli_same_names_done(struct cli_same_names *names);
 
 #endif

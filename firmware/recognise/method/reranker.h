@@ -15,6 +15,8 @@ struct iso_reranker;
 
 /* -ENOMEM. */
 int iso_reranker_new(struct iso_reranker **out) __attribute__((warn_unused_result));
+
+/* Wipes and frees it. NULL is accepted. */
 void iso_reranker_free(struct iso_reranker *look);
 
 /* The working memory of reranking, for a search that does not open templates from a gallery. */

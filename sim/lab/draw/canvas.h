@@ -17,6 +17,8 @@ struct sim_canvas {
  * bottom, and darker corners. -EINVAL for a side outside 1..4096, -ENOMEM. */
 int sim_canvas_new(int width_px, int height_px, struct sim_colour top, struct sim_colour bottom,
                    struct sim_canvas **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_canvas_free(struct sim_canvas *canvas);
 
 /* Blends a colour over a sample; alpha 0..1. */

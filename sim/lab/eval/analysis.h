@@ -82,6 +82,8 @@ struct sim_analysis {
 int sim_analyse(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
                 const struct sim_gallery *gallery, const struct sim_matches *matches,
                 struct sim_analysis **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_analysis_free(struct sim_analysis *analysis);
 
 #endif

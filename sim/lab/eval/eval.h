@@ -86,6 +86,8 @@ enum sim_score_kind sim_eval_score_kind(const struct sim_eval *eval);
  * data files and of the extractor. Each comes with a fault. */
 int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
                  struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_eval_free(struct sim_eval *eval);
 
 #endif

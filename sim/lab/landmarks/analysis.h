@@ -72,6 +72,8 @@ struct sim_landmark_analysis {
 /* `corpus` must outlive the result. -ENOMEM. */
 int sim_landmark_analyse(const struct sim_corpus *corpus, const struct sim_measurement *measurement,
                          struct sim_landmark_analysis **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_landmark_analysis_free(struct sim_landmark_analysis *analysis);
 
 #endif

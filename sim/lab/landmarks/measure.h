@@ -43,6 +43,8 @@ void sim_measure_frame_errors(const struct iso_vec3 offset_mm[ISO_LANDMARKS],
 int sim_measure(const char *directory, const struct sim_corpus *corpus,
                 const struct sim_capture_options *options, struct sim_measurement **out,
                 struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_measurement_free(struct sim_measurement *measurement);
 
 #endif

@@ -26,6 +26,8 @@ struct sim_study {
  * errors of reading the corpus and the model and of sim_measure; each with a fault. */
 int sim_study_run(const struct sim_study_options *options, struct sim_study **out,
                   struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_study_free(struct sim_study *study);
 
 /* Prints tables for people. */

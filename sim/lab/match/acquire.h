@@ -32,6 +32,8 @@ int sim_acquire(const char *directory, const struct sim_corpus *corpus,
                 const struct sim_capture_options *options, size_t fuse,
                 struct sim_acquisition **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Wipes and frees it and what it holds. NULL is accepted. */
 void sim_acquisition_free(struct sim_acquisition *acquisition);
 
 #endif

@@ -20,6 +20,8 @@ struct sim_gallery {
  * -ENOMEM. */
 int sim_gallery_new(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
                     size_t limit, struct sim_gallery **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_gallery_free(struct sim_gallery *gallery);
 
 /* The index of a person in the gallery, or SIM_NOBODY. */

@@ -43,6 +43,8 @@ int sim_matches_new(const struct sim_corpus *corpus, const struct sim_acquisitio
 int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisition,
               const struct sim_gallery *gallery, const struct sim_scoring *scoring, int threads,
               struct sim_matches **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_matches_free(struct sim_matches *matches);
 
 #endif

@@ -14,6 +14,8 @@ struct sim_scans {
 /* Allocates for the captures of a corpus. -ENOMEM. */
 int sim_scans_new(const struct sim_corpus *corpus, struct sim_scans **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_scans_free(struct sim_scans *faces);
 
 /* Function for sim_capture_options.inspect; its context is the faces. */

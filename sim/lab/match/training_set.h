@@ -12,6 +12,8 @@ struct sim_training_set;
 int sim_training_set_new(const char *directory, const struct sim_capture_options *options,
                          struct sim_training_set **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_training_set_free(struct sim_training_set *set);
 
 size_t sim_training_set_faces(const struct sim_training_set *set);

@@ -9,6 +9,8 @@ struct sim_geodesic;
 /* A workspace for faces on the given grid. -ENOMEM. */
 int sim_geodesic_new(const struct sim_scan *face, struct sim_geodesic **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_geodesic_free(struct sim_geodesic *geodesic);
 
 /* Distances over the surface from one place to n others, mm, by Dijkstra's algorithm (1959) on

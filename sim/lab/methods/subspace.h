@@ -15,6 +15,7 @@ struct sim_subspace {
     float *basis; /* [n_out][n_in] */
 };
 
+/* Frees it and what it holds. NULL is accepted. */
 void sim_subspace_free(struct sim_subspace *subspace);
 
 /* Principal components of n >= 2 samples, whitened: every coordinate has variance 1 over the

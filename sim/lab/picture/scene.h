@@ -25,6 +25,8 @@ struct sim_scene;
 int sim_scene_new(const struct iso_mesh *mesh, const struct sim_view *view,
                   struct sim_canvas *canvas, struct sim_scene **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_scene_free(struct sim_scene *scene);
 
 /* The appearance of the surface. */

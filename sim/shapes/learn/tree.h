@@ -16,6 +16,8 @@ int iso_tree_load(struct iso_fault *fault) __attribute__((warn_unused_result));
  * refuses, -ENOMEM, the errors of iso_tree_load. */
 int iso_tree_new(const float *feature, const int32_t *label, int32_t n, int32_t size,
                  struct iso_tree **out) __attribute__((warn_unused_result));
+
+/* Frees it. NULL is accepted. */
 void iso_tree_free(struct iso_tree *tree);
 
 /* The label that the tree predicts. -EDOM, -ENOMEM. */

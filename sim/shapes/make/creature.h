@@ -27,6 +27,8 @@ int sim_creature_new(const struct sim_skeleton *skeleton,
                      const struct sim_creature_options *options, struct sim_random *grid,
                      struct sim_random *pose, struct sim_creature **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_creature_free(struct sim_creature *creature);
 
 #endif

@@ -36,6 +36,8 @@ int sim_shape_manifest_read(const char *directory, struct sim_shape_manifest **o
 /* Parses a manifest from a text; `name` stands for the file in faults. */
 int sim_shape_manifest_parse(const char *name, const char *text, struct sim_shape_manifest **out,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_shape_manifest_free(struct sim_shape_manifest *manifest);
 
 /* Writes the manifest. -EIO or the errno of opening the file. */

@@ -25,6 +25,7 @@ struct iso_coloured_mesh {
     struct iso_colour *colour; /* [mesh->n_vertices], each channel 0..1; or NULL */
 };
 
+/* Releases what it holds. */
 void iso_coloured_mesh_done(struct iso_coloured_mesh *mesh);
 
 enum iso_mesh_format {

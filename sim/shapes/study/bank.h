@@ -37,6 +37,8 @@ struct sim_bank {
  * -ENOENT, ..., with a fault that names its file; -ENOMEM. */
 int sim_bank_new(const struct sim_bank_options *options, struct sim_bank **out,
                  struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_bank_free(struct sim_bank *bank);
 
 /* The descriptions of all shapes by one method: [n]. */

@@ -41,6 +41,7 @@ int sim_features_new(const struct sim_shape_manifest *manifest, const struct sim
 int sim_features_ask(struct sim_features *features, const struct sim_bank *queries)
     __attribute__((warn_unused_result));
 
+/* Frees it and what it holds. NULL is accepted. */
 void sim_features_free(struct sim_features *features);
 
 /* distance[query][item], 0 for the query's own item, by a classifier that learns from all items.

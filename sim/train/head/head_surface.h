@@ -30,6 +30,8 @@ struct sim_head_surface {
  * with landmarks outside this part or with openings that cannot be closed; -ENOMEM. */
 int sim_head_surface_new(const struct sim_ict *ict, struct sim_head_surface **out,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_head_surface_free(struct sim_head_surface *surface);
 
 /* Removes the vertices without triangles and renumbers the others. -EINVAL if a landmark is

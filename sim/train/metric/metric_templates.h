@@ -30,6 +30,7 @@ int sim_metric_templates_read(struct sim_metric_templates *t, const char *direct
 /* Removes the frames without a template. */
 void sim_metric_templates_leave_usable(struct sim_metric_templates *t);
 
+/* Releases what it holds. */
 void sim_metric_templates_done(struct sim_metric_templates *t);
 
 /* Whether a person is held out. One person in five is used only to calibrate the scores. */

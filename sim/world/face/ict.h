@@ -34,6 +34,8 @@ struct sim_ict {
  * one that does not match the others; or -ENOMEM. */
 int sim_ict_load(const char *directory, struct sim_ict **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_ict_free(struct sim_ict *ict);
 
 /* Index of an expression shape by its name, or -1. */

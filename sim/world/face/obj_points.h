@@ -19,6 +19,8 @@ struct sim_obj {
  * skipped. */
 int sim_obj_read(const char *path, struct sim_obj *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Releases what it holds. */
 void sim_obj_done(struct sim_obj *obj);
 
 #endif

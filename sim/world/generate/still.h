@@ -16,6 +16,8 @@ struct sim_still {
 /* A scene that is empty or has only a wall. -ENOMEM. */
 int sim_still_init(struct sim_still *still, bool wall, struct sim_random *random)
     __attribute__((warn_unused_result));
+
+/* Releases what it holds. */
 void sim_still_done(struct sim_still *still);
 
 /* Puts a person of another population (named by `crowd`) into the scene, with a resting face,

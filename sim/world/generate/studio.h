@@ -27,6 +27,8 @@ struct sim_studio;
  * outlive the studio. -EINVAL, -ENOMEM, or the errno of mkdir. */
 int sim_studio_new(const struct sim_studio_options *options, struct sim_studio **out,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_studio_free(struct sim_studio *studio);
 
 /* Draws the scene at frame number `frame` into a cleared view. Sets *truth_known to whether it

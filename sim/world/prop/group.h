@@ -19,6 +19,8 @@ struct sim_group {
 
 /* An empty group. -ENOMEM. */
 int sim_group_new(struct sim_group **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_group_free(struct sim_group *group);
 
 /* Takes ownership of a solid whose construction returned `made` (0 or a negative errno, for

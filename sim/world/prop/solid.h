@@ -19,6 +19,8 @@ struct sim_solid {
 /* Room for the given counts, zeroed. -EINVAL for a count of 0, -ENOMEM. */
 int sim_solid_new(uint32_t n_vertices, uint32_t n_triangles, enum sim_material material,
                   struct sim_solid **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_solid_free(struct sim_solid *solid);
 
 /* A sheet of (rows x columns) vertices, row by row, joined to triangles. The caller places the

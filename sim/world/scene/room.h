@@ -13,6 +13,8 @@ struct sim_room;
  * cupboard stand before it. -ENOMEM. */
 int sim_room_new(bool furniture, struct sim_random *random, struct sim_room **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. It must not be NULL. */
 void sim_room_free(struct sim_room *room);
 
 /* -ENOMEM */

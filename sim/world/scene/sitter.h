@@ -39,6 +39,8 @@ struct sim_sitter;
 int sim_sitter_new(const struct sim_ict *ict, const struct sim_person *person,
                    const struct sim_sitter_options *options, struct sim_random *random,
                    struct sim_sitter **out) __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_sitter_free(struct sim_sitter *sitter);
 
 struct iso_rigid sim_stance_camera_from_face(const struct sim_stance *stance);

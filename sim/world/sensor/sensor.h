@@ -65,6 +65,8 @@ int sim_sensor_load(const struct sim_sensor *sensor, struct iso_fault *fault)
 
 int sim_sensor_workspace_new(const struct sim_sensor *sensor, struct sim_sensor_workspace **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_sensor_workspace_free(struct sim_sensor_workspace *workspace);
 
 /* Prepares a view for a sensor that sees with more than one eye. Call it before you draw

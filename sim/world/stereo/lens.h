@@ -14,6 +14,8 @@ struct sim_lens {
 /* -ENOMEM. */
 int sim_lens_new(const struct iso_camera *camera, struct sim_lens **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_lens_free(struct sim_lens *lens);
 
 /* The direction (z = 1) of a point within pixel number i; a and b are 0..1 from its left to its

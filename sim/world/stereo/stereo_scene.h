@@ -12,6 +12,8 @@ struct sim_stereo_scene;
  * -ENOMEM. */
 int sim_stereo_scene_new(const struct sim_stereo_rig *rig, struct sim_stereo_scene **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_stereo_scene_free(struct sim_stereo_scene *scene);
 
 /* Makes the eyes companions of a view. The scene must outlive the view. */

@@ -62,6 +62,8 @@ struct sim_view {
 /* A view for a sensor's camera; its distortion must be 0. -EINVAL, -ENOMEM. */
 int sim_view_new(const struct iso_camera *sensor_camera, int supersample, struct sim_view **out)
     __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
 void sim_view_free(struct sim_view *view);
 
 void sim_view_clear(struct sim_view *view);
