@@ -32,7 +32,11 @@ int iso_cohort_serialise(const struct iso_template *const *templates, int n, voi
 
 /* Frees it. NULL is accepted. */
 void iso_cohort_free(struct iso_cohort *cohort);
+
+/* The number of templates in it. */
 int iso_cohort_size(const struct iso_cohort *cohort);
+
+/* The algorithm of its templates (isotherm/template.h). */
 uint32_t iso_cohort_algorithm(const struct iso_cohort *cohort);
 
 struct iso_cohort_norm {

@@ -9,7 +9,10 @@ struct iso_affine {
     double m[3][4];
 };
 
+/* The transform that moves nothing. */
 struct iso_affine iso_affine_identity(void);
+
+/* The same motion as an affine transform. */
 struct iso_affine iso_affine_of_rigid(const struct iso_rigid *rigid);
 
 static inline struct iso_vec3 iso_affine_apply(const struct iso_affine *a, struct iso_vec3 v)
