@@ -80,7 +80,9 @@ static void the_real_daemon_sends_a_picture_of_what_it_sees(void **state)
     run_finish(&run);
     assert_int_equal(run.exit, 0);
     run_free(&run);
-    setup_rig_expect_in(rig->said, "ok       sensor      started");
+    setup_rig_expect_in(rig->said,
+                        "warning  sensor      started: stored frames may count more than "
+                        "once (repeats = yes)");
     setup_rig_expect_in(rig->said, "null: nothing is switched"); /* the board has no lines */
     uint8_t *png = scratch_read(setup_rig_path("picture.png"), &size);
     assert_int_equal(cli_pixels_decode(png, size, &pixels, &rig->fault), CLI_EXIT_OK);
