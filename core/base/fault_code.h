@@ -1,21 +1,21 @@
-/* The codes of faults, for programs: each fault that a person can meet has a code and a sentence.
- * `isotherm doctor` finds the remedy by the code, and the manual lists the codes.
+/* Fault codes. Each fault that is reported to a person has a code and a sentence. The sentence is
+ * for the person; programs use the code. `isotherm doctor` finds the remedy of a fault by its code.
  *
- * This is the one list of the whole project. It stands in core because core, drivers, firmware and
+ * This file lists all codes of the project. It is in core because core, drivers, firmware and
  * enroll may all include core/base; core itself does not use the codes of devices and stores. The
- * names are a part of the bus interface (firmware/contract/contract.h): a published name keeps its
- * meaning and is never changed. The numbers are not published and may change.
+ * names of the codes are a part of the bus interface (firmware/contract/contract.h), so a published
+ * name never changes, and its meaning never changes. The numbers are not published and may change.
  *
- * A new code needs a row in fault_code.c (name and meaning), one in enroll/cli/doctor/remedy.c,
- * one in the table FAULTS of isothermd(8), and a place that raises it; test_fault_code asks for all
- * of them. */
+ * A new code needs four things: a row in fault_code.c with its name and meaning, a row in
+ * enroll/cli/doctor/remedy.c, a row in the table FAULTS of isothermd(8), and code that reports it.
+ * test_fault_code checks all four. */
 #ifndef ISO_CORE_BASE_FAULT_CODE_H
 #define ISO_CORE_BASE_FAULT_CODE_H
 
 #include <stdbool.h>
 
 enum iso_fault_code {
-    ISO_FAULT_NONE, /* the fault has no code of its own; its sentence is all there is */
+    ISO_FAULT_NONE, /* the fault has a sentence and no code */
 
     /* Files and memory. */
     ISO_FAULT_OUT_OF_MEMORY,

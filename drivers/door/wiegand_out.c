@@ -74,8 +74,8 @@ static bool has_to_end(struct iso_wiegand_out *out)
     return end;
 }
 
-/* Each pulse is due one interval after the previous one really began. So no pulse comes too soon
- * after a late one. */
+/* Each pulse is due one interval after the actual start of the previous pulse. The interval is kept
+ * even if the previous pulse was late. */
 static int send_code(struct iso_wiegand_out *out, uint64_t code, int bits,
                      struct iso_wiegand_report *report)
 {
@@ -96,7 +96,7 @@ static int send_code(struct iso_wiegand_out *out, uint64_t code, int bits,
         due_ns = begin_ns + ISO_WIEGAND_INTERVAL_NS;
     }
     report->codes++;
-    /* The next code must not begin sooner than a further bit might. */
+    /* The next code must not begin before the interval after the last pulse has passed. */
     sleep_until(due_ns);
     return 0;
 }

@@ -330,22 +330,29 @@ void iso__appliance_forget_claim(struct iso_appliance *appliance);
 
 /* ---- enrolling (appliance_enroll.c) ---- */
 
-/* The reason why the template just extracted cannot be used, or OK. */
+/* Returns ISO_CAPTURE_OK if an enrolment can use the template of the last frame, else the reason
+ * why it cannot. */
 enum iso_capture iso__appliance_enroll_gate(const struct iso_appliance *appliance);
 
-/* Counts the template just extracted, or a frame that has a cue of an attack. */
+/* Adds the template of the last frame to the enrolment. */
 void iso__appliance_enroll_face(struct iso_appliance *appliance);
+
+/* Counts a frame that has a cue of an attack; `cue` is the cue. */
 void iso__appliance_enroll_attack(struct iso_appliance *appliance, enum iso_capture cue);
 
-/* Gives a hint: a result of firmware/contract/contract.h. */
+/* Sends a hint to the client that enrols; `word` is a result of firmware/contract/contract.h. */
 void iso__appliance_tell_enrolment_hint(struct iso_appliance *appliance, const char *word);
 
-/* Ends the enrolment because the sensor is gone, or because its time is over at now_ns. */
+/* Ends the enrolment because the sensor is lost. */
 void iso__appliance_disconnect_enrolment(struct iso_appliance *appliance);
+
+/* Ends the enrolment if its time is over at now_ns. */
 void iso__appliance_time_enrolment(struct iso_appliance *appliance, int64_t now_ns);
 
-/* Wipes the templates; or the person and the limits as well. */
+/* Wipes the templates of the enrolment. */
 void iso__appliance_wipe_enrolment(struct iso_appliance *appliance);
+
+/* Wipes the templates and the person of the enrolment. */
 void iso__appliance_forget_enrolment(struct iso_appliance *appliance);
 
 #endif

@@ -2,11 +2,13 @@
  * The first k generalised eigenpairs L phi = lambda B phi of a surface, with phi' B phi = 1 and
  * lambda ascending from 0 (Abdelrahman 2013, section 3.4.2).
  *
- * Block Lanczos in shift-invert mode with full reorthogonalisation over CHOLMOD (Grimes, Lewis and
- * Simon, "A shifted block Lanczos algorithm", SIAM J. Matrix Anal. Appl. 15, 1994). Blocks find
- * multiple eigenvalues, as symmetric and unconnected surfaces have them, and work at the speed of
- * matrix products. Sylvester's law of inertia tells whether one was missed. There is no static
- * state: any number of threads may solve at once. */
+ * The solver is block Lanczos in shift-invert mode with full reorthogonalisation; CHOLMOD
+ * factorises the shifted matrix (Grimes, Lewis and Simon, "A shifted block Lanczos algorithm for
+ * solving sparse symmetric generalized eigenproblems", SIAM J. Matrix Anal. Appl. 15, 1994). A
+ * block of vectors finds multiple eigenvalues, which symmetric and disconnected surfaces have, and
+ * its work is matrix products, which are fast. The solver uses Sylvester's law of inertia to check
+ * that it found every eigenvalue. It has no static state, so any number of threads may use it at
+ * the same time. */
 #ifndef ISOTHERM_EIGENPAIRS_H
 #define ISOTHERM_EIGENPAIRS_H
 

@@ -1,8 +1,8 @@
 /** @file
- * The whole of libisotherm, in the order the data flows:
+ * Includes all public headers of libisotherm. In the order in which data flows they are:
  *
  *  - frames and faces: camera.h, frame.h, capture.h, landmark.h, head_model.h, head_fit.h,
- * extract.h, template.h, metric.h, index.h;
+ *    extract.h, template.h, metric.h, index.h;
  *  - surfaces and heat: mesh.h, triangulate.h, stiffness_mass.h, eigenpairs.h, heat_kernel.h,
  *    isotherm_curve.h;
  *  - shapes in general: shape.h, shape_method.h, classifier.h;
@@ -11,12 +11,12 @@
  * Rules that hold for every function:
  *
  *  - A function that can fail returns 0, or a negative number of errno.h.
- *  - What a function `..._new` or `..._parse` gives belongs to the caller, who frees it with the
- *    function `..._free` of the same name.
- *  - Pointers may not be NULL where their description does not allow it.
- *  - Shapes of arrays stand in square brackets, the slowest index first.
- *  - Lengths are millimetres, times of heat mm^2, and times of a clock nanoseconds, if a name ends
- * in _mm, _mm2 or _ns.
+ *  - The caller owns the object that a function `..._new` or `..._parse` returns, and frees it with
+ *    the function `..._free` of the same name.
+ *  - A pointer must not be NULL unless its description allows it.
+ *  - Square brackets give the shape of an array; the slowest index comes first.
+ *  - The end of a name gives its unit: _mm is a length in millimetres, _mm2 is a time of heat in
+ *    square millimetres, and _ns is a time of a clock in nanoseconds.
  *  - The library opens no files and no devices, starts no threads, reads no clock, and prints
  *    nothing. Different objects may be used by different threads at the same time.
  *

@@ -5,14 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The parts that dictionaries are made of. */
+/* The parts of a feature for which dictionaries are built: the whole feature as one part if the
+ * method codes all parts together, otherwise the parts of the layout. */
 static struct iso_feature_layout parts_of(const struct iso_collaborative_kind *kind,
                                           const struct iso_feature_layout *layout)
 {
     return kind->joined ? (struct iso_feature_layout){layout->size, 1, {layout->size}} : *layout;
 }
 
-/* Gives each part unit length, and also the whole feature if it is coded as a whole. */
+/* Scales each part of the feature to unit length. If the method codes all parts together, it then
+ * scales the whole feature to unit length. */
 static void unit_length(const struct iso_collaborative_kind *kind,
                         const struct iso_feature_layout *layout, float *feature)
 {

@@ -1,9 +1,10 @@
-/* The installed boards. Each has a folder with its isotherm.conf and a board.json, which contains
- * its title and how it is recognised:
+/* The boards for which files are installed. Each board has a folder with two files: isotherm.conf
+ * is its configuration, and board.json contains its title and the marks by which it is recognised:
  *   {"title": "PC with a CP2112 at USB", "recognise": {"device-tree": ["Radxa ROCK 5B"],
  *    "usb": ["10c4:ea90"], "dmi": ["QEMU"]}}
- * A board is recognised if the model in the device tree, or the maker or the product in DMI, begins
- * with one of these texts, or if a device with one of these USB ids is connected. */
+ * A board is recognised in three ways: the model in the device tree begins with a text of
+ * "device-tree", the maker or the product in DMI begins with a text of "dmi", or a USB device with
+ * an id of "usb" is connected. One of them is enough. */
 #ifndef CLI_MACHINE_BOARDS_H
 #define CLI_MACHINE_BOARDS_H
 
@@ -17,8 +18,8 @@ enum { CLI_BOARDS_MAX = 32 };
 
 struct cli_board {
     char name[48];
-    char title[128]; /* "" if it has no description */
-    bool here;       /* it has been recognised */
+    char title[128]; /* "" if board.json is missing or has no title */
+    bool here;       /* this machine is such a board */
 };
 
 struct cli_boards {
@@ -26,12 +27,12 @@ struct cli_boards {
     struct cli_board items[CLI_BOARDS_MAX]; /* by name */
 };
 
-/* Lists the boards. CLI_EXIT_NOT_FOUND if there is none. A board.json that cannot be parsed is
- * ignored. */
+/* Lists the boards by name. The result is CLI_EXIT_NOT_FOUND if no board is installed. A board.json
+ * that cannot be parsed is ignored. */
 enum cli_exit cli_boards_find(const struct cli_setup_places *places, struct cli_boards *out,
                               struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* NULL: there is no board of this name. */
+/* Returns the board of this name, or NULL if there is none. */
 const struct cli_board *cli_boards_get(const struct cli_boards *boards, const char *name);
 
 #endif

@@ -1,6 +1,6 @@
-/* Questions to the person at the terminal. Each has a default, which an empty line selects; after a
- * wrong answer the question is asked again. Ctrl-C, Ctrl-D and SIGTERM end a question with
- * CLI_EXIT_INTERRUPTED. */
+/* Asks the person at the terminal. Each question has a default answer, and an empty line selects
+ * it. A wrong answer repeats the question. Ctrl-C, Ctrl-D and SIGTERM end a question; the function
+ * then returns CLI_EXIT_INTERRUPTED. */
 #ifndef CLI_SETUP_DIALOGUE_H
 #define CLI_SETUP_DIALOGUE_H
 
@@ -11,23 +11,25 @@
 #include "enroll/cli/client/fault.h"
 
 struct cli_dialogue {
-    int in;        /* where the answers come from */
-    FILE *out;     /* where questions and remarks go */
-    bool terminal; /* both are a terminal: questions may be asked */
+    int in;        /* answers are read from this descriptor */
+    FILE *out;     /* questions and remarks are written here */
+    bool terminal; /* in and out are a terminal, so questions may be asked */
 };
 
 enum { CLI_ANSWER_SIZE = 192 };
 
-/* "QUESTION [Y/n]", or [y/N]. */
+/* Asks for yes or no. The question ends with [Y/n] if `standard` is true, else with [y/N]. */
 enum cli_exit cli_dialogue_yes(const struct cli_dialogue *dialogue, const char *question,
                                bool standard, bool *out) __attribute__((warn_unused_result));
 
-/* Lists the n choices, numbered from 1, and asks for a number; `standard` and *out count from 0. */
+/* Lists the n choices with numbers from 1, and asks for a number. `standard` and *out are indices
+ * that begin at 0. */
 enum cli_exit cli_dialogue_choose(const struct cli_dialogue *dialogue, const char *question,
                                   const char *const *choices, size_t n, size_t standard,
                                   size_t *out) __attribute__((warn_unused_result));
 
-/* Asks for a line of text; `standard` NULL: an empty line is no answer. */
+/* Asks for a line of text. If `standard` is NULL there is no default, and an empty line is a wrong
+ * answer. */
 enum cli_exit cli_dialogue_text(const struct cli_dialogue *dialogue, const char *question,
                                 const char *standard, char out[CLI_ANSWER_SIZE])
     __attribute__((warn_unused_result));

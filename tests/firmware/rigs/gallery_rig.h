@@ -8,25 +8,28 @@
 /* The capacity, in people, of the galleries that are opened from now on; 3 at first. */
 extern int gallery_rig_capacity;
 
+/* Opens the gallery of the directory with this capacity; the errors of iso_gallery_open. */
 int gallery_rig_try_open(const char *directory, struct iso_gallery **out, struct iso_fault *fault);
 
 /* Like gallery_rig_try_open, but a failure fails the test. */
 struct iso_gallery *gallery_rig_open(const char *directory);
 
-/* Adds a person who was enrolled 1000 + face seconds after 1970, and who is valid until
- * valid_until_s, or without limit (0). */
+/* Adds a person with the template that belongs to the number `face`. The time of enrolment is
+ * 1000 + face seconds after 1970. The person is valid until valid_until_s; 0 means without limit.
+ * gallery_rig_add adds a person without a limit. */
 int gallery_rig_add_until(struct iso_gallery *gallery, const char *name, int face,
                           int64_t valid_until_s, struct iso_fault *fault);
 int gallery_rig_add(struct iso_gallery *gallery, const char *name, int face,
                     struct iso_fault *fault);
 
-/* gallery_rig_add_number adds "person NUMBER" with the face of this number. gallery_rig_make makes
- * a gallery with so many of them, from number 0, and closes it. */
+/* Adds a person whose name is "person NUMBER" and whose face has the same number. */
 int gallery_rig_add_number(struct iso_gallery *gallery, int number, struct iso_fault *fault);
+
+/* Creates the gallery of the directory, adds the people 0 to people - 1, and closes it. */
 void gallery_rig_make(const char *directory, int people);
 
-/* Asserts that the gallery has this person with so many templates, and that all of them are usable.
- */
+/* Asserts that the gallery has this person, that the person has this number of templates, and that
+ * all templates are usable. */
 void gallery_rig_expect(struct iso_gallery *gallery, const char *name, unsigned templates);
 
 /* Executes SQL on g.db directly, without the gallery. */

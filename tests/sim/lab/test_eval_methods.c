@@ -195,8 +195,8 @@ static void test_nothing_to_learn_from(void **state)
     expect_refusal(&options, "eigensurfaces: has to learn");
 }
 
-/* The frames have no infrared image. A method that is named is refused, and the message says whose
- * frames lack what. */
+/* The frames have no infrared image. The evaluation refuses a method that needs one; its message
+ * names the corpus whose frames lack the image. */
 static void test_infrared_is_needed(void **state)
 {
     struct sim_eval_options options = options_for(*state);
@@ -212,15 +212,15 @@ static void test_nobody_is_learned_from_and_tested(void **state)
                                                &options);
     expect_refusal(&options, "learned from and tested with");
     sim_training_set_free(training);
-    /* Another directory has the same people by its notes. */
+    /* This corpus is in another directory, but its notes name a person who is also tested. */
     make_corpus(scratch_path(*state, "mixed"),
                 STORED_CORPUS_HEADER "p03-enrol,0,1,p03,s0,probe,,,train-7\n"
                                      "p04-enrol,0,1,p04,s0,probe,,,test-2\n");
     training = choose("eigensurfaces", scratch_path(*state, "mixed"), &options);
     expect_refusal(&options, "p04-enrol (test-2)");
     sim_training_set_free(training);
-    /* The manifest does not say who the people are. The evaluation accepts this, but does not vouch
-     * for it. */
+    /* The manifest does not say of which population one person is. The evaluation accepts the
+     * corpus, but its result says that training and test people may be the same. */
     make_corpus(scratch_path(*state, "silent"),
                 STORED_CORPUS_HEADER "p03-enrol,0,1,p03,s0,probe,,,\n"
                                      "p03-v1,0,1,p03,s1,probe,,,train-7\n");
