@@ -1,15 +1,11 @@
-/* A fault: a line of text for people, which names a thing and says what is wrong with it, and a
- * code for programs, which says what kind of fault it is. Functions that read input from outside
- * (files, configuration, devices) fill it in; they also return a negative errno. */
+/* Functions that fill in a fault (isotherm/fault.h), which is the one description of a failure in
+ * the whole project. Functions that read input from outside (files, configuration, devices) fill it
+ * in and also return a negative errno. The member `code` is one of enum iso_fault_code. */
 #ifndef ISO_CORE_BASE_FAULT_H
 #define ISO_CORE_BASE_FAULT_H
 
 #include "core/base/fault_code.h"
-
-struct iso_fault {
-    char text[256];           /* no newline; "" if nothing was said */
-    enum iso_fault_code code; /* of what the text says; ISO_FAULT_NONE if it has no code */
-};
+#include "isotherm/fault.h"
 
 /* Writes the text if fault is not NULL; a text that is too long is cut. Returns `error` (a negative
  * errno), so that a caller can `return iso_fault_set(fault, -EBADMSG, "%s: truncated", path);`. The

@@ -38,7 +38,7 @@ static int load(const char *data, struct recogniser *out)
     char path[1024];
     void *bytes = NULL;
     size_t size = 0;
-    const char *fault = NULL;
+    struct iso_fault fault = {.text = ""};
 
     snprintf(path, sizeof path, "%s/head.model", data);
     if (file_read(path, &bytes, &size)) {
@@ -47,7 +47,7 @@ static int load(const char *data, struct recogniser *out)
     int error = iso_head_model_parse(bytes, size, &out->model, &fault);
     free(bytes);
     if (error) {
-        fprintf(stderr, "%s: %s\n", path, fault ? fault : strerror(-error));
+        fprintf(stderr, "%s: %s\n", path, fault.text);
         return -1;
     }
     snprintf(path, sizeof path, "%s/face.metric", data);
@@ -57,7 +57,7 @@ static int load(const char *data, struct recogniser *out)
     error = iso_metric_parse(bytes, size, &out->metric, &fault);
     free(bytes);
     if (error) {
-        fprintf(stderr, "%s: %s\n", path, fault ? fault : strerror(-error));
+        fprintf(stderr, "%s: %s\n", path, fault.text);
         return -1;
     }
     return 0;

@@ -75,8 +75,8 @@ int recording_open(const char *directory, struct recording *out)
     }
     fclose(file);
     out->camera.projection = ISO_PINHOLE;
-    const char *fault = NULL;
-    return iso_camera_check(&out->camera, &fault) ? failed(path, fault) : 0;
+    struct iso_fault fault = {.text = ""};
+    return iso_camera_check(&out->camera, &fault) ? failed(path, fault.text) : 0;
 }
 
 /* Reads a PNG of 16-bit grey into a frame of the same size. libpng reports an error by a long jump.

@@ -3,6 +3,8 @@
 #include <errno.h>
 #include <stddef.h>
 
+#include "core/base/fault.h"
+
 static bool in_range(double value, double low, double high)
 {
     return value >= low && value <= high; /* false for NaN */
@@ -43,13 +45,10 @@ static const char *camera_fault(const struct iso_camera *c)
     return "projection is neither pinhole nor orthographic";
 }
 
-int iso_camera_check(const struct iso_camera *camera, const char **fault)
+int iso_camera_check(const struct iso_camera *camera, struct iso_fault *fault)
 {
     const char *text = camera_fault(camera);
-    if (text && fault) {
-        *fault = text;
-    }
-    return text ? -EINVAL : 0;
+    return text ? iso_fault_set(fault, -EINVAL, "%s", text) : 0;
 }
 
 /* Brown's model on normalised coordinates. */

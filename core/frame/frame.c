@@ -3,6 +3,8 @@
 #include <errno.h>
 #include <stdlib.h>
 
+#include "core/base/fault.h"
+
 enum { SIDE_MAX = 8192 };
 
 static bool size_sane(int width_px, int height_px)
@@ -43,27 +45,19 @@ void iso_frame_free(struct iso_frame *frame)
     }
 }
 
-static int refuse(const char **fault, const char *text)
-{
-    if (fault) {
-        *fault = text;
-    }
-    return -EINVAL;
-}
-
-int iso_frame_check(const struct iso_frame *frame, const char **fault)
+int iso_frame_check(const struct iso_frame *frame, struct iso_fault *fault)
 {
     const int error = iso_camera_check(&frame->camera, fault);
     if (error) {
         return error;
     }
     if (!size_sane(frame->width_px, frame->height_px) || !frame->depth_mm) {
-        return refuse(fault, "frame size must be 1..8192 px");
+        return iso_fault_set(fault, -EINVAL, "frame size must be 1..8192 px");
     }
     if (frame->crop_x_px < 0 || frame->crop_y_px < 0 ||
         frame->crop_x_px > frame->camera.width_px - frame->width_px ||
         frame->crop_y_px > frame->camera.height_px - frame->height_px) {
-        return refuse(fault, "frame's window leaves the camera's image");
+        return iso_fault_set(fault, -EINVAL, "frame's window leaves the camera's image");
     }
     const size_t n = (size_t)frame->width_px * (size_t)frame->height_px;
     bool sane = true;
@@ -71,7 +65,8 @@ int iso_frame_check(const struct iso_frame *frame, const char **fault)
         float z = frame->depth_mm[i];
         sane &= z >= 0.0f && z < 1e6f; /* false for NaN and infinity */
     }
-    return sane ? 0 : refuse(fault, "depth is negative, beyond 1 km or not a number");
+    return sane ? 0
+                : iso_fault_set(fault, -EINVAL, "depth is negative, beyond 1 km or not a number");
 }
 
 struct iso_vec3 iso_frame_point_at(const struct iso_frame *frame, int column, int row)

@@ -8,6 +8,7 @@
 
 #include "core/base/bytes.h"
 #include "core/base/crc32.h"
+#include "core/base/fault.h"
 
 static const char magic[8] = {'I', 'S', 'O', 'H', 'E', 'A', 'D', '1'};
 
@@ -240,33 +241,25 @@ static const char *parse_contents(const uint8_t *p, struct iso_head_model *model
     return inconsistency_of(model);
 }
 
-static int refuse_file(const char **fault, const char *text)
-{
-    if (fault) {
-        *fault = text;
-    }
-    return -EBADMSG;
-}
-
-static int check_header(const uint8_t *p, size_t size, const char **fault)
+static int check_header(const uint8_t *p, size_t size, struct iso_fault *fault)
 {
     if (size < HEADER_BYTES || memcmp(p, magic, sizeof magic - 1) != 0) {
-        return refuse_file(fault, "not a head model");
+        return iso_fault_set(fault, -EBADMSG, "not a head model");
     }
     if (p[sizeof magic - 1] != (uint8_t)magic[sizeof magic - 1]) {
-        return refuse_file(fault, "head model: of another version");
+        return iso_fault_set(fault, -EBADMSG, "head model: of another version");
     }
     if (iso_get_u32(p + 8) != size || size > ISO_HEAD_BYTES_MAX) {
-        return refuse_file(fault, "head model: truncated or too long");
+        return iso_fault_set(fault, -EBADMSG, "head model: truncated or too long");
     }
     if (iso_get_u32(p + 12) != iso_crc32(0, p + CHECKED_FROM, size - CHECKED_FROM)) {
-        return refuse_file(fault, "head model: checksum is wrong");
+        return iso_fault_set(fault, -EBADMSG, "head model: checksum is wrong");
     }
     return 0;
 }
 
 int iso_head_model_parse(const void *bytes, size_t size, struct iso_head_model **out,
-                         const char **fault)
+                         struct iso_fault *fault)
 {
     const uint8_t *p = bytes;
     int error = check_header(p, size, fault);
@@ -277,13 +270,15 @@ int iso_head_model_parse(const void *bytes, size_t size, struct iso_head_model *
     error = iso_head_model_new(iso_get_u32(p + 16), iso_get_u32(p + 20), iso_get_u32(p + 24),
                                iso_get_u32(p + 28), &model);
     if (error) {
-        return error == -EINVAL ? refuse_file(fault, "head model: a count is out of range") : error;
+        return error == -EINVAL
+                   ? iso_fault_set(fault, -EBADMSG, "head model: a count is out of range")
+                   : iso_fault_set(fault, error, "head model: out of memory");
     }
     const char *wrong = file_bytes(model) == size ? parse_contents(p, model)
                                                   : "head model: size does not fit the counts";
     if (wrong) {
         iso_head_model_free(model);
-        return refuse_file(fault, wrong);
+        return iso_fault_set(fault, -EBADMSG, "%s", wrong);
     }
     model->crc32 = iso_get_u32(p + 12);
     *out = model;

@@ -7,6 +7,7 @@
 
 #include "core/base/bytes.h"
 #include "core/base/crc32.h"
+#include "core/base/fault.h"
 #include "core/match/template_points.h"
 
 struct iso_cohort {
@@ -18,52 +19,46 @@ static const char magic[8] = {'I', 'S', 'O', 'C', 'O', 'H', 'O', '1'};
 
 enum { HEADER_BYTES = 8 + 4 + 4, COUNT_BYTES = 4 };
 
-static int refuse(const char **fault, const char *text)
-{
-    if (fault) {
-        *fault = text;
-    }
-    return -EBADMSG;
-}
-
 /* The templates that follow the header. */
 static int parse_templates(const uint8_t *p, size_t size, struct iso_cohort *cohort,
-                           const char **fault)
+                           struct iso_fault *fault)
 {
     for (int i = 0; i < cohort->n; i++) {
         if (size < 4 || iso_get_u32(p) > size - 4) {
-            return refuse(fault, "cohort file: template cut off");
+            return iso_fault_set(fault, -EBADMSG, "cohort file: template cut off");
         }
         const size_t bytes = iso_get_u32(p);
         if (iso_template_parse(p + 4, bytes, &cohort->templates[i]) ||
             !iso_template_comparable(&cohort->templates[i], &cohort->templates[0])) {
-            return refuse(fault, "cohort file: bad template");
+            return iso_fault_set(fault, -EBADMSG, "cohort file: bad template");
         }
         p += 4 + bytes;
         size -= 4 + bytes;
     }
-    return size == 0 ? 0 : refuse(fault, "cohort file: bytes after the last template");
+    return size == 0 ? 0
+                     : iso_fault_set(fault, -EBADMSG, "cohort file: bytes after the last template");
 }
 
-int iso_cohort_parse(const void *bytes, size_t size, struct iso_cohort **out, const char **fault)
+int iso_cohort_parse(const void *bytes, size_t size, struct iso_cohort **out,
+                     struct iso_fault *fault)
 {
     const uint8_t *p = bytes;
     if (size < HEADER_BYTES + COUNT_BYTES || memcmp(p, magic, sizeof magic) != 0) {
-        return refuse(fault, "not a cohort file of version 1");
+        return iso_fault_set(fault, -EBADMSG, "not a cohort file of version 1");
     }
     if (iso_get_u32(p + 8) != size) {
-        return refuse(fault, "cohort file: truncated or too long");
+        return iso_fault_set(fault, -EBADMSG, "cohort file: truncated or too long");
     }
     if (iso_get_u32(p + 12) != iso_crc32(0, p + HEADER_BYTES, size - HEADER_BYTES)) {
-        return refuse(fault, "cohort file: checksum is wrong");
+        return iso_fault_set(fault, -EBADMSG, "cohort file: checksum is wrong");
     }
     const uint32_t count = iso_get_u32(p + HEADER_BYTES);
     if (count < ISO_COHORT_MIN || count > ISO_COHORT_MAX) {
-        return refuse(fault, "cohort file: number of templates out of range");
+        return iso_fault_set(fault, -EBADMSG, "cohort file: number of templates out of range");
     }
     struct iso_cohort *cohort = calloc(1, sizeof *cohort + count * sizeof cohort->templates[0]);
     if (!cohort) {
-        return -ENOMEM;
+        return iso_fault_set(fault, -ENOMEM, "cohort file: out of memory");
     }
     cohort->n = (int)count;
     const int error = parse_templates(p + HEADER_BYTES + COUNT_BYTES,

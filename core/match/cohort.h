@@ -13,6 +13,7 @@
 #define ISO_CORE_MATCH_COHORT_H
 
 #include "core/match/distance.h"
+#include "isotherm/fault.h"
 #include "isotherm/template.h"
 
 struct iso_cohort;
@@ -21,9 +22,9 @@ enum { ISO_COHORT_MIN = 8, ISO_COHORT_MAX = 1024 };
 
 /* File, little endian: char magic[8] = "ISOCOHO1"; uint32 bytes of the file; uint32 crc32 of all
  * that follows it; uint32 count; then each template: uint32 bytes, iso_template_serialise. All of
- * one algorithm. -EBADMSG with *fault (if not NULL) a static text if damaged; -ENOMEM. */
-int iso_cohort_parse(const void *bytes, size_t size, struct iso_cohort **out, const char **fault)
-    __attribute__((warn_unused_result));
+ * one algorithm. -EBADMSG the file is damaged, -ENOMEM; both with a fault. */
+int iso_cohort_parse(const void *bytes, size_t size, struct iso_cohort **out,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* The file's bytes in a buffer that the caller frees with free(). -EINVAL for a number of templates
  * outside ISO_COHORT_MIN..ISO_COHORT_MAX or templates that cannot be compared; -ENOMEM. */

@@ -7,6 +7,7 @@
 
 #include "core/base/bytes.h"
 #include "core/base/crc32.h"
+#include "core/base/fault.h"
 #include "isotherm/metric.h"
 
 static const char magic[8] = {'I', 'S', 'O', 'M', 'E', 'T', 'R', '3'};
@@ -92,14 +93,6 @@ void iso_metric_free(struct iso_metric *metric)
     }
 }
 
-static int refuse_file(const char **fault, const char *text)
-{
-    if (fault) {
-        *fault = text;
-    }
-    return -EBADMSG;
-}
-
 static const uint8_t *get_shape(const uint8_t *p, struct iso_metric *m)
 {
     m->algorithm = iso_get_u32(p);
@@ -169,22 +162,23 @@ static bool numbers_sane(const struct iso_metric *m)
     return sane;
 }
 
-int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out, const char **fault)
+int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out,
+                     struct iso_fault *fault)
 {
     const uint8_t *p = bytes;
     if (size < HEADER_BYTES + SHAPE_BYTES || memcmp(p, magic, sizeof magic) != 0) {
-        return refuse_file(fault, "not a metric file of version 3");
+        return iso_fault_set(fault, -EBADMSG, "not a metric file of version 3");
     }
     if (iso_get_u32(p + 8) != size) {
-        return refuse_file(fault, "metric file: truncated or too long");
+        return iso_fault_set(fault, -EBADMSG, "metric file: truncated or too long");
     }
     if (iso_get_u32(p + 12) != iso_crc32(0, p + HEADER_BYTES, size - HEADER_BYTES)) {
-        return refuse_file(fault, "metric file: checksum is wrong");
+        return iso_fault_set(fault, -EBADMSG, "metric file: checksum is wrong");
     }
     struct iso_metric shape = {0};
     p = get_shape(p + HEADER_BYTES, &shape);
     if (!shape_sane(&shape) || file_size(&shape) != size) {
-        return refuse_file(fault, "metric file: sizes out of range");
+        return iso_fault_set(fault, -EBADMSG, "metric file: sizes out of range");
     }
     memcpy(shape.origin, p, (size_t)shape.n_origins * ISO_METRIC_ORIGIN_MAX);
     p += (size_t)shape.n_origins * ISO_METRIC_ORIGIN_MAX;
@@ -192,19 +186,19 @@ int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out, co
         shape.node[i] = iso_get_u16(p);
     }
     if (!nodes_sane(&shape)) {
-        return refuse_file(fault, "metric file: nodes out of range");
+        return iso_fault_set(fault, -EBADMSG, "metric file: nodes out of range");
     }
     struct iso_metric *m = NULL;
     const int error = iso_metric_new(&shape, &m);
     if (error) {
-        return error;
+        return iso_fault_set(fault, error, "metric file: out of memory");
     }
     p = get_floats(p, m->n_values, m->curve_mm);
     p = get_floats(p, m->n_dimensions, m->between);
     get_axes(get_floats(p, m->n_dimensions, m->centre), m);
     if (!numbers_sane(m)) {
         iso_metric_free(m);
-        return refuse_file(fault, "metric file: numbers out of range");
+        return iso_fault_set(fault, -EBADMSG, "metric file: numbers out of range");
     }
     *out = m;
     return 0;

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/fault.h"
+
 int iso_mesh_new(int32_t vertex_capacity, int32_t triangle_capacity, struct iso_mesh **out)
 {
     if (vertex_capacity < 1 || triangle_capacity < 1) {
@@ -93,13 +95,10 @@ int iso_mesh_reserve(struct iso_mesh *mesh, int32_t n_vertices, int32_t n_triang
     return error;
 }
 
-int iso_mesh_check(const struct iso_mesh *mesh, const char **fault)
+int iso_mesh_check(const struct iso_mesh *mesh, struct iso_fault *fault)
 {
     const char *text = mesh_fault(mesh);
-    if (text && fault) {
-        *fault = text;
-    }
-    return text ? -EINVAL : 0;
+    return text ? iso_fault_set(fault, -EINVAL, "%s", text) : 0;
 }
 
 struct iso_vec3 iso_mesh_point_at(const struct iso_mesh *mesh, struct iso_surface_point point)

@@ -36,8 +36,8 @@ struct iso_recording_meta {
 };
 
 /* Whether a recording can have this description: sensor name, camera (iso_camera_check) and unit.
- * Returns 0, or -EINVAL with *what (if not NULL) set to a static text. */
-int iso_recording_meta_check(const struct iso_recording_meta *meta, const char **what)
+ * 0, or -EINVAL with a fault. */
+int iso_recording_meta_check(const struct iso_recording_meta *meta, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Parses the text of a recording.ini; `name` stands for the file in faults. -EBADMSG for an

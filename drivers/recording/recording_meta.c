@@ -104,27 +104,23 @@ static int check_keys(const char *name, uint64_t seen_keys, const struct parse *
     return 0;
 }
 
-int iso_recording_meta_check(const struct iso_recording_meta *meta, const char **what)
+int iso_recording_meta_check(const struct iso_recording_meta *meta, struct iso_fault *fault)
 {
-    const char *fault = NULL;
     if (!sensor_is_sound(meta->sensor)) {
-        fault = "sensor must be 1..31 letters, digits, '-', '_' or '.'";
-    } else if (!(meta->unit_mm >= 0.001 && meta->unit_mm <= 100.0)) {
-        fault = "unit_mm must be 0.001..100";
-    } else if (iso_camera_check(&meta->camera, &fault) == 0) {
-        return 0;
+        return iso_fault_set(fault, -EINVAL,
+                             "sensor must be 1..31 letters, digits, '-', '_' or '.'");
     }
-    if (what) {
-        *what = fault;
+    if (!(meta->unit_mm >= 0.001 && meta->unit_mm <= 100.0)) {
+        return iso_fault_set(fault, -EINVAL, "unit_mm must be 0.001..100");
     }
-    return -EINVAL;
+    return iso_camera_check(&meta->camera, fault);
 }
 
 int iso_recording_meta_parse(const char *name, const char *text, struct iso_recording_meta *out,
                              struct iso_fault *fault)
 {
     struct parse parse = {.format = 0};
-    const char *what = "";
+    struct iso_fault why;
     uint64_t seen = 0;
     int error = iso_ini_read(name, text, keys, KEYS, &parse, &seen, fault);
     if (!error) {
@@ -136,8 +132,8 @@ int iso_recording_meta_parse(const char *name, const char *text, struct iso_reco
     if (parse.format != 1) {
         return iso_fault_set(fault, -EBADMSG, "%s: format %d is not supported", name, parse.format);
     }
-    if (iso_recording_meta_check(&parse.meta, &what)) {
-        return iso_fault_set(fault, -EBADMSG, "%s: %s", name, what);
+    if (iso_recording_meta_check(&parse.meta, &why)) {
+        return iso_fault_set_code(fault, why.code, -EBADMSG, "%s: %s", name, why.text);
     }
     *out = parse.meta;
     return 0;

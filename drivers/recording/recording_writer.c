@@ -152,9 +152,9 @@ int sim_recording_writer_create(const char *directory, const struct iso_recordin
                                 int png_level, struct sim_recording_writer **out,
                                 struct iso_fault *fault)
 {
-    const char *what = "png_level must be 1..9";
-    if (iso_recording_meta_check(meta, &what) || png_level < 1 || png_level > 9) {
-        return iso_fault_set(fault, -EINVAL, "%s: %s", directory, what);
+    struct iso_fault why = {.text = "png_level must be 1..9"};
+    if (iso_recording_meta_check(meta, &why) || png_level < 1 || png_level > 9) {
+        return iso_fault_set_code(fault, why.code, -EINVAL, "%s: %s", directory, why.text);
     }
     struct sim_recording_writer *writer = calloc(1, sizeof *writer);
     const size_t pixels = (size_t)meta->camera.width_px * (size_t)meta->camera.height_px;
@@ -184,19 +184,19 @@ int sim_recording_writer_create(const char *directory, const struct iso_recordin
 static int check_frame(const struct sim_recording_writer *writer, const struct iso_frame *frame,
                        struct iso_fault *fault)
 {
-    const char *what = NULL;
+    struct iso_fault why;
     struct iso_camera camera = sim_recording_camera(frame);
     if (!cameras_equal(&camera, &writer->meta.camera)) {
-        what = "another camera";
+        (void)iso_fault_set(&why, -EINVAL, "another camera");
     } else if (frame->t_ns < 0 || frame->t_ns <= writer->last_t_ns) {
-        what = "time does not rise";
+        (void)iso_fault_set(&why, -EINVAL, "time does not rise");
     } else if (writer->frames > 0 && writer->intensity != (frame->intensity != NULL)) {
-        what = "intensity in some frames only";
-    } else if (iso_frame_check(frame, &what) == 0) {
+        (void)iso_fault_set(&why, -EINVAL, "intensity in some frames only");
+    } else if (iso_frame_check(frame, &why) == 0) {
         return 0;
     }
-    return iso_fault_set(fault, -EINVAL, "%s: frame %zu: %s", writer->directory, writer->frames,
-                         what);
+    return iso_fault_set_code(fault, why.code, -EINVAL, "%s: frame %zu: %s", writer->directory,
+                              writer->frames, why.text);
 }
 
 static int count_depths(const struct sim_recording_writer *writer, const struct iso_frame *frame,

@@ -147,7 +147,7 @@ int iso_board_calibrate(const struct iso_board_views *views, void (*solved)(void
     problem.context = context;
     struct iso_board_opencv_solution found;
     struct iso_stereo_calibration calibration;
-    const char *what = "";
+    struct iso_fault why;
     if (views->n_pairs < ISO_BOARD_PAIRS_MIN) {
         return iso_fault_set(fault, -ENODATA,
                              "calibration: %d pairs show the whole board, %d are needed",
@@ -159,8 +159,8 @@ int iso_board_calibrate(const struct iso_board_views *views, void (*solved)(void
                              error == -ENOMEM ? "out of memory" : "the solver gave up");
     }
     convert_solution(views, &found, &calibration);
-    if (iso_stereo_calibration_check(&calibration, &what)) {
-        return iso_fault_set(fault, -ENODATA, "calibration: %s", what);
+    if (iso_stereo_calibration_check(&calibration, &why)) {
+        return iso_fault_set_code(fault, why.code, -ENODATA, "calibration: %s", why.text);
     }
     *out = calibration;
     return 0;
@@ -275,7 +275,7 @@ static double largest_turn_deg(double (*normals)[3], int n)
 /* Checks after the calibration whether the result is credible. */
 static int check_lens(const struct iso_board_lens *lens, double turn_deg, struct iso_fault *fault)
 {
-    const char *what = "";
+    struct iso_fault why;
     if (turn_deg < turn_min_deg) {
         return iso_fault_set(fault, -ENODATA,
                              "calibration: the board is turned by at most %.0f degrees between the "
@@ -289,8 +289,8 @@ static int check_lens(const struct iso_board_lens *lens, double turn_deg, struct
             "--columns, --rows and the pictures right?",
             lens->rms_px, rms_max_px);
     }
-    return iso_camera_check(&lens->camera, &what)
-               ? iso_fault_set(fault, -ENODATA, "calibration: %s", what)
+    return iso_camera_check(&lens->camera, &why)
+               ? iso_fault_set_code(fault, why.code, -ENODATA, "calibration: %s", why.text)
                : 0;
 }
 

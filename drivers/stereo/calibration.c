@@ -109,13 +109,10 @@ static const char *find_bad_stand(const struct iso_stereo_calibration *c)
     return NULL;
 }
 
-static const char *find_flaw(const struct iso_stereo_calibration *c)
+/* Returns what is wrong with a pair of sane cameras, or NULL. */
+static const char *find_bad_pair(const struct iso_stereo_calibration *c)
 {
-    const char *flaw = NULL;
     const struct iso_camera *left = &c->camera[ISO_EYE_LEFT], *right = &c->camera[ISO_EYE_RIGHT];
-    if (iso_camera_check(left, &flaw) || iso_camera_check(right, &flaw)) {
-        return flaw;
-    }
     if (left->projection != ISO_PINHOLE || right->projection != ISO_PINHOLE) {
         return "both cameras must be pinhole cameras";
     }
@@ -129,13 +126,17 @@ static const char *find_flaw(const struct iso_stereo_calibration *c)
 }
 
 int iso_stereo_calibration_check(const struct iso_stereo_calibration *calibration,
-                                 const char **what)
+                                 struct iso_fault *fault)
 {
-    const char *flaw = find_flaw(calibration);
-    if (flaw && what) {
-        *what = flaw;
+    int error = 0;
+    for (int eye = 0; eye < ISO_EYES && !error; eye++) {
+        error = iso_camera_check(&calibration->camera[eye], fault);
     }
-    return flaw ? -EINVAL : 0;
+    if (error) {
+        return error;
+    }
+    const char *flaw = find_bad_pair(calibration);
+    return flaw ? iso_fault_set(fault, -EINVAL, "%s", flaw) : 0;
 }
 
 /* ---- reading ---- */
@@ -145,7 +146,7 @@ static int check_calibration(const char *name, uint64_t seen, struct parse *pars
                              struct iso_fault *fault)
 {
     struct iso_stereo_calibration *c = &parse->calibration;
-    const char *what = "";
+    struct iso_fault why;
     for (int i = 0; i < KEYS; i++) {
         if (keys[i].mark != OPTIONAL && !(seen & UINT64_C(1) << i)) {
             return iso_fault_set_code(fault, ISO_FAULT_CALIBRATION_WRONG, -EBADMSG,
@@ -159,9 +160,9 @@ static int check_calibration(const char *name, uint64_t seen, struct parse *pars
     }
     c->camera[ISO_EYE_LEFT].projection = c->camera[ISO_EYE_RIGHT].projection = ISO_PINHOLE;
     c->right_from_left.rotation = iso_mat3_rotation(parse->turn_rad);
-    if (iso_stereo_calibration_check(c, &what)) {
+    if (iso_stereo_calibration_check(c, &why)) {
         return iso_fault_set_code(fault, ISO_FAULT_CALIBRATION_WRONG, -EBADMSG, "%s: %s", name,
-                                  what);
+                                  why.text);
     }
     return 0;
 }
@@ -238,9 +239,9 @@ static void remove_partial_file(const char *path)
 int iso_stereo_calibration_write(const char *path, const struct iso_stereo_calibration *calibration,
                                  struct iso_fault *fault)
 {
-    const char *what = "";
-    if (iso_stereo_calibration_check(calibration, &what)) {
-        return iso_fault_set(fault, -EINVAL, "%s: %s", path, what);
+    struct iso_fault why;
+    if (iso_stereo_calibration_check(calibration, &why)) {
+        return iso_fault_set_code(fault, why.code, -EINVAL, "%s: %s", path, why.text);
     }
     FILE *file = fopen(path, "we");
     if (!file) {

@@ -32,10 +32,10 @@ double iso_stereo_baseline_mm(const struct iso_stereo_calibration *calibration);
 
 /* Whether two cameras in this pose can be used as a pair: both pinhole and sane, images of one
  * size, focal lengths within 10 % of each other, baseline 5..1000 mm, the right camera at the
- * right, and both optical axes within 0.3 rad of the perpendicular to the baseline. Returns 0, or
- * -EINVAL with *what (if not NULL) set to a static text. */
+ * right, and both optical axes within 0.3 rad of the perpendicular to the baseline. 0, or -EINVAL
+ * with a fault. */
 int iso_stereo_calibration_check(const struct iso_stereo_calibration *calibration,
-                                 const char **what) __attribute__((warn_unused_result));
+                                 struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Parses the text of a file; `name` stands for it in faults. -EBADMSG for an unknown, repeated or
  * missing key, a bad value, another format, cameras that cannot be a pair; -ENOMEM. */

@@ -94,13 +94,10 @@ static int make_stages(struct iso_stereo *s, const struct iso_stereo_calibration
     return error;
 }
 
+/* Returns what is wrong with the options for this sound calibration, or NULL. */
 static const char *find_flaw(const struct iso_stereo_calibration *calibration,
                              const struct iso_stereo_options *options)
 {
-    const char *flaw = NULL;
-    if (iso_stereo_calibration_check(calibration, &flaw)) {
-        return flaw;
-    }
     const struct iso_camera *camera = &calibration->camera[ISO_EYE_LEFT];
     const double fb = camera->fx_px * iso_stereo_baseline_mm(calibration);
     if (!(options->near_mm >= 100.0 && options->near_mm < options->far_mm &&
@@ -127,11 +124,16 @@ int iso_stereo_new(const struct iso_stereo_calibration *calibration,
                    const struct iso_stereo_options *options, struct iso_stereo **out,
                    struct iso_fault *fault)
 {
+    struct iso_fault why;
+    int error = iso_stereo_calibration_check(calibration, &why);
+    if (error) {
+        return iso_fault_set_code(fault, why.code, error, "stereo: %s", why.text);
+    }
     const char *flaw = find_flaw(calibration, options);
     if (flaw) {
         return iso_fault_set(fault, -EINVAL, "stereo: %s", flaw);
     }
-    int error = iso_stereo_module_load(fault);
+    error = iso_stereo_module_load(fault);
     if (error) {
         return error;
     }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/file/data_file.h"
+#include "drivers/model/model_file.h"
 
 struct pipeline {
     struct iso_head_model *head;
@@ -125,20 +125,6 @@ static const struct iso_pipeline_ops ops = {
     .image_lacks = pipeline_image_lacks,
 };
 
-static int load_head(struct pipeline *pipeline, const char *path, struct iso_fault *fault)
-{
-    void *bytes = NULL;
-    size_t size = 0;
-    const char *what = NULL;
-    int error = iso_data_file_read(path, ISO_HEAD_BYTES_MAX, &bytes, &size, fault);
-    if (error) {
-        return error;
-    }
-    error = iso_head_model_parse(bytes, size, &pipeline->head, &what);
-    free(bytes);
-    return error ? iso_method_refuse(path, error, what, fault) : 0;
-}
-
 static int make_extractor(struct pipeline *pipeline, const struct iso_pipeline_options *options,
                           struct iso_fault *fault)
 {
@@ -189,7 +175,7 @@ int iso_pipeline_open(const struct iso_pipeline_options *options, struct iso_pip
         return iso_fault_set(fault, -ENOMEM, "pipeline: out of memory");
     }
     pipeline->image = options->image;
-    int error = load_head(pipeline, options->head_path, fault);
+    int error = iso_head_model_load(options->head_path, &pipeline->head, fault);
     if (!error) {
         error = make_extractor(pipeline, options, fault);
     }

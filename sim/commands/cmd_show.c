@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "drivers/base/shipped.h"
+#include "drivers/model/model_file.h"
 #include "drivers/recording/recording.h"
-#include "sim/base/data_file.h"
 #include "sim/base/make_directory.h"
 #include "sim/commands/command.h"
 #include "sim/commands/commands.h"
@@ -151,7 +151,7 @@ static int extract_and_draw(const struct arguments *arguments,
     struct iso_head_model *model = NULL;
     struct iso_extractor *extractor = NULL;
     struct iso_extraction *extraction = NULL;
-    int error = sim_head_model_load(arguments->model, &model, fault);
+    int error = iso_head_model_load(arguments->model, &model, fault);
     if (error) {
         return error;
     }

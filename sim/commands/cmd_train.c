@@ -6,7 +6,7 @@
 
 #include "drivers/base/shipped.h"
 #include "drivers/file/text.h"
-#include "sim/base/data_file.h"
+#include "drivers/model/model_file.h"
 #include "sim/base/make_directory.h"
 #include "sim/base/options.h"
 #include "sim/commands/command.h"
@@ -220,7 +220,7 @@ static int train_cohort(void *target, struct iso_fault *fault)
     struct sim_train_cohort_report report = {0, 0};
     int error = find_sensors(arguments->sensors, &options, fault);
     if (!error) {
-        error = sim_head_model_load(arguments->model, &model, fault);
+        error = iso_head_model_load(arguments->model, &model, fault);
     }
     if (!error) {
         error = sim_ict_load(arguments->ict, &ict, fault);
@@ -300,7 +300,7 @@ static int train_metric(void *target, struct iso_fault *fault)
     struct iso_head_model *model = NULL;
     struct iso_metric *metric = NULL;
     struct sim_train_metric_report report;
-    int error = sim_head_model_load(arguments->model, &model, fault);
+    int error = iso_head_model_load(arguments->model, &model, fault);
     if (!error) {
         options.model = model;
         error = sim_train_metric(&options, &metric, &report, fault);

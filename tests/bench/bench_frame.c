@@ -18,11 +18,11 @@
 
 #include "drivers/base/shipped.h"
 #include "drivers/base/times.h"
+#include "drivers/model/model_file.h"
 #include "firmware/recognise/method/reranker.h"
 #include "firmware/visit/decision.h"
 #include "isotherm/extract.h"
 #include "isotherm/index.h"
-#include "sim/base/data_file.h"
 #include "sim/corpus/corpus.h"
 #include "sim/lab/match/extract_options.h"
 #include "sim/lab/match/latency.h"
@@ -241,9 +241,9 @@ static void remove_gallery(struct bench *bench)
 /* Loads the data files and allocates room for the times of all frames. */
 static int prepare(struct bench *bench, struct iso_fault *fault)
 {
-    int error = sim_head_model_load(bench->model_path, &bench->model, fault);
+    int error = iso_head_model_load(bench->model_path, &bench->model, fault);
     if (!error) {
-        error = sim_metric_load(bench->metric_path, &bench->metric, fault);
+        error = iso_metric_load(bench->metric_path, &bench->metric, fault);
     }
     if (!error) {
         error = sim_corpus_read(bench->directory, &bench->corpus, fault);

@@ -12,9 +12,9 @@
 
 #include "drivers/base/shipped.h"
 #include "drivers/base/times.h"
+#include "drivers/model/model_file.h"
 #include "firmware/audit/audit.h"
 #include "firmware/keys/seal.h"
-#include "sim/base/data_file.h"
 #include "sim/base/options.h"
 #include "sim/lab/match/latency.h"
 #include "tests/bench/crowd.h"
@@ -229,7 +229,7 @@ int main(int argc, char **argv)
     const bool read = outcome == SIM_OPTIONS_READ && bench.directory && bench.people > 0 &&
                       bench.templates >= 1 && bench.templates <= BENCH_TEMPLATES_MAX;
     int error = read ? iso_seal_start(&fault) : -EINVAL;
-    error = error ? error : sim_metric_load(bench.metric_path, &bench.metric, &fault);
+    error = error ? error : iso_metric_load(bench.metric_path, &bench.metric, &fault);
     if (!error) {
         (void)snprintf(bench.path, sizeof bench.path, "%s/gallery.db", bench.directory);
         bench_print_machine();

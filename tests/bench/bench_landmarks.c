@@ -9,8 +9,8 @@
 #include <string.h>
 
 #include "core/frame/shrink.h"
+#include "drivers/model/model_file.h"
 #include "isotherm/extract.h"
-#include "sim/base/data_file.h"
 #include "sim/lab/match/latency.h"
 #include "tests/bench/frames.h"
 #include "tests/bench/machine.h"
@@ -102,7 +102,7 @@ int main(int argc, char **argv)
     struct iso_fault fault = {.text = ""};
     struct iso_head_model *model = NULL;
     struct sim_corpus *corpus = NULL;
-    int error = sim_head_model_load(argv[2], &model, &fault);
+    int error = iso_head_model_load(argv[2], &model, &fault);
     error = error ? error : sim_corpus_read(argv[1], &corpus, &fault);
     error = error ? error : prepare(&bench, model, bench_frames_in(corpus));
     for (size_t r = 0; !error && r < corpus->n_rows; r++) {

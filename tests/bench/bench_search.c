@@ -13,8 +13,8 @@
 #endif
 
 #include "drivers/base/shipped.h"
+#include "drivers/model/model_file.h"
 #include "isotherm/index.h"
-#include "sim/base/data_file.h"
 #include "sim/base/options.h"
 #include "sim/lab/draw/plot.h"
 #include "sim/lab/match/latency.h"
@@ -295,7 +295,7 @@ int main(int argc, char **argv)
     }
     const bool read = outcome == SIM_OPTIONS_READ && bench.probes >= 2 &&
                       bench.probes <= PROBES_MAX;
-    int error = read ? sim_metric_load(bench.metric_path, &bench.metric, &fault) : -EINVAL;
+    int error = read ? iso_metric_load(bench.metric_path, &bench.metric, &fault) : -EINVAL;
     for (int i = 0; i < METHODS * SIZES; i++) {
         bench.median_ms[i / SIZES][i % SIZES] = NAN;
     }

@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/model/model_file.h"
 #include "isotherm/extract.h"
 #include "isotherm/index.h"
-#include "sim/base/data_file.h"
 #include "sim/lab/match/capture.h"
 #include "tests/bench/crowd.h"
 
@@ -48,8 +48,8 @@ static int prepare(struct bench *bench, char **argv, struct iso_fault *fault)
     struct iso_extract_options options = iso_extract_options_default();
     options.now_ns = count_marks;
     options.now_context = bench;
-    int error = sim_head_model_load(argv[2], &bench->model, fault);
-    error = error ? error : sim_metric_load(argv[3], &bench->metric, fault);
+    int error = iso_head_model_load(argv[2], &bench->model, fault);
+    error = error ? error : iso_metric_load(argv[3], &bench->metric, fault);
     error = error ? error : sim_recording_open(argv[1], argv[4], &bench->recording, fault);
     error = error ? error : iso_recording_frame_new(bench->recording, &bench->frame);
     error = error ? error : iso_recording_read(bench->recording, 0, bench->frame, fault);

@@ -30,13 +30,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     uint8_t *bytes = fuzz_copy(data, size);
     struct iso_cohort *cohort = NULL;
-    const char *fault = NULL;
+    struct iso_fault fault = {.text = ""};
     mend(bytes, size);
     if (iso_cohort_parse(bytes, size, &cohort, &fault) == 0) {
         int n = iso_cohort_size(cohort);
         fuzz_check(n >= ISO_COHORT_MIN && n <= ISO_COHORT_MAX, "a cohort of sane size");
     } else {
-        fuzz_check(cohort == NULL && fault != NULL, "a fault and no cohort");
+        fuzz_check(cohort == NULL && fault.text[0] != '\0', "a fault and no cohort");
     }
     iso_cohort_free(cohort);
     free(bytes);

@@ -49,7 +49,7 @@ static void load_extractor(void)
     struct iso_fault fault = {.text = ""};
     struct iso_extract_options options = iso_extract_options_default();
     struct iso_head_model *model = NULL;
-    const char *what = NULL;
+    struct iso_fault what = {.text = ""};
     void *bytes = NULL;
     size_t size = 0;
     fuzz_check(iso_data_file_read(ISOTHERM_SOURCE_DIR "/core/data/head.model", 1 << 26, &bytes,
@@ -139,7 +139,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         for (size_t i = 0; i < n_strokes && size >= 12; i++, data += 12, size -= 12) {
             draw(data);
         }
-        const char *flaw = NULL;
+        struct iso_fault flaw = {.text = ""};
         const int checked = iso_frame_check(frame, &flaw);
         const int error = whole ? iso_extractor_run(extractor, frame, &extraction)
                                 : iso_extractor_locate(extractor, frame, &extraction);

@@ -27,7 +27,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (error) {
         fuzz_check(mesh.mesh == NULL && fault.text[0] != '\0', "a fault and no mesh");
     } else if (iso_mesh_mend(&mesh, NULL) == 0) {
-        const char *what = NULL;
+        struct iso_fault what = {.text = ""};
         fuzz_check(iso_mesh_check(mesh.mesh, &what) == 0, "a sound mesh");
     }
     iso_coloured_mesh_done(&mesh);

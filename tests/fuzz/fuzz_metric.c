@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     uint8_t *bytes = fuzz_copy(data, size);
     struct iso_metric *metric = NULL;
-    const char *fault = NULL;
+    struct iso_fault fault = {.text = ""};
     if (size >= CHECKED_FROM) {
         (void)iso_put_u32(bytes + 8, (uint32_t)size);
         (void)iso_put_u32(bytes + 12, iso_crc32(0, bytes + CHECKED_FROM, size - CHECKED_FROM));
@@ -24,7 +24,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         fuzz_check(iso_metric_serialise(metric, &again, &n) == 0 && n == size, "a file as long");
         free(again);
     } else {
-        fuzz_check(metric == NULL && fault != NULL, "a fault and no metric");
+        fuzz_check(metric == NULL && fault.text[0] != '\0', "a fault and no metric");
     }
     iso_metric_free(metric);
     free(bytes);

@@ -13,9 +13,9 @@ int main(void)
                                       .fy_px = 500,
                                       .cx_px = 320,
                                       .cy_px = 240};
-    const char *fault = NULL;
+    struct iso_fault fault = {.text = ""};
     if (iso_camera_check(&camera, &fault)) {
-        fprintf(stderr, "camera: %s\n", fault);
+        fprintf(stderr, "camera: %s\n", fault.text);
         return 1;
     }
     struct iso_vec3 p = iso_camera_back_project(&camera, 370, 240, 1000);

@@ -126,7 +126,7 @@ static void frames_come_in_order(void **state)
         assert_string_equal(fault.text, "");
         assert_int_equal(error, 0);
         for (int i = 0; i < 5; i++) {
-            const char *flaw = "";
+            struct iso_fault flaw = {.text = ""};
             assert_int_equal(next(sensor, &frame, NULL), 0);
             assert_int_equal(iso_frame_check(frame, &flaw), 0);
             assert_int_equal(frame->width_px, WIDTH);

@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 
+#include "isotherm/fault.h"
 #include "isotherm/vec.h"
 
 /** How a camera projects points onto its image. */
@@ -42,9 +43,9 @@ struct iso_camera {
  * below 10.
  *
  * @param camera  The camera.
- * @param fault   If not NULL: receives a static text that names the wrong quantity.
+ * @param fault   If not NULL: on failure, receives a text that names the wrong quantity.
  * @return 0, or -EINVAL. */
-int iso_camera_check(const struct iso_camera *camera, const char **fault)
+int iso_camera_check(const struct iso_camera *camera, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /** The point of space that a pixel sees.

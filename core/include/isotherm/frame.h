@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "isotherm/camera.h"
+#include "isotherm/fault.h"
 
 /** A depth frame. iso_frame_new() makes one whose planes belong to it. A caller may also fill in
  * the struct itself, with planes of its own, and does not call iso_frame_free() then. */
@@ -48,9 +49,9 @@ void iso_frame_free(struct iso_frame *frame);
  * and at least 0.
  *
  * @param frame  The frame.
- * @param fault  If not NULL: receives a static text that says what is wrong.
+ * @param fault  If not NULL: on failure, receives a text that says what is wrong.
  * @return 0, or -EINVAL. */
-int iso_frame_check(const struct iso_frame *frame, const char **fault)
+int iso_frame_check(const struct iso_frame *frame, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /** The depth of a pixel.

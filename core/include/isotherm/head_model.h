@@ -25,6 +25,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "isotherm/fault.h"
 #include "isotherm/landmark.h"
 #include "isotherm/vec.h"
 
@@ -68,11 +69,11 @@ struct iso_head_model {
  * @param bytes  The file; it may be freed afterwards.
  * @param size   Its size, bytes.
  * @param out    Receives the model; free it with iso_head_model_free().
- * @param fault  If not NULL: receives a static text that says what is wrong with the file.
+ * @param fault  If not NULL: on failure, receives a text that says what is wrong.
  * @return 0; -EBADMSG if the file is truncated, damaged, of another version or inconsistent;
  *         -ENOMEM. */
 int iso_head_model_parse(const void *bytes, size_t size, struct iso_head_model **out,
-                         const char **fault) __attribute__((warn_unused_result));
+                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /** Writes the bytes of a model file.
  *

@@ -6,7 +6,7 @@
  *  - surfaces and heat: mesh.h, triangulate.h, stiffness_mass.h, eigenpairs.h, heat_kernel.h,
  *    isotherm_curve.h;
  *  - shapes in general: shape.h, shape_method.h, classifier.h;
- *  - vectors and rigid motions: vec.h.
+ *  - vectors, rigid motions and faults: vec.h, fault.h.
  *
  * Rules that hold for every function:
  *
@@ -24,6 +24,7 @@
 #ifndef ISOTHERM_ISOTHERM_H
 #define ISOTHERM_ISOTHERM_H
 
+#include "isotherm/fault.h"
 #include "isotherm/vec.h"
 
 #include "isotherm/camera.h"

@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "isotherm/fault.h"
 #include "isotherm/vec.h"
 
 /** A triangle mesh. The caller fills in the arrays and the counts. */
@@ -56,9 +57,9 @@ int iso_mesh_reserve(struct iso_mesh *mesh, int32_t n_vertices, int32_t n_triang
  * finite.
  *
  * @param mesh   The mesh.
- * @param fault  If not NULL: receives a static text that says what is wrong.
+ * @param fault  If not NULL: on failure, receives a text that says what is wrong.
  * @return 0, or -EINVAL. */
-int iso_mesh_check(const struct iso_mesh *mesh, const char **fault)
+int iso_mesh_check(const struct iso_mesh *mesh, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /** Where a point of the surface lies.

@@ -21,6 +21,7 @@
 #ifndef ISOTHERM_METRIC_H
 #define ISOTHERM_METRIC_H
 
+#include "isotherm/fault.h"
 #include "isotherm/template.h"
 
 enum {
@@ -103,10 +104,10 @@ void iso_metric_free(struct iso_metric *metric);
  * @param bytes  The file; it may be freed afterwards.
  * @param size   Its size, bytes.
  * @param out    Receives the metric; free it with iso_metric_free().
- * @param fault  If not NULL: receives a static text that says what is wrong.
+ * @param fault  If not NULL: on failure, receives a text that says what is wrong.
  * @return 0; -EBADMSG if the file is damaged; -ENOMEM. */
-int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out, const char **fault)
-    __attribute__((warn_unused_result));
+int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /** Writes the bytes of a metric's file.
  *

@@ -157,17 +157,17 @@ int iso_sensor_stop(struct iso_sensor *sensor, struct iso_fault *fault)
     return error ? fail_call(sensor, error, &reason, fault) : 0;
 }
 
-/* Returns what is wrong with a frame from the back end, or NULL. */
-static const char *find_flaw(const struct iso_sensor *sensor, const struct iso_frame *frame)
+/* Checks a frame from the back end: -EINVAL with a fault that says what is wrong with it. */
+static int check_frame(const struct iso_sensor *sensor, const struct iso_frame *frame,
+                       struct iso_fault *flaw)
 {
-    const char *flaw = NULL;
     if (sensor->has_frame && frame->sequence <= sensor->sequence) {
-        return "sequence does not rise";
+        return iso_fault_set(flaw, -EINVAL, "sequence does not rise");
     }
     if (sensor->has_frame && frame->t_ns <= sensor->t_ns) {
-        return "time does not rise";
+        return iso_fault_set(flaw, -EINVAL, "time does not rise");
     }
-    return iso_frame_check(frame, &flaw) ? flaw : NULL;
+    return iso_frame_check(frame, flaw);
 }
 
 static void count_frame(struct iso_sensor *sensor, const struct iso_frame *frame)
@@ -199,12 +199,12 @@ int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct
         sensor->health.faults++;
         return fail_call(sensor, error, &reason, fault);
     }
-    const char *flaw = find_flaw(sensor, fresh);
-    if (flaw) {
+    struct iso_fault flaw;
+    if (check_frame(sensor, fresh, &flaw)) {
         sensor->health.refused++;
         (void)iso_fault_set_code(&reason, ISO_FAULT_SENSOR_FAILED, -EBADMSG,
                                  "sensor %s: frame %llu refused: %s", sensor->ops->name,
-                                 (unsigned long long)fresh->sequence, flaw);
+                                 (unsigned long long)fresh->sequence, flaw.text);
         return fail_call(sensor, -EBADMSG, &reason, fault);
     }
     count_frame(sensor, fresh);

@@ -5,6 +5,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "core/base/fault.h"
+
 double iso__openni2_unit_mm(OniPixelFormat format)
 {
     switch (format) {
@@ -39,24 +41,24 @@ struct window {
 };
 
 static int find_window(const OniFrame *in, const struct iso_camera *camera, size_t pixel_bytes,
-                       bool mirrored, struct window *out, const char **what)
+                       bool mirrored, struct window *out, struct iso_fault *fault)
 {
     const int x = in->croppingEnabled ? in->cropOriginX : 0;
     const int y = in->croppingEnabled ? in->cropOriginY : 0;
-    *what = NULL;
+    const char *flaw = NULL;
     if (in->width < 1 || in->height < 1 || x < 0 || y < 0 || in->width > camera->width_px ||
         in->height > camera->height_px || x > camera->width_px - in->width ||
         y > camera->height_px - in->height) {
-        *what = "is not within the image";
+        flaw = "is not within the image";
     } else if (in->stride < 0 || (size_t)in->stride < (size_t)in->width * pixel_bytes) {
-        *what = "has rows shorter than its width";
+        flaw = "has rows shorter than its width";
     } else if (!in->data || in->dataSize < 0 ||
                (size_t)in->dataSize < (size_t)in->stride * (size_t)(in->height - 1) +
                                           (size_t)in->width * pixel_bytes) {
-        *what = "is truncated";
+        flaw = "is truncated";
     }
-    if (*what) {
-        return -EBADMSG;
+    if (flaw) {
+        return iso_fault_set(fault, -EBADMSG, "%s", flaw);
     }
     *out = (struct window){
         .bytes = in->data,
@@ -77,15 +79,14 @@ static uint16_t load16(const uint8_t *bytes)
 }
 
 int iso__openni2_read_depth(const OniFrame *in, bool mirrored, struct iso_frame *out,
-                            const char **what)
+                            struct iso_fault *fault)
 {
     const double unit_mm = iso__openni2_unit_mm(in->videoMode.pixelFormat);
     struct window window;
     if (unit_mm == 0.0) {
-        *what = "is not of a depth format";
-        return -EBADMSG;
+        return iso_fault_set(fault, -EBADMSG, "is not of a depth format");
     }
-    const int error = find_window(in, &out->camera, sizeof(uint16_t), mirrored, &window, what);
+    const int error = find_window(in, &out->camera, sizeof(uint16_t), mirrored, &window, fault);
     if (error) {
         return error;
     }
@@ -132,22 +133,20 @@ static double grey_of(const uint8_t *pixel, size_t bytes)
 }
 
 int iso__openni2_read_intensity(const OniFrame *in, bool mirrored, double full_scale,
-                                struct iso_frame *out, const char **what)
+                                struct iso_frame *out, struct iso_fault *fault)
 {
     const size_t bytes = grey_bytes(in->videoMode.pixelFormat);
     struct window window;
     if (bytes == 0) {
-        *what = "is not of a grey or colour format";
-        return -EBADMSG;
+        return iso_fault_set(fault, -EBADMSG, "is not of a grey or colour format");
     }
-    const int error = find_window(in, &out->camera, bytes, mirrored, &window, what);
+    const int error = find_window(in, &out->camera, bytes, mirrored, &window, fault);
     if (error) {
         return error;
     }
     if (window.width_px != out->width_px || window.height_px != out->height_px ||
         window.x_px != out->crop_x_px || window.y_px != out->crop_y_px) {
-        *what = "does not cover the depths";
-        return -EBADMSG;
+        return iso_fault_set(fault, -EBADMSG, "does not cover the depths");
     }
     float *intensity = out->intensity;
     for (int row = 0; row < window.height_px; row++) {

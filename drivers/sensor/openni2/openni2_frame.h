@@ -18,14 +18,14 @@ struct iso_camera iso__openni2_camera(int width_px, int height_px, double view_x
                                       double view_y_rad);
 
 /* Writes depths, size and crop of `in` into *out, which has planes of its camera's size. `mirrored`
- * turns it back. Pixels beyond the crop are not in the frame. 0, or -EBADMSG with *what set to a
- * static text, and *out as it was. */
+ * turns it back. Pixels beyond the crop are not in the frame. 0, or -EBADMSG with a fault that
+ * says what is wrong with the frame ("is truncated"), and *out as it was. */
 int iso__openni2_read_depth(const OniFrame *in, bool mirrored, struct iso_frame *out,
-                            const char **what);
+                            struct iso_fault *fault);
 
 /* The same for the intensity, of a frame that read_depth has filled: `full_scale` counts are 1,
  * colours are weighed by Rec. 709 luma. -EBADMSG also if it does not cover the same pixels. */
 int iso__openni2_read_intensity(const OniFrame *in, bool mirrored, double full_scale,
-                                struct iso_frame *out, const char **what);
+                                struct iso_frame *out, struct iso_fault *fault);
 
 #endif

@@ -36,13 +36,13 @@ static int read_intrinsics(const char *text, struct iso_camera *camera)
 static int check_intrinsics(const char *value, struct iso_fault *fault)
 {
     struct iso_camera largest = {.projection = ISO_PINHOLE, .width_px = 8192, .height_px = 8192};
-    const char *what = NULL;
+    struct iso_fault why;
     if (read_intrinsics(value, &largest)) {
         return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL, "'%s' is not FX FY CX CY",
                                   value);
     }
-    return iso_camera_check(&largest, &what)
-               ? iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL, "%s", what)
+    return iso_camera_check(&largest, &why)
+               ? iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL, "%s", why.text)
                : 0;
 }
 

@@ -207,7 +207,7 @@ int iso__openni2_find_camera(struct iso__openni2_session *session, enum iso__ope
     const OniStreamHandle eye = grey == ISO__OPENNI2_COLOR ? session->grey.handle
                                                            : session->depth.handle;
     const OniVideoMode *mode = &session->depth.mode;
-    const char *what = NULL;
+    struct iso_fault why;
     float x_rad = 0, y_rad = 0;
     if (get_property(eye, ONI_STREAM_PROPERTY_HORIZONTAL_FOV, &x_rad, sizeof x_rad) ||
         get_property(eye, ONI_STREAM_PROPERTY_VERTICAL_FOV, &y_rad, sizeof y_rad)) {
@@ -217,9 +217,10 @@ int iso__openni2_find_camera(struct iso__openni2_session *session, enum iso__ope
     }
     session->camera = iso__openni2_camera(mode->resolutionX, mode->resolutionY, (double)x_rad,
                                           (double)y_rad);
-    if (iso_camera_check(&session->camera, &what)) {
-        return iso_fault_set(fault, -EIO, "%s: %s: view of %g x %g rad: %s", owner,
-                             session->info.uri, (double)x_rad, (double)y_rad, what);
+    if (iso_camera_check(&session->camera, &why)) {
+        return iso_fault_set_code(fault, ISO_FAULT_SENSOR_FORMAT, -EIO,
+                                  "%s: %s: view of %g x %g rad: %s", owner, session->info.uri,
+                                  (double)x_rad, (double)y_rad, why.text);
     }
     return 0;
 }

@@ -40,7 +40,7 @@ static int make_frame(struct openni2 *sensor, struct iso_fault *fault)
     struct iso_camera camera = sensor->session.camera;
     const struct iso__openni2_settings *settings = &sensor->settings;
     const struct iso_camera *measured = &settings->camera.meta.camera;
-    const char *what = NULL;
+    struct iso_fault why;
     if (settings->has_camera &&
         (measured->width_px != camera.width_px || measured->height_px != camera.height_px)) {
         return iso_fault_set_code(fault, ISO_FAULT_CALIBRATION_WRONG, -EINVAL,
@@ -56,9 +56,9 @@ static int make_frame(struct openni2 *sensor, struct iso_fault *fault)
         camera.cx_px = settings->lens.cx_px;
         camera.cy_px = settings->lens.cy_px;
     }
-    if (iso_camera_check(&camera, &what)) {
+    if (iso_camera_check(&camera, &why)) {
         return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
-                                  "%s: option 'intrinsics': %s", owner, what);
+                                  "%s: option 'intrinsics': %s", owner, why.text);
     }
     const int error = iso_frame_new(&camera, camera.width_px, camera.height_px,
                                     sensor->session.grey.handle != NULL, &sensor->frame);
@@ -219,17 +219,18 @@ static int64_t file_due_ns(struct openni2 *sensor)
 static int convert_frames(struct openni2 *sensor, struct iso_fault *fault)
 {
     const struct iso__openni2_session *session = &sensor->session;
-    const char *what = "", *part = "depth";
+    const char *part = "depth";
+    struct iso_fault why;
     int error = iso__openni2_read_depth(sensor->fetched.depth, session->depth.mirrored,
-                                        sensor->frame, &what);
+                                        sensor->frame, &why);
     if (!error && session->grey.handle) {
         part = "intensity";
         error = iso__openni2_read_intensity(sensor->fetched.grey, session->grey.mirrored,
-                                            session->grey.full_scale, sensor->frame, &what);
+                                            session->grey.full_scale, sensor->frame, &why);
     }
     return error ? iso_fault_set_code(fault, ISO_FAULT_SENSOR_FAILED, error,
                                       "%s: %s: frame %d: %s %s", owner, session->info.uri,
-                                      sensor->fetched.depth->frameIndex, part, what)
+                                      sensor->fetched.depth->frameIndex, part, why.text)
                  : 0;
 }
 

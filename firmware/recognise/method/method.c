@@ -2,8 +2,6 @@
 
 #include <errno.h>
 
-#include "drivers/file/data_file.h"
-
 static const struct iso_method_ops *const methods[ISO_METHODS] = {
 #define METHOD(name, about) [ISO_METHOD_##name] = &iso_method_##name##_ops,
 #include "firmware/recognise/method/methods.def"
@@ -13,21 +11,6 @@ static const struct iso_method_ops *const methods[ISO_METHODS] = {
 const struct iso_method_ops *iso_method_at(enum iso_method method)
 {
     return methods[method];
-}
-
-int iso_method_read(const struct iso_method_setup *setup, size_t max_bytes, void **bytes,
-                    size_t *size, struct iso_fault *fault)
-{
-    return iso_data_file_read(setup->data_path, max_bytes, bytes, size, fault);
-}
-
-int iso_method_refuse(const char *path, int error, const char *what, struct iso_fault *fault)
-{
-    if (error == -ENOMEM) {
-        return iso_fault_set_code(fault, ISO_FAULT_OUT_OF_MEMORY, error, "%s: out of memory", path);
-    }
-    return iso_fault_set_code(fault, ISO_FAULT_MODEL_DAMAGED, error, "%s: %s", path,
-                              what ? what : "damaged");
 }
 
 int iso_method_check_algorithm(const struct iso_method_setup *setup, uint32_t algorithm,

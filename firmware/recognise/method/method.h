@@ -76,15 +76,6 @@ enum iso_method {
 /* The operations of a method, which must be one of the enumeration. */
 const struct iso_method_ops *iso_method_at(enum iso_method method);
 
-/* Reads a whole data file for `open`, at most max_bytes; the caller frees *bytes with free(). The
- * errors of iso_data_file_read (drivers/file/data_file.h), each with a fault. */
-int iso_method_read(const struct iso_method_setup *setup, size_t max_bytes, void **bytes,
-                    size_t *size, struct iso_fault *fault) __attribute__((warn_unused_result));
-
-/* Sets the fault of a data file that cannot be parsed: `error` with `what`, or with "damaged" if
- * that is NULL. Returns the error. */
-int iso_method_refuse(const char *path, int error, const char *what, struct iso_fault *fault);
-
 /* Checks that a data file was made for the templates that the method will receive. -EINVAL with a
  * fault that names both algorithms. */
 int iso_method_check_algorithm(const struct iso_method_setup *setup, uint32_t algorithm,

@@ -5,9 +5,8 @@
 #include <string.h>
 
 #include "drivers/base/shipped.h"
+#include "drivers/model/model_file.h"
 #include "firmware/recognise/method/method.h"
-
-enum { COHORT_BYTES_MAX = 64 + ISO_COHORT_MAX * (4 + ISO_TEMPLATE_BYTES_MAX) };
 
 struct by_distance {
     struct iso_cohort *cohort;
@@ -25,19 +24,9 @@ static void distance_close(void *self)
 static int load(struct by_distance *method, const struct iso_method_setup *setup,
                 struct iso_fault *fault)
 {
-    void *bytes = NULL;
-    size_t size = 0;
-    const char *what = NULL;
-    int error = iso_method_read(setup, COHORT_BYTES_MAX, &bytes, &size, fault);
-    if (error) {
-        return error;
-    }
-    error = iso_cohort_parse(bytes, size, &method->cohort, &what);
-    free(bytes);
-    if (error) {
-        return iso_method_refuse(setup->data_path, error, what, fault);
-    }
-    return iso_method_check_algorithm(setup, iso_cohort_algorithm(method->cohort), fault);
+    const int error = iso_cohort_load(setup->data_path, &method->cohort, fault);
+    return error ? error
+                 : iso_method_check_algorithm(setup, iso_cohort_algorithm(method->cohort), fault);
 }
 
 static int distance_open(const struct iso_method_setup *setup, void **self, struct iso_fault *fault)

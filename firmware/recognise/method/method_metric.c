@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "drivers/base/shipped.h"
+#include "drivers/model/model_file.h"
 #include "firmware/recognise/method/method.h"
 #include "firmware/recognise/method/reranker.h"
 
@@ -25,19 +26,8 @@ static void metric_close(void *self)
 static int load(struct by_metric *method, const struct iso_method_setup *setup,
                 struct iso_fault *fault)
 {
-    void *bytes = NULL;
-    size_t size = 0;
-    const char *what = NULL;
-    int error = iso_method_read(setup, ISO_METRIC_BYTES_MAX, &bytes, &size, fault);
-    if (error) {
-        return error;
-    }
-    error = iso_metric_parse(bytes, size, &method->metric, &what);
-    free(bytes);
-    if (error) {
-        return iso_method_refuse(setup->data_path, error, what, fault);
-    }
-    return iso_method_check_algorithm(setup, method->metric->algorithm, fault);
+    const int error = iso_metric_load(setup->data_path, &method->metric, fault);
+    return error ? error : iso_method_check_algorithm(setup, method->metric->algorithm, fault);
 }
 
 static int metric_open(const struct iso_method_setup *setup, void **self, struct iso_fault *fault)

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/base/data_file.h"
+#include "drivers/model/model_file.h"
 #include "sim/lab/match/extract_options.h"
 #include "sim/lab/match/landmark_choice.h"
 #include "sim/lab/match/method_match.h"
@@ -24,12 +24,12 @@ static void shorten_rows(struct sim_corpus *corpus, const struct sim_eval_option
 
 static int load_files(struct sim_eval *eval, struct iso_fault *fault)
 {
-    int error = sim_head_model_load(eval->options.model, &eval->model, fault);
+    int error = iso_head_model_load(eval->options.model, &eval->model, fault);
     if (!error && eval->options.cohort) {
-        error = sim_cohort_load(eval->options.cohort, &eval->cohort, fault);
+        error = iso_cohort_load(eval->options.cohort, &eval->cohort, fault);
     }
     if (!error && eval->options.metric) {
-        error = sim_metric_load(eval->options.metric, &eval->metric, fault);
+        error = iso_metric_load(eval->options.metric, &eval->metric, fault);
     }
     if (!error) {
         error = sim_corpus_read(eval->options.corpus, &eval->corpus, fault);

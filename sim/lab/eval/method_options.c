@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "drivers/file/text.h"
-#include "sim/base/data_file.h"
+#include "drivers/model/model_file.h"
 #include "sim/lab/match/extract_options.h"
 
 static bool contains(const struct sim_method_choice *choice, const struct sim_method *method)
@@ -79,7 +79,7 @@ int sim_method_choice_apply(const struct sim_method_choice *choice, const char *
     struct iso_head_model *model = NULL;
     int error = sim_threads_check(options->threads, options->extract.heat, fault);
     if (!error) {
-        error = sim_head_model_load(options->model, &model, fault);
+        error = iso_head_model_load(options->model, &model, fault);
     }
     if (!error) {
         capture.model = model;

@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <stdlib.h>
 
-#include "sim/base/data_file.h"
+#include "drivers/model/model_file.h"
 #include "sim/lab/match/extract_options.h"
 
 static int measure(struct sim_study *study, struct iso_fault *fault)
@@ -35,7 +35,7 @@ int sim_study_run(const struct sim_study_options *options, struct sim_study **ou
     }
     study->options = *options;
     const int64_t begin_ns = sim_wall_ns(NULL);
-    error = sim_head_model_load(options->model, &study->model, fault);
+    error = iso_head_model_load(options->model, &study->model, fault);
     if (!error) {
         error = sim_corpus_read(options->corpus, &study->corpus, fault);
     }

@@ -131,7 +131,7 @@ int sim_lens_calibrate(const struct sim_lens_calibration_options *options, struc
     struct iso_recording_meta meta = {.unit_mm = options->unit_mm};
     struct iso_board_views *views = NULL;
     struct iso_board_lens lens;
-    const char *what = "";
+    struct iso_fault why;
     (void)snprintf(meta.sensor, sizeof meta.sensor, "%s", options->sensor);
     int error = gather(options, &views, fault);
     if (!error) {
@@ -139,8 +139,9 @@ int sim_lens_calibrate(const struct sim_lens_calibration_options *options, struc
     }
     if (!error) {
         meta.camera = lens.camera;
-        error = iso_recording_meta_check(&meta, &what)
-                    ? iso_fault_set(fault, -EINVAL, "%s: %s", options->sensor, what)
+        error = iso_recording_meta_check(&meta, &why)
+                    ? iso_fault_set_code(fault, why.code, -EINVAL, "%s: %s", options->sensor,
+                                         why.text)
                     : 0;
     }
     if (!error) {

@@ -234,12 +234,12 @@ static struct iso_cohort *make_cohort(void)
     struct iso_cohort *cohort = NULL;
     assert_int_equal(iso_cohort_serialise(list, COHORT, &bytes, &size), 0);
     assert_int_equal(iso_cohort_parse(bytes, size, &cohort, NULL), 0);
-    const char *fault = NULL;
+    struct iso_fault fault = {.text = ""};
     struct iso_cohort *none = NULL;
     for (size_t at = 0; at < size; at += 97) {
         ((uint8_t *)bytes)[at] ^= 1;
         assert_int_equal(iso_cohort_parse(bytes, size, &none, &fault), -EBADMSG);
-        assert_non_null(fault);
+        assert_true(fault.text[0] != '\0');
         ((uint8_t *)bytes)[at] ^= 1;
         assert_int_equal(iso_cohort_parse(bytes, at, &none, &fault), -EBADMSG);
     }

@@ -158,13 +158,13 @@ static void refuses_lines_that_would_be_cut(void **state)
 static void checks_what_would_be_written(void **state)
 {
     struct iso_recording_meta meta;
-    const char *what = NULL;
+    struct iso_fault what = {.text = ""};
     (void)state;
     assert_int_equal(iso_recording_meta_parse("r", stored_ini, &meta, NULL), 0);
     assert_int_equal(iso_recording_meta_check(&meta, &what), 0);
     meta.unit_mm = 0.0;
     assert_int_equal(iso_recording_meta_check(&meta, &what), -EINVAL);
-    assert_non_null(strstr(what, "unit_mm"));
+    assert_non_null(strstr(what.text, "unit_mm"));
     meta.unit_mm = 1.0;
     memset(meta.sensor, 'x', sizeof meta.sensor); /* it has no end */
     assert_int_equal(iso_recording_meta_check(&meta, NULL), -EINVAL);

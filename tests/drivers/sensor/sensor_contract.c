@@ -124,9 +124,9 @@ const struct iso_frame *stage_next(struct sensor_set *set)
 /* Asserts that the frame equals frame number `stored` of the recording bit by bit. */
 void stage_expect_frame(const struct sensor_set *set, const struct iso_frame *frame, int stored)
 {
-    const char *flaw = "";
+    struct iso_fault flaw = {.text = ""};
     const int bad = iso_frame_check(frame, &flaw);
-    assert_string_equal(flaw, "");
+    assert_string_equal(flaw.text, "");
     assert_int_equal(bad, 0);
     if (set->stage->expect) {
         set->stage->expect(&set->scene, frame, stored);

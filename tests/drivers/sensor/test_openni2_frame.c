@@ -50,7 +50,7 @@ static int teardown(void **state)
 static void reads_both_units(void **state)
 {
     struct iso_frame *frame = *state;
-    const char *what = "";
+    struct iso_fault what = {.text = ""};
     OniFrame in = frame_of(ONI_PIXEL_FORMAT_DEPTH_1_MM);
     assert_int_equal(iso__openni2_read_depth(&in, false, frame, &what), 0);
     assert_true(iso_frame_depth_at(frame, 3, 2) == 204.0F);
@@ -64,7 +64,7 @@ static void reads_both_units(void **state)
 static void undoes_mirroring(void **state)
 {
     struct iso_frame *frame = *state;
-    const char *what = "";
+    struct iso_fault what = {.text = ""};
     OniFrame in = frame_of(ONI_PIXEL_FORMAT_DEPTH_1_MM);
     assert_int_equal(iso__openni2_read_depth(&in, true, frame, &what), 0);
     assert_true(iso_frame_depth_at(frame, 0, 2) == 204.0F);
@@ -75,7 +75,7 @@ static void undoes_mirroring(void **state)
 static void keeps_a_crop(void **state)
 {
     struct iso_frame *frame = *state;
-    const char *what = "";
+    struct iso_fault what = {.text = ""};
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         OniFrame in = frame_of(ONI_PIXEL_FORMAT_DEPTH_1_MM);
         in.width = 2;
@@ -97,7 +97,7 @@ static void keeps_a_crop(void **state)
 static void reads_intensities(void **state)
 {
     struct iso_frame *frame = *state;
-    const char *what = "";
+    struct iso_fault what = {.text = ""};
     static uint8_t colours[HEIGHT][WIDTH][3];
     OniFrame depth = frame_of(ONI_PIXEL_FORMAT_DEPTH_1_MM);
     OniFrame in = frame_of(ONI_PIXEL_FORMAT_GRAY16);
@@ -119,9 +119,9 @@ static void reads_intensities(void **state)
 
 static void refuses(struct iso_frame *frame, const OniFrame *in, const char *expected)
 {
-    const char *what = "";
+    struct iso_fault what = {.text = ""};
     assert_int_equal(iso__openni2_read_depth(in, false, frame, &what), -EBADMSG);
-    assert_string_equal(what, expected);
+    assert_string_equal(what.text, expected);
 }
 
 static void refuses_frames_that_lie(void **state)
@@ -156,23 +156,23 @@ static void refuses_frames_that_lie(void **state)
 
 static void refuses_an_intensity_of_other_pixels(void **state)
 {
-    const char *what = "";
+    struct iso_fault what = {.text = ""};
     const OniFrame depth = frame_of(ONI_PIXEL_FORMAT_DEPTH_1_MM);
     OniFrame in = frame_of(ONI_PIXEL_FORMAT_GRAY16);
     assert_int_equal(iso__openni2_read_depth(&depth, false, *state, &what), 0);
     in.width = WIDTH - 1;
     assert_int_equal(iso__openni2_read_intensity(&in, false, 1.0, *state, &what), -EBADMSG);
-    assert_string_equal(what, "does not cover the depths");
+    assert_string_equal(what.text, "does not cover the depths");
     in.videoMode.pixelFormat = ONI_PIXEL_FORMAT_JPEG;
     assert_int_equal(iso__openni2_read_intensity(&in, false, 1.0, *state, &what), -EBADMSG);
-    assert_string_equal(what, "is not of a grey or colour format");
+    assert_string_equal(what.text, "is not of a grey or colour format");
 }
 
 /* The field of view is the angle between the outer edges of the outer pixels. */
 static void a_field_of_view_is_a_camera(void **state)
 {
     const struct iso_camera camera = iso__openni2_camera(640, 480, 1.0226, 0.7966);
-    const char *what = "";
+    struct iso_fault what = {.text = ""};
     double u = 0, v = 0;
     (void)state;
     assert_int_equal(iso_camera_check(&camera, &what), 0);

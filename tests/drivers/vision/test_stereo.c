@@ -102,7 +102,7 @@ static struct result *look_at(const struct scene *scene)
     assert_int_equal(
         iso_stereo_compute(stereo, result->left, result->right, &confidence, result->frame), 0);
     memcpy(result->confidence, confidence, sizeof result->confidence);
-    const char *flaw = "";
+    struct iso_fault flaw = {.text = ""};
     assert_int_equal(iso_frame_check(result->frame, &flaw), 0);
     iso_stereo_free(stereo);
     return result;

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "sim/base/data_file.h"
+#include "drivers/model/model_file.h"
 #include "sim/lab/report/report.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_corpus.h"
@@ -254,7 +254,7 @@ static void test_nobody_the_metric_learned_from_is_tested(void **state)
     struct iso_metric *metric = NULL;
     struct sim_eval_options options = options_for(*state);
     options.metric = METRIC;
-    assert_int_equal(sim_metric_load(METRIC, &metric, &fault), 0);
+    assert_int_equal(iso_metric_load(METRIC, &metric, &fault), 0);
     assert_true(metric->n_origins >= 2);
     for (int i = 0; i < metric->n_origins; i++) {
         char words[128];

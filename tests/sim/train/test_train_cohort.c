@@ -13,7 +13,7 @@
 #include "core/base/bytes.h"
 #include "core/match/cohort.h"
 #include "core/match/distance.h"
-#include "sim/base/data_file.h"
+#include "drivers/model/model_file.h"
 #include "sim/train/metric/train_cohort.h"
 #include "tests/support/scratch.h"
 #include "tests/support/shared_data.h"
@@ -36,7 +36,7 @@ static int setup(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
     struct iso_fault fault;
-    if (!f || sim_head_model_load(DATA "/head.model", &f->model, &fault) != 0) {
+    if (!f || iso_head_model_load(DATA "/head.model", &f->model, &fault) != 0) {
         free(f);
         return -1;
     }
@@ -74,7 +74,7 @@ static void the_shipped_cohort_fits_the_extractor(void **state)
     struct iso_cohort *cohort = NULL;
     struct iso_extractor *extractor = NULL;
     struct iso_fault fault;
-    assert_int_equal(sim_cohort_load(SHIPPED, &cohort, &fault), 0);
+    assert_int_equal(iso_cohort_load(SHIPPED, &cohort, &fault), 0);
     assert_int_equal(iso_extractor_new(f->model, &f->options.extract, &extractor), 0);
     assert_int_equal(iso_cohort_size(cohort), 64);
     assert_int_equal(iso_cohort_algorithm(cohort), iso_extractor_algorithm(extractor));

@@ -14,7 +14,7 @@
 
 #include "core/surface/raster.h"
 #include "drivers/file/png.h"
-#include "sim/base/data_file.h"
+#include "drivers/model/model_file.h"
 #include "sim/train/head/head_picture.h"
 #include "sim/train/head/train_head.h"
 #include "tests/support/scratch.h"
@@ -31,7 +31,7 @@ static int setup(void **state)
 {
     struct fixture *f = calloc(1, sizeof *f);
     struct iso_fault fault;
-    if (!f || sim_head_model_load(SHIPPED, &f->shipped, &fault) != 0) {
+    if (!f || iso_head_model_load(SHIPPED, &f->shipped, &fault) != 0) {
         free(f);
         return -1;
     }

@@ -11,8 +11,8 @@
 #include <cmocka.h>
 
 #include "core/match/rerank.h"
+#include "drivers/model/model_file.h"
 #include "isotherm/extract.h"
-#include "sim/base/data_file.h"
 #include "sim/base/random.h"
 #include "sim/corpus/corpus.h"
 #include "sim/train/metric/metric_learn.h"
@@ -178,7 +178,7 @@ static void the_shipped_metric_knows_nobody_who_is_tested(void **state)
     struct iso_fault fault = {.text = ""};
     struct iso_metric *metric = NULL;
     struct sim_corpus *stored = NULL;
-    assert_int_equal(sim_metric_load(ISOTHERM_SOURCE_DIR "/core/data/face.metric", &metric, &fault),
+    assert_int_equal(iso_metric_load(ISOTHERM_SOURCE_DIR "/core/data/face.metric", &metric, &fault),
                      0);
     assert_int_equal(sim_corpus_read(ISOTHERM_SOURCE_DIR "/sim/stored", &stored, &fault), 0);
     assert_true(metric->n_origins >= 2);
@@ -201,10 +201,10 @@ static void the_shipped_metric_fits_the_shipped_head_model(void **state)
     struct iso_head_model *model = NULL;
     struct iso_extractor *extractor = NULL;
     const struct iso_extract_options options = iso_extract_options_default();
-    assert_int_equal(sim_metric_load(ISOTHERM_SOURCE_DIR "/core/data/face.metric", &metric, &fault),
+    assert_int_equal(iso_metric_load(ISOTHERM_SOURCE_DIR "/core/data/face.metric", &metric, &fault),
                      0);
     assert_int_equal(
-        sim_head_model_load(ISOTHERM_SOURCE_DIR "/core/data/head.model", &model, &fault), 0);
+        iso_head_model_load(ISOTHERM_SOURCE_DIR "/core/data/head.model", &model, &fault), 0);
     assert_int_equal(iso_extractor_new(model, &options, &extractor), 0);
     assert_int_equal(metric->algorithm, iso_extractor_algorithm(extractor));
     iso_extractor_free(extractor);
