@@ -6,36 +6,10 @@
 #include <string.h>
 
 #include "firmware/bus/bus_state.h"
+#include "firmware/contract/bus_connect.h"
 #include "firmware/contract/contract.h"
 
 enum { CALL_TIMEOUT_US = 2 * 1000 * 1000 };
-
-static int connect_address(const char *address, sd_bus **out)
-{
-    sd_bus *made = NULL;
-    if (strcmp(address, "system") == 0) {
-        return sd_bus_open_system(out);
-    }
-    if (strcmp(address, "session") == 0) {
-        return sd_bus_open_user(out);
-    }
-    int r = sd_bus_new(&made);
-    if (r >= 0) {
-        r = sd_bus_set_address(made, address);
-    }
-    if (r >= 0) {
-        r = sd_bus_set_bus_client(made, 1);
-    }
-    if (r >= 0) {
-        r = sd_bus_start(made);
-    }
-    if (r < 0) {
-        sd_bus_unref(made);
-        return r;
-    }
-    *out = made;
-    return 0;
-}
 
 static int on_disconnected(sd_bus_message *signal, void *context, sd_bus_error *out)
 {
@@ -70,7 +44,7 @@ static void drop_connection(struct iso_bus *bus)
 /* Begins a connection. Whether it works becomes known later. */
 static int begin_connection(struct iso_bus *bus)
 {
-    int r = connect_address(bus->address, &bus->bus);
+    int r = iso_bus_connect(bus->address, &bus->bus);
     /* The bus is asked for the client that claims the camera, and the door waits for the answer. */
     if (r >= 0) {
         r = sd_bus_set_method_call_timeout(bus->bus, CALL_TIMEOUT_US);
