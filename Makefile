@@ -15,7 +15,8 @@
 #   make races    runs the tests of code with threads under the thread sanitizer
 #   make drill-bites  builds mistakes into a copy of the tree; the tests of faults must find each of them
 #   make check-clang  builds with clang and runs every test
-#   make nightly  runs the slow checks: check-clang, fuzz of NIGHTLY_FUZZ_SECONDS, NIGHTLY_KILLS kills, storage-faults, drill, races,
+#   make check-asan  runs every test under the address and undefined-behaviour sanitizers
+#   make nightly  runs the slow checks: check-clang, check-asan, fuzz of NIGHTLY_FUZZ_SECONDS, NIGHTLY_KILLS kills, storage-faults, drill, races,
 #                 drill-bites; it does not run `make levels`
 #   make levels   counts refused and admitted visitors at each security level in 3,000 visits: an hour; ICT=DIR has the head model
 #   make packages makes the Debian packages in build/packages and checks them
@@ -34,7 +35,7 @@ NIGHTLY_FUZZ_SECONDS ?= 300
 ICT ?= ict
 JOBS := $(shell nproc)
 
-.PHONY: demo check check-clang vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check install docs clean
+.PHONY: demo check check-clang check-asan vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check install docs clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -113,8 +114,15 @@ drill-bites:
 	cmake --preset dev
 	tests/firmware/faults/drill_bites.sh build/dev
 
+check-asan:
+	cmake/install_packages.sh build test
+	cmake --preset asan-ubsan
+	cmake --build --preset asan-ubsan
+	ctest --preset asan-ubsan -j $(JOBS)
+
 nightly:
 	$(MAKE) check-clang
+	$(MAKE) check-asan
 	$(MAKE) fuzz FUZZ_SECONDS=$(NIGHTLY_FUZZ_SECONDS)
 	$(MAKE) kills KILLS=$(NIGHTLY_KILLS)
 	$(MAKE) storage-faults

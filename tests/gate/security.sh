@@ -3,13 +3,15 @@
 #     tested: `NAME`      or      tested: `NAME1`, `NAME2`
 # and each NAME is a test in ctest's list or an executable script under tests/.
 # usage: security.sh ROOT TESTS      TESTS: a file with the names of the tests, one a line
-#        security.sh --ctest ROOT BUILD      the names are those that ctest lists for this build
+#        security.sh --ctest ROOT BUILD      the names are those of the tests of this build. They are read from the files that CMake wrote,
+#                                            because `ctest -N` would empty the log of the ctest run that this gate is part of.
 set -eu
 
 if [ "${1:-}" = --ctest ]; then
     list=$(mktemp)
     trap 'rm -f "$list"' EXIT
-    ctest --test-dir "$3" -N | sed -n 's/^ *Test *#[0-9]*: \([^ ]*\).*/\1/p' >"$list"
+    find "$3" -name CTestTestfile.cmake -exec sed -n 's/^add_test(\(\[=*\[\)\{0,1\}\([A-Za-z0-9_.-]*\).*/\2/p' {} + >"$list"
+    [ -s "$list" ] || { echo "$0: $3 has no tests" >&2; exit 1; }
     "$0" "$2" "$list"
     exit
 fi

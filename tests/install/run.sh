@@ -79,19 +79,42 @@ run_one() {
     esac
 }
 
+# Runs the named tests one after the other. A test's output is printed at its end, and its result is written to CACHE/TEST.result.
+run_in_order() {
+    for test in "$@"; do
+        began=$(date +%s) result=FAILED
+        # A subshell, so that a failing command ends only this test.
+        if (set -e; run_one "$test") >"$cache/$test.log" 2>&1; then
+            result=passed
+        fi
+        echo "$result" >"$cache/$test.result"
+        printf '== %s\n%s\n%-12s %s after %d s\n' "$test" "$(tail -n 30 "$cache/$test.log")" "$test" "$result" $(($(date +%s) - began))
+    done
+}
+
+# Containers that are booted at the same time would share a control group, so these tests run one after the other. The tests in a chroot
+# run beside them.
+booted='' in_chroot=''
+for test in $tests; do
+    rm -f "$cache/$test.result"
+    case $test in
+    piuparts | autopkgtest) in_chroot="$in_chroot $test" ;;
+    *) booted="$booted $test" ;;
+    esac
+done
+# shellcheck disable=SC2086
+run_in_order $in_chroot &
+# shellcheck disable=SC2086
+run_in_order $booted
+wait
+
 passed=0 failed=0 skipped=0
 for test in $tests; do
-    printf '== %s\n' "$test"
-    began=$(date +%s)
-    # A subshell, so that a failing command ends only this test.
-    if (set -e; run_one "$test") >"$cache/$test.log" 2>&1; then
-        passed=$((passed + 1)) result=passed
-    else
-        failed=$((failed + 1)) result=FAILED
-    fi
-    tail -n 30 "$cache/$test.log"
+    case $(cat "$cache/$test.result" 2>/dev/null) in
+    passed) passed=$((passed + 1)) ;;
+    *) failed=$((failed + 1)) ;;
+    esac
     skipped=$((skipped + $(grep -c ' skipped: ' "$cache/$test.log" || true)))
-    printf '%-12s %s after %d s\n' "$test" "$result" $(($(date +%s) - began))
 done
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]
