@@ -5,10 +5,11 @@
 #include <stdint.h>
 
 struct iso_clock {
-    int64_t (*now_ns)(void *context); /* never goes back; the epoch is the clock's own */
-    void *context;
+    int64_t (*now_ns)(void *context); /* never goes back; each clock has its own zero */
+    void *context;                    /* passed to now_ns */
 };
 
+/* The time of a clock, nanoseconds. */
 static inline int64_t iso_clock_now_ns(const struct iso_clock *clock)
 {
     return clock->now_ns(clock->context);

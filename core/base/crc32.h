@@ -5,7 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Start with crc = 0; feed further bytes with the value returned. */
+/* Returns the checksum of `size` bytes. The first call gets crc = 0. To continue with further
+ * bytes, pass the value that the previous call returned. */
 uint32_t iso_crc32(uint32_t crc, const void *bytes, size_t size);
 
 #endif

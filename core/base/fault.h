@@ -14,13 +14,13 @@
 int iso_fault_set(struct iso_fault *fault, int error, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* The same with a code. A function that passes on what another one has said passes its code on as
- * well: iso_fault_set_code(fault, why.code, error, "%s: %s", owner, why.text). */
+/* The same with a code. A function that quotes the text of another fault passes the code of that
+ * fault on as well: iso_fault_set_code(fault, why.code, error, "%s: %s", owner, why.text). */
 int iso_fault_set_code(struct iso_fault *fault, enum iso_fault_code code, int error,
                        const char *format, ...) __attribute__((format(printf, 4, 5)));
 
-/* Gives a code to a fault that another function has described, whatever code it has (NULL:
- * nothing), and returns `error`. For a caller that knows more than the function that it called. */
+/* Replaces the code of a fault that another function has described, and returns `error`. Does
+ * nothing if fault is NULL. For a caller that knows more than the function that it called. */
 int iso_fault_recode(struct iso_fault *fault, enum iso_fault_code code, int error);
 
 /* The same only if the fault has no code yet. */

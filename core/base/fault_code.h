@@ -1,5 +1,5 @@
-/* Fault codes. Each fault that is reported to a person has a code and a sentence. The sentence is
- * for the person; programs use the code. `isotherm doctor` finds the remedy of a fault by its code.
+/* Fault codes. A fault has a sentence for people and, nearly always, a code for programs
+ * (ISO_FAULT_NONE: only the sentence). `isotherm doctor` finds the remedy of a fault by its code.
  *
  * This file lists all codes of the project. It is in core because core, drivers, firmware and
  * enroll may all include core/base; core itself does not use the codes of devices and stores. The
@@ -7,8 +7,8 @@
  * name never changes, and its meaning never changes. The numbers are not published and may change.
  *
  * A new code needs four things: a row in fault_code.c with its name and meaning, a row in
- * enroll/cli/doctor/remedy.c, a row in the table FAULTS of isothermd(8), and code that reports it.
- * test_fault_code checks all four. */
+ * enroll/cli/doctor/remedy.c, an entry in the section FAULTS of isothermd(8), and code that reports
+ * it. tests/enroll/test_manual.c checks the manual, tests/enroll/test_fault_code.c the others. */
 #ifndef ISO_CORE_BASE_FAULT_CODE_H
 #define ISO_CORE_BASE_FAULT_CODE_H
 
@@ -101,7 +101,7 @@ enum iso_fault_code {
     ISO_FAULT_BUS_MISSING,
     ISO_FAULT_BUS_REFUSED,
 
-    /* What a client finds out by itself. */
+    /* The state of the daemon and of the door, as a client sees it. */
     ISO_FAULT_NOT_CONFIGURED,
     ISO_FAULT_NO_DAEMON,
     ISO_FAULT_NO_STATUS,
@@ -119,7 +119,7 @@ enum iso_fault_code {
     ISO_FAULT_NOBODY_VALID,
     ISO_FAULT_TEMPLATES_OLD,
 
-    ISO_FAULT_CODES
+    ISO_FAULT_CODES /* how many there are */
 };
 
 /* The name of a code, words of a to z with hyphens, such as "disk-full"; "none" for ISO_FAULT_NONE;
@@ -129,7 +129,7 @@ const char *iso_fault_code_name(enum iso_fault_code code);
 /* What the code means, in one sentence for people; NULL outside the range. A constant. */
 const char *iso_fault_code_meaning(enum iso_fault_code code);
 
-/* The code of a name. False, and *out as it was, if there is no such name. */
+/* Finds the code of a name. Returns false, and leaves *out as it was, if there is no such name. */
 bool iso_fault_code_find(const char *name, enum iso_fault_code *out);
 
 #endif

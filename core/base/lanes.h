@@ -11,11 +11,11 @@ typedef float iso_lanes __attribute__((vector_size(ISO_LANES * sizeof(float))));
 /* The same bits as whole numbers: for masks. */
 typedef int iso_lane_bits __attribute__((vector_size(ISO_LANES * sizeof(int))));
 
-/* The same in memory, aligned like a float. These are macros and not functions, because passing
- * vectors by value depends on the ABI. */
+/* Eight floats in memory, aligned like one float. */
 typedef float iso_lanes_in_memory
     __attribute__((vector_size(ISO_LANES * sizeof(float)), aligned(4), may_alias));
 
+/* These are macros and not functions, because passing vectors by value depends on the ABI. */
 #define ISO_LANES_LOAD(p)         (*(const iso_lanes_in_memory *)(p))
 #define ISO_LANES_STORE(p, value) (*(iso_lanes_in_memory *)(p) = (value))
 

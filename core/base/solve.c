@@ -10,7 +10,7 @@ int iso_cholesky_factorise(double *a, int n)
         for (int k = 0; k < j; k++) {
             pivot -= a[j * n + k] * a[j * n + k];
         }
-        /* Written so that NaN fails as well. */
+        /* This comparison is also false for NaN. */
         if (!(pivot > 1e-12 * fabs(a[j * n + j]))) {
             return -EDOM;
         }

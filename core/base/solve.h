@@ -2,11 +2,12 @@
 #ifndef ISO_CORE_BASE_SOLVE_H
 #define ISO_CORE_BASE_SOLVE_H
 
-/* Cholesky factor in place: the lower triangle of the row-major n x n matrix a becomes L, A = L L'.
- * -EDOM if a pivot falls below 1e-12 of its diagonal entry (singular, indefinite or not finite). */
+/* Computes the Cholesky factor in place: the lower triangle of the row-major n x n matrix a becomes
+ * L with A = L L'. The upper triangle is not read. -EDOM if a pivot falls below 1e-12 of its
+ * diagonal entry (singular, indefinite or not finite). */
 int iso_cholesky_factorise(double *a, int n) __attribute__((warn_unused_result));
 
-/* Solves L L' x = b in place for a factor from iso_cholesky_factorise. */
+/* Solves L L' x = b for a factor from iso_cholesky_factorise. b [n] becomes x. */
 void iso_cholesky_solve(const double *l, int n, double *b);
 
 #endif

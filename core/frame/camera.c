@@ -65,7 +65,7 @@ static bool is_distorted(const struct iso_camera *c)
     return c->k1 != 0.0 || c->k2 != 0.0 || c->k3 != 0.0 || c->p1 != 0.0 || c->p2 != 0.0;
 }
 
-/* Fixed point of x = xd - (distort(x) - x). */
+/* Solves distort(x) = xd by iterating x = xd - (distort(x) - x). */
 static void undistort(const struct iso_camera *c, double *x, double *y)
 {
     enum { ITERATIONS_MAX = 100 };

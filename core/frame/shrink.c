@@ -7,6 +7,7 @@
 /* Depths further than this from the block's median belong to another surface. */
 static const float same_surface_mm = 20.0f;
 
+/* The depth of the new pixel for the block at (column, row); 0 if too little of it was measured. */
 static float block_depth(const struct iso_frame *frame, int column, int row, int factor)
 {
     float sorted[ISO_SHRINK_MAX * ISO_SHRINK_MAX];
@@ -38,8 +39,8 @@ static float block_depth(const struct iso_frame *frame, int column, int row, int
     return sum / (float)used;
 }
 
-/* The camera whose pixel (i, j) is the centre of the block of the old pixels (i, j) * factor +
- * offset. */
+/* The camera of the shrunken frame: the centre of its pixel (i, j) is the centre of the block of
+ * old pixels that begins at (i, j) * factor in the window. */
 static struct iso_camera shrunken_camera(const struct iso_frame *frame, struct iso_window window,
                                          int factor)
 {

@@ -2,7 +2,7 @@
  * What became of a frame: a usable face, or the reason why not.
  *
  * The reason is also the hint to the person. It is a result, never an error code and never a
- * verdict. Zero is "no face": something is there, and nothing about it is like a face.
+ * verdict. Zero is "no face": something is there, but it is not like a face.
  *
  * Directions are the SUBJECT's: "move-left" asks the person to step to his or her own left. */
 #ifndef ISOTHERM_CAPTURE_H
@@ -31,14 +31,14 @@ enum iso_capture {
     ISO_CAPTURE_COVERED_MOUTH,  /**< The same of the mouth. */
     ISO_CAPTURE_COVERED_LEFT,   /**< The same of the left half of the face. */
     ISO_CAPTURE_COVERED_RIGHT,  /**< The same of the right half of the face. */
-    ISO_CAPTURE_SEVERAL_FACES,  /**< Two faces are about as near. */
+    ISO_CAPTURE_SEVERAL_FACES,  /**< There are two faces at about the same distance. */
     ISO_CAPTURE_NOT_A_FACE,     /**< Something is there, but it does not fit a head. */
     ISO_CAPTURE_MOVING,         /**< The face moves too fast. */
     ISO_CAPTURE_EXPRESSION, /**< The expression is too strong: enrolment wants a neutral face. */
-    ISO_CAPTURE_NOBODY,     /**< The scene is empty, but for what lies behind. */
+    ISO_CAPTURE_NOBODY,     /**< There is nothing in the scene except the background. */
     ISO_CAPTURE_FLAT,       /**< Presentation attack (ISO/IEC 30107-1): a flat picture. */
     ISO_CAPTURE_BENT,       /**< Presentation attack: a bent picture. */
-    ISO_CAPTURE_SCREEN,     /**< Presentation attack: a flat thing with holes where it shines. */
+    ISO_CAPTURE_SCREEN,     /**< Presentation attack: a flat object with holes where it shines. */
     ISO_CAPTURE_WRONG_SIZE, /**< Presentation attack: too small or large for its distance. */
     ISO_CAPTURE_EYES_CUT,   /**< Presentation attack: a mask with holes for eyes. */
     ISO_CAPTURE_STILL,      /**< Presentation attack: it holds stiller than anybody can. */

@@ -1,9 +1,9 @@
 /** @file
  * Classifiers of feature vectors behind one interface.
  *
- * Each learns from labelled features and gives a score for every class. Those that also measure how
- * far a feature is from each one it learnt from (nearest neighbour, CRC-RLS, RCR) rank a gallery:
- * that ranking never looks at labels. */
+ * Each learns from labelled features and gives a score for every class. Some also measure how far a
+ * feature is from each training feature (nearest neighbour, CRC-RLS, RCR). These can rank a
+ * gallery, and the ranking never uses labels. */
 #ifndef ISOTHERM_CLASSIFIER_H
 #define ISOTHERM_CLASSIFIER_H
 
@@ -18,7 +18,7 @@ struct iso_labelled {
     const int32_t *label;                    /**< [n]: class of each, 0..n_classes - 1. */
 };
 
-/** A kind of classifier. Models keep copies of what they need. */
+/** A kind of classifier. Its models keep copies of the training data that they need. */
 struct iso_classifier_ops {
     const char *name;   /**< As on a command line: "crc-rls". */
     const char *title;  /**< As in a table: "CRC-RLS". */
@@ -34,9 +34,9 @@ struct iso_classifier_ops {
      * has -INFINITY. Thread-safe. -EDOM, -ENOMEM. */
     int (*score)(const void *model, const float *feature, double *score);
 
-    /** OPTIONAL. distance[i] from the feature to the i-th learnt from; lower is more alike. `left`
-     * is one of them that is left out, as if it had never been learnt, or -1; its own distance is
-     * then 0. Thread-safe. -EDOM, -ENOMEM. */
+    /** OPTIONAL. Sets distance[i] to the distance of the feature from training feature i; lower is
+     * more alike. `left` is the index of a training feature that is left out, as if the model had
+     * never learnt from it, or -1; its distance is 0. Thread-safe. -EDOM, -ENOMEM. */
     int (*rank)(const void *model, const float *feature, int32_t left, double *distance);
 };
 
@@ -77,13 +77,14 @@ void iso_classifier_free(struct iso_classifier *classifier);
 int iso_classifier_score(const struct iso_classifier *classifier, const float *feature,
                          double *score) __attribute__((warn_unused_result));
 
-/** How far a feature is from each one learnt from. Thread-safe.
+/** How far a feature is from each training feature. Thread-safe.
  *
  * @param classifier  The classifier.
  * @param feature     [layout->size]: the feature, finite.
- * @param left        Index of one learnt from that is left out, as if it had never been learnt; -1:
- *                    none.
- * @param distance    [n]: receives the distances; lower is more alike; 0 of the one left out.
+ * @param left        Index of a training feature that is left out, as if the classifier had never
+ *                    learnt from it; -1: none.
+ * @param distance    [n]: receives the distances; lower is more alike. It is 0 for the feature that
+ *                    is left out.
  * @return 0; -ENOSYS for a kind that cannot rank; errors of the kind. */
 int iso_classifier_rank(const struct iso_classifier *classifier, const float *feature, int32_t left,
                         double *distance) __attribute__((warn_unused_result));

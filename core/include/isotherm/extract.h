@@ -98,9 +98,9 @@ struct iso_extraction {
                                             `fitted`. */
     double yaw_rad;     /**< Turn of the head, radians; above 0: to the subject's left. */
     double pitch_rad;   /**< Nod of the head, radians; above 0: up. */
-    double roll_rad;    /**< Tilt of the head, radians. */
+    double roll_rad;    /**< Tilt of the head, radians; above 0: to the subject's left shoulder. */
     double distance_mm; /**< Distance of the nose tip from the sensor along the axis, mm. */
-    double residual_mm; /**< How well the head model fits, mm. */
+    double residual_mm; /**< Root mean square of the fit's residuals, each limited to 6 mm. */
     bool fitted;        /**< Whether the head model was fitted. The members below, down to
                              expression_norm, have a meaning only then, whatever the outcome. */
     bool tracked;       /**< The face was found where the frame before had it. */
@@ -113,10 +113,11 @@ struct iso_extraction {
     double identity_norm;   /**< How unlike the mean head it is, in standard deviations. */
     double expression_norm; /**< How strong the expression is, in standard deviations. */
     double coverage;        /**< Measured share of the face patch, 0..1. */
-    /** Where the heat was released, camera frame, mm: points of the measured surface, where the
-     * landmarks would be at rest. Only with ISO_CAPTURE_OK and only from iso_extractor_run(). */
+    /** Where the heat was released, camera frame, mm: the points of the face patch at which the
+     * landmarks of the head without its expression lie. Only with ISO_CAPTURE_OK and only from
+     * iso_extractor_run(). */
     struct iso_vec3 source_mm[ISO_LANDMARKS];
-    struct iso_template tmpl;     /**< The template, under the same conditions. */
+    struct iso_template tmpl;     /**< The template; valid where source_mm is. */
     int64_t stage_ns[ISO_STAGES]; /**< Time of each step, ns; 0 without a clock. */
 };
 
@@ -164,11 +165,12 @@ int iso_extractor_run(struct iso_extractor *extractor, const struct iso_frame *f
 int iso_extractor_locate(struct iso_extractor *extractor, const struct iso_frame *frame,
                          struct iso_extraction *out) __attribute__((warn_unused_result));
 
-/** Has the next frame searched from the beginning, even with the option `track`.
+/** Ends the tracking of a face: the next frame is searched as a whole.
  *
- * (With `track` a face is followed through frames that are at most 250 ms apart and come from one
- * camera, ten at a time. Then the whole frame is searched again, and the nearest face is taken.
- * What a frame gives depends on the one before only by where the fit starts.)
+ * (With `track` a face is followed through at most ten frames that are at most 250 ms apart and
+ * come from one camera. Then the whole frame is searched again, and the nearest face is taken. The
+ * result of a frame depends on the frame before only in that the fit starts from the pose found
+ * there.)
  *
  * @param extractor  The extractor. */
 void iso_extractor_forget(struct iso_extractor *extractor);

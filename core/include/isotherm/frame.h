@@ -70,8 +70,7 @@ static inline float iso_frame_depth_at(const struct iso_frame *frame, int column
  * @param frame   The frame.
  * @param column  Column in the frame, 0..width_px - 1.
  * @param row     Row in the frame, 0..height_px - 1.
- * @return The point in the camera frame, millimetres. It has a meaning only where the depth is
- * above 0. */
+ * @return The point in the camera frame, millimetres; valid only where the depth is above 0. */
 struct iso_vec3 iso_frame_point_at(const struct iso_frame *frame, int column, int row);
 
 #endif

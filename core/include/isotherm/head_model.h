@@ -80,8 +80,9 @@ int iso_head_model_parse(const void *bytes, size_t size, struct iso_head_model *
  * @param model  The model; its member crc32 is ignored.
  * @param bytes  Receives a buffer that the caller frees with free().
  * @param size   Receives the size of the buffer, bytes.
- * @return 0; -EINVAL if a count is out of range or a value not finite; -EFBIG over
- *         ISO_HEAD_BYTES_MAX; -ENOMEM. */
+ * @return 0; -EINVAL for a model that iso_head_model_parse() would refuse (a count out of range, a
+ *         value that is not finite, a bad triangle, landmark or region); -EFBIG if the file would
+ *         exceed ISO_HEAD_BYTES_MAX; -ENOMEM. */
 int iso_head_model_serialise(const struct iso_head_model *model, void **bytes, size_t *size)
     __attribute__((warn_unused_result));
 

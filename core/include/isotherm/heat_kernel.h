@@ -8,10 +8,10 @@
  *
  * K(., s, t) = sum_i exp(-lambda_i t) phi_i(.) phi_i(s): unit heat at the surface point s, which
  * need not be a vertex. Its unit is 1/mm^2; its integral over the surface, 1' B K, is 1 at every t.
- * There are two ways to it:
+ * There are two ways to compute it:
  *
- *  - Spectral: the first k eigenpairs, as in the dissertation (k = 100, eq. 6.1). This loses the
- * high frequencies, so that it is wrong (even negative) for small t.
+ *  - Spectral: the first k eigenpairs, as in the dissertation (k = 100, eq. 6.1). The high
+ *    frequencies are missing, so that the result is wrong (even negative) for small t.
  *  - Direct: one Cholesky factorisation of B + gamma L, and shift-invert Lanczos of dimension m for
  *    each source (van den Eshof and Hochbruck 2006; Moret and Novati 2004). One Krylov space serves
  *    any number of times. This is the default for general meshes. */
@@ -78,8 +78,9 @@ void iso_heat_direct_free(struct iso_heat_direct *solver);
  * @param t_mm2      [n_times]: the times, mm^2; each above 0.
  * @param n_times    How many times.
  * @param out        [n_sources][n_times][n_vertices]: receives the temperature, 1/mm^2.
- * @return 0; -EINVAL (sizes, t <= 0, a source in no triangle or nowhere in it); -ENOSPC over a
- *         capacity; -EDOM if B + gamma L cannot be factorised; -ENOMEM. */
+ * @return 0; -EINVAL (sizes that do not fit, a time that is not above 0, a source whose triangle
+ *         does not exist or whose weights are not finite); -ENOSPC over a capacity; -EDOM if
+ *         B + gamma L cannot be factorised; -ENOMEM. */
 int iso_heat_direct(struct iso_heat_direct *solver, const struct iso_mesh *mesh,
                     const struct iso_symmetric *stiffness, const struct iso_symmetric *mass,
                     const struct iso_surface_point *sources, int n_sources, const double *t_mm2,

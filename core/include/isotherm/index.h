@@ -13,11 +13,11 @@
  *                 + sum x^2 (1 / any - 1 / same)        of the probe and w alone
  *                 + sum log(any / same)  ) + bias       of v and w alone,
  *
- * and w takes few values: it is a step of iso_metric_variance(). A scan that looks at every person
- * is exact, since the registration of a template needs no partner: it is to the mean curves. The
- * scan works in single precision; with the shipped metric its scores are off by less than 1e-4. The
- * people that it finds are then scored anew by iso_metric_score(), so that scores are the same to
- * the bit as by any other way.
+ * and w takes few values: it is a step of iso_metric_variance(). The scan looks at every person and
+ * is exact, because a template is registered to the mean curves and not to the templates that it is
+ * compared with. The scan works in single precision; with the shipped metric its scores are off by
+ * less than 1e-4. The people that it finds are then scored anew by iso_metric_score(), so that
+ * their scores are the same to the bit as those of iso_metric_score().
  *
  * One thread at a time may use an index, also for a search, which works in memory of the index. The
  * content is biometric: the index wipes it when it is moved, removed or freed. */
@@ -54,8 +54,9 @@ int iso_index_new(const struct iso_metric *metric, struct iso_index **out)
  * @param index  The index, or NULL. */
 void iso_index_free(struct iso_index *index);
 
-/** Makes room for people. No other function of the index allocates memory. Room grows by doubling
- * and never shrinks; a person takes 4 bytes a dimension (rounded up to 8 dimensions) and 24 more.
+/** Makes room for people. After iso_index_new() no other function of the index allocates memory.
+ * Room grows by doubling and never shrinks. A person takes 4 bytes for each dimension (their number
+ * rounded up to a multiple of 8) and 24 more.
  *
  * @param index     The index.
  * @param n_people  How many people there shall be room for in all.
@@ -74,16 +75,16 @@ size_t iso_index_size(const struct iso_index *index);
  * @param person  The caller's number of the person.
  * @param vector  The vector of 1..ISO_INDEX_TEMPLATES_MAX templates; it is copied.
  * @return 0; -EINVAL for another number of templates or a step out of range; -ENOSPC if there is no
- *         room for another person. */
+ *         room for another person. Nothing has changed then. */
 int iso_index_put(struct iso_index *index, int64_t person, const struct iso_metric_vector *vector)
     __attribute__((warn_unused_result));
 
-/** Adds a template to a person, who is added if unknown.
+/** Adds a template to those of a person, who is added if unknown.
  *
  * @param index   The index.
  * @param person  The caller's number of the person.
  * @param one     The vector of one template; it is copied.
- * @return As iso_index_put(). */
+ * @return As iso_index_put(), where the templates of the person are counted together. */
 int iso_index_add(struct iso_index *index, int64_t person, const struct iso_metric_vector *one)
     __attribute__((warn_unused_result));
 

@@ -36,15 +36,14 @@ double iso_isotherm_area_above(const struct iso_mesh *mesh, const double *heat, 
  * @param heat       [n_vertices]: the temperature.
  * @param radius_mm  Radius of the disc, mm.
  * @param level      Receives the level.
- * @return 0; -ERANGE if the mesh is smaller than the disc, or the heat there is 0 or the same
- *         throughout. */
+ * @return 0; -ERANGE if the mesh is smaller than the disc, or the heat is the same everywhere. */
 int iso_isotherm_level(const struct iso_mesh *mesh, const double *heat, double radius_mm,
                        double *level) __attribute__((warn_unused_result));
 
 /** A traced curve. */
 struct iso_curve {
     int32_t n;   /**< Points. */
-    bool closed; /**< The last point joins the first; else it ends at the border. */
+    bool closed; /**< The last point joins the first; else the curve ends at the border. */
     const struct iso_vec3 *points_mm; /**< [n]: points in order, mm; they belong to the tracer. */
 };
 
@@ -72,8 +71,8 @@ void iso_tracer_free(struct iso_tracer *tracer);
  * @param adjacent  [n_triangles][3]: from iso_mesh_adjacency().
  * @param heat      [n_vertices]: the temperature.
  * @param level     The level.
- * @return The number of curves, which stay valid until the next call; -ENOSPC over the tracer's
- *         size. */
+ * @return The number of curves, which stay valid until the next call; -ENOSPC if the mesh has more
+ *         triangles than the tracer has room for. */
 int iso_tracer_run(struct iso_tracer *tracer, const struct iso_mesh *mesh,
                    const int32_t (*adjacent)[3], const double *heat, double level)
     __attribute__((warn_unused_result));
@@ -90,7 +89,7 @@ struct iso_curve iso_tracer_curve(const struct iso_tracer *tracer, int index);
  *
  * @param tracer       The tracer.
  * @param landmark_mm  The landmark, mm.
- * @return Index of the curve; -ENOENT. */
+ * @return Index of the curve; -ENOENT if no curve encloses the landmark. */
 int iso_tracer_enclosing(const struct iso_tracer *tracer, struct iso_vec3 landmark_mm);
 
 /** A sampled isotherm: point i lies at the polar angle 2 pi i / n from +y, counter-clockwise seen

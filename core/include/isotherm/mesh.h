@@ -15,8 +15,8 @@
 
 /** A triangle mesh. The caller fills in the arrays and the counts. */
 struct iso_mesh {
-    int32_t n_vertices;           /**< Vertices that are there. */
-    int32_t n_triangles;          /**< Triangles that are there. */
+    int32_t n_vertices;           /**< Vertices in use. */
+    int32_t n_triangles;          /**< Triangles in use. */
     int32_t vertex_capacity;      /**< Vertices that there is room for. */
     int32_t triangle_capacity;    /**< Triangles that there is room for. */
     struct iso_vec3 *vertices_mm; /**< [n_vertices]: positions, millimetres. */
@@ -43,8 +43,9 @@ int iso_mesh_new(int32_t vertex_capacity, int32_t triangle_capacity, struct iso_
  * @param mesh  The mesh, or NULL. */
 void iso_mesh_free(struct iso_mesh *mesh);
 
-/** Makes room for at least so many vertices and triangles, by doubling, so that a mesh of unknown
- * size can be built one by one. Not for every frame. What is there stays.
+/** Makes room for at least so many vertices and triangles. The room at least doubles each time it
+ * grows, so that a mesh of unknown size can be built triangle by triangle. The contents stay. The
+ * function allocates memory: do not call it for every frame.
  *
  * @param mesh         The mesh; its arrays may move.
  * @param n_vertices   Vertices that there shall be room for.
@@ -105,8 +106,8 @@ int32_t iso_mesh_components(const struct iso_mesh *mesh, const int32_t (*adjacen
  *
  * @param mesh         The mesh.
  * @param adjacent     [n_triangles][3]: from iso_mesh_adjacency().
- * @param on_boundary  [n_vertices]: receives 1 for the ends of edges that have one triangle only,
- *                     else 0. */
+ * @param on_boundary  [n_vertices]: receives 1 for both ends of every edge across which a triangle
+ *                     has no neighbour (-1 in `adjacent`), else 0. */
 void iso_mesh_boundary(const struct iso_mesh *mesh, const int32_t (*adjacent)[3],
                        uint8_t *on_boundary);
 

@@ -1,18 +1,19 @@
 /** @file
  * The learned metric: how likely two templates are of one person.
  *
- * A template's curves are registered to mean curves by the closest rigid motion; what is left of
- * them, and of the upper face, is projected to a vector of at most ISO_METRIC_DIMENSIONS_MAX
- * numbers. The projection makes the numbers independent within a person, with variance 1, and
- * between people, with the variances `between`: the two-covariance model of probabilistic linear
- * discriminant analysis (Ioffe 2006; Prince and Elder 2007; Bruemmer and de Villiers 2010). What
- * moves with expression, pose or noise then counts little, and what tells people apart counts much.
+ * A template's curves are registered to mean curves by the closest rigid motion. The remaining
+ * differences, and those of the upper face, are projected to a vector of at most
+ * ISO_METRIC_DIMENSIONS_MAX numbers. The projection makes the numbers independent within a person,
+ * with variance 1, and between people, with the variances `between`: the two-covariance model of
+ * probabilistic linear discriminant analysis (Ioffe 2006; Prince and Elder 2007; Bruemmer and de
+ * Villiers 2010). Differences by expression, pose or noise then count little, and differences
+ * between people count much.
  *
- * How noisy a template is depends on the sensor and grows with the square of the distance. A vector
- * says so itself, since people hardly differ in many of its numbers: the variance within a person
- * is the one with which the vector is likeliest. A noisy template moves scores less. Vectors are
- * what a search compares; templates are what is kept, so that a better metric needs no new
- * enrolment.
+ * The noise of a template depends on the sensor and grows with the square of the distance. It is
+ * estimated from the vector, because people hardly differ in many of its numbers: the variance
+ * within a person is the one for which the vector is most likely. A noisy template moves scores
+ * less. A search compares vectors. Templates are what is stored, so that a better metric needs no
+ * new enrolment.
  *
  * A score is the log likelihood ratio, scaled so that a score of s or more is as rare as 10^-s
  * among the tenth of all strangers who are most alike, and ten times rarer among all strangers. It
@@ -47,14 +48,14 @@ struct iso_rerank_weights {
 
 /** A metric. iso_metric_new() and iso_metric_parse() make one, which owns its arrays. */
 struct iso_metric {
-    uint32_t algorithm;               /**< Algorithm of the templates that it compares. */
-    uint32_t landmarks;               /**< Bit l: the curves of landmark l are used. */
-    int n_radii;                      /**< Isotherms of a landmark. */
-    int n_points;                     /**< Points of an isotherm. */
-    int n_dimensions;                 /**< Numbers of a vector. */
-    float weight_min;                 /**< Points that weigh less count as the mean curve's. */
-    float gain;                       /**< score = gain * natural log likelihood ratio + bias. */
-    float bias;                       /**< See gain. */
+    uint32_t algorithm; /**< Algorithm of the templates that it compares. */
+    uint32_t landmarks; /**< Bit l: the curves of landmark l are used. */
+    int n_radii;        /**< Isotherms of a landmark. */
+    int n_points;       /**< Points of an isotherm. */
+    int n_dimensions;   /**< Numbers of a vector. */
+    float weight_min;   /**< A point that weighs less is missing; its residual is 0. */
+    float gain;         /**< score = gain * natural log likelihood ratio + bias. */
+    float bias;         /**< See gain. */
     struct iso_rerank_weights rerank; /**< All zero: scores are not fused. */
     int n_origins;                    /**< Corpora that it was learned from. */
     char origin[ISO_METRIC_ORIGINS_MAX][ISO_METRIC_ORIGIN_MAX]; /**< "POPULATION-SEED" of each. */
@@ -75,14 +76,14 @@ struct iso_metric_vector {
     int n;        /**< Templates in it; 0: none yet. */
     float weight; /**< In average templates: 1 / the variance of the mean within a person. */
     int step;     /**< The weight as scores see it: 2^(step / 2). */
-    float scale;  /**< Makes the mean as long as is expected of it. */
+    float scale;  /**< Factor that gives the mean its expected length. */
     float mean[ISO_METRIC_DIMENSIONS_MAX]; /**< [n_dimensions]: the mean of the templates. */
 };
 
 /** Makes a metric with arrays of zeros.
  *
- * @param shape  Has the sizes: landmarks, n_radii, n_points, n_nodes and node, n_dimensions. The
- * rest of it is copied, too, but for the arrays.
+ * @param shape  The sizes: landmarks, n_radii, n_points, n_nodes and node, n_dimensions, n_origins.
+ *               The other members are copied as well, except the arrays.
  * @param out    Receives the metric; free it with iso_metric_free().
  * @return 0; -EINVAL for sizes out of range; -ENOMEM. */
 int iso_metric_new(const struct iso_metric *shape, struct iso_metric **out)
@@ -114,20 +115,20 @@ int iso_metric_parse(const void *bytes, size_t size, struct iso_metric **out,
  * @param metric  The metric.
  * @param bytes   Receives a buffer that the caller frees with free().
  * @param size    Receives its size, bytes.
- * @return 0; -EINVAL if numbers are not finite or the file would be larger than
+ * @return 0; -EINVAL if a size or a number is out of range, or if the file would be larger than
  *         ISO_METRIC_BYTES_MAX; -ENOMEM. */
 int iso_metric_serialise(const struct iso_metric *metric, void **bytes, size_t *size)
     __attribute__((warn_unused_result));
 
-/** What is left of a template's curves once they are registered to the mean curves, and the heights
- * of its upper face less the mean ones.
+/** The differences between a template and the mean: those of its curves after their registration to
+ * the mean curves, and those of the heights of its upper face.
  *
  * @param metric       The metric.
  * @param tmpl         The template.
- * @param residual_mm  [n_values]: receives the differences, mm; 0 where a point is missing or where
- *                     there is no upper face.
+ * @param residual_mm  [n_values]: receives the differences, mm; 0 for a point that is missing and
+ *                     for a node without a surface. Filled-in nodes count like measured ones.
  * @return 0; -EINVAL for a template of another algorithm or shape; -ENODATA if fewer than 30 % of
- *         the points are there. */
+ *         the points, or fewer than 3 points, have at least the weight weight_min. */
 int iso_metric_residuals(const struct iso_metric *metric, const struct iso_template *tmpl,
                          float *residual_mm) __attribute__((warn_unused_result));
 
@@ -150,7 +151,7 @@ int iso_metric_project(const struct iso_metric *metric, const struct iso_templat
  *
  * @param metric  The metric.
  * @param one     The vector of the templates that are added.
- * @param all     The vector of the person, which is changed; n of 0: nobody yet. */
+ * @param all     The vector of the person, which is changed; with n of 0 it has no template yet. */
 void iso_metric_vector_add(const struct iso_metric *metric, const struct iso_metric_vector *one,
                            struct iso_metric_vector *all);
 

@@ -4,8 +4,8 @@
  *
  * All descriptions are made of the heat kernel K(x, y, t) = sum_i exp(-lambda_i t) phi_i(x)
  * phi_i(y) of such a shape, with t as in heat_kernel.h (the dissertation's t is twice ours). A
- * shape may have any unit and any size. These are offline tools: functions allocate memory as they
- * run. */
+ * shape may have any unit and any size. These are offline tools: their functions allocate memory at
+ * every call. */
 #ifndef ISOTHERM_SHAPE_H
 #define ISOTHERM_SHAPE_H
 
@@ -32,12 +32,11 @@ struct iso_colour {
 struct iso_shape {
     struct iso_mesh *mesh;     /**< The largest component, without unused vertices. */
     struct iso_colour *colour; /**< [n_vertices], or NULL. */
-    double *area;              /**< [n_vertices]: a third of the triangles around. */
+    double *area;              /**< [n_vertices]: a third of the area of the triangles around. */
     double total_area;         /**< Area of the surface. */
     uint8_t *near_boundary;   /**< [n_vertices]: 1 on the boundary, or two edges or less from it. */
     int32_t *neighbour_start; /**< [n_vertices + 1]: where a vertex's neighbours begin. */
-    int32_t
-        *neighbour; /**< Neighbours of v: [neighbour_start[v]] to [neighbour_start[v + 1] - 1]. */
+    int32_t *neighbour; /**< [neighbour_start[n_vertices]]: the vertices beside each vertex. */
     struct iso_symmetric *stiffness; /**< L of the finite elements. */
     struct iso_symmetric *mass;      /**< B of the finite elements. */
     struct iso_eigenpairs *pairs;    /**< [0] is the trivial pair: lambda 0, phi constant. */

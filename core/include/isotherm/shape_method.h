@@ -74,7 +74,7 @@ struct iso_shape_method {
  *     w-hks1        bags of features over scale-invariant weighted signatures of three channels
  *     w-hks2        the same and a histogram of colours
  *     si-hk-colour  bag of features over scale-invariant signatures and a histogram of colours (A2
- * of SHREC'13, what chapter 5 compares itself with)
+ *                   of SHREC'13, with which chapter 5 compares its methods)
  */
 extern const struct iso_shape_method *const iso_shape_methods[];
 
@@ -105,7 +105,7 @@ struct iso_feature_layout {
     int32_t part_size[ISO_SHAPE_PARTS_MAX]; /**< [n_parts]: they follow each other; sum: size. */
 };
 
-/** What turns descriptions into features. */
+/** Turns the descriptions of one method into features. */
 struct iso_shape_coder;
 
 /** Learns from the descriptions of a corpus by one method.

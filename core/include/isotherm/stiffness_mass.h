@@ -29,7 +29,7 @@ struct iso_symmetric {
 /** A kind of mass matrix. */
 enum iso_mass {
     ISO_MASS_CONSISTENT, /**< As the finite elements have it. */
-    ISO_MASS_LUMPED,     /**< Diagonal; stored with the stiffness's pattern and zeros beside it. */
+    ISO_MASS_LUMPED, /**< Diagonal; stored in the stiffness's pattern, zeros off the diagonal. */
 };
 
 /** Makes an empty matrix.
@@ -60,7 +60,8 @@ void iso_symmetric_multiply(const struct iso_symmetric *a, const double *x, doub
  * @param kind       The kind of mass matrix.
  * @param stiffness  Is refilled with L.
  * @param mass       Is refilled with B, mm^2.
- * @return 0; -EINVAL for an invalid mesh; -ENOSPC for a matrix without room; -ENOMEM. */
+ * @return 0; -EINVAL for a mesh that is empty or that iso_mesh_check() refuses; -ENOSPC if a matrix
+ *         has too little room. */
 int iso_stiffness_mass(const struct iso_mesh *mesh, enum iso_mass kind,
                        struct iso_symmetric *stiffness, struct iso_symmetric *mass)
     __attribute__((warn_unused_result));

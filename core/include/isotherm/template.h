@@ -31,11 +31,12 @@ enum {
     ISO_UPPER_BYTES_MAX = ISO_UPPER_KIND_BYTES + 2 * ISO_UPPER_NODES,
 };
 
-/** What a node of the upper face is. */
+/** What a node of the upper face is. The comparison of two surfaces uses measured nodes only; the
+ * metric uses filled-in ones as well. */
 enum iso_upper_kind {
     ISO_UPPER_NONE = 0, /**< No surface; its height is 0. */
     ISO_UPPER_FILLED,   /**< Filled in: it carries the slope of its neighbours. */
-    ISO_UPPER_MEASURED, /**< Measured; only such nodes are compared. */
+    ISO_UPPER_MEASURED, /**< Measured. */
 };
 
 /** The upper face as heights over a grid in the face frame: what expressions move least (Chang,
@@ -64,7 +65,7 @@ struct iso_template {
     char sensor[ISO_TEMPLATE_SENSOR_MAX];    /**< Kind of sensor, such as "astra"; ends with NUL. */
     uint16_t n_radii;                        /**< Isotherms of each landmark. */
     uint16_t n_points;                       /**< Points of each isotherm. */
-    uint16_t n_frames;                       /**< Frames that it was made of. */
+    uint16_t n_frames;                       /**< How many frames it was made of. */
     bool learned;                            /**< Learned at a visit; else made by an enrolment. */
     float quality;                           /**< Weighted share of measured points, 0..1. */
     float radius_mm[ISO_TEMPLATE_RADII_MAX]; /**< [n_radii]: radii of the isotherms, mm. */
@@ -77,10 +78,10 @@ struct iso_template {
 
 /** Writes a template as bytes; some 8 kB with 4 x 16 points.
  *
- * Little endian: magic "ISOT", version u16, n_radii u16, n_points u16, n_frames u16 (of which bit
- * 15 says learned), algorithm u32, sensor[16], quality f32, radius f32[n_radii], then for each
- * point int16[3] (1/64 mm) and uint8 weight (1/255), u16 bytes of the upper face (0: none) and
- * those, at the end a CRC-32 of all before it.
+ * Little endian: magic "ISOT", version u16, n_radii u16, n_points u16, n_frames u16 (bit 15 is
+ * `learned`), algorithm u32, sensor[16], quality f32, radius f32[n_radii]; then for each point
+ * int16[3] (1/64 mm) and uint8 weight (1/255); then u16, the size of the upper face in bytes (0:
+ * none), and the upper face; at the end a CRC-32 of everything before it.
  *
  * @param tmpl   The template.
  * @param bytes  The buffer to write to.
@@ -96,12 +97,12 @@ int iso_template_serialise(const struct iso_template *tmpl, void *bytes, size_t 
  * @param size   Its size, bytes.
  * @param out    Receives the template.
  * @return 0; -EBADMSG if it is truncated or damaged; -EPROTONOSUPPORT for another version. (Version
- *         1 had no upper face. Its templates were of other algorithms, so that nothing here
- * compares with them.) */
+ *         1 had no upper face. Its templates were of other algorithms, so that they could not be
+ *         compared with templates of this version.) */
 int iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
     __attribute__((warn_unused_result));
 
-/** What a serialised template says of itself. */
+/** The main members of a serialised template. */
 struct iso_template_facts {
     uint32_t algorithm; /**< As in struct iso_template. */
     uint16_t n_radii;   /**< As in struct iso_template. */
@@ -110,11 +111,12 @@ struct iso_template_facts {
     bool learned;       /**< As in struct iso_template. */
 };
 
-/** Checks whether iso_template_parse() would read these bytes, without memory for a template.
+/** Checks whether iso_template_parse() would read these bytes. The caller needs no memory for a
+ * template.
  *
  * @param bytes  The serialised template.
  * @param size   Its size, bytes.
- * @param out    Receives what the template says of itself.
+ * @param out    Receives the main members of the template.
  * @return As iso_template_parse(). */
 int iso_template_check(const void *bytes, size_t size, struct iso_template_facts *out)
     __attribute__((warn_unused_result));

@@ -39,8 +39,9 @@ void iso_triangulator_free(struct iso_triangulator *triangulator);
  * @param triangulator  The triangulator.
  * @param frame         A frame that iso_frame_check() passes.
  * @param mesh          The mesh; room for one vertex and two triangles a pixel is enough.
- * @return 0; -ENODATA if there is no triangle (the mesh is then empty); -ENOSPC if the frame or the
- *         mesh exceeds its capacity; -ENOMEM (with largest_only, which allocates for a moment). */
+ * @return 0; -ENODATA if there is no triangle; -ENOSPC if the frame or the mesh exceeds its
+ *         capacity; -ENOMEM (only with largest_only, which allocates memory during the call). The
+ *         mesh is empty after all these errors except for a frame that is too large. */
 int iso_triangulate(struct iso_triangulator *triangulator, const struct iso_frame *frame,
                     struct iso_mesh *mesh) __attribute__((warn_unused_result));
 
