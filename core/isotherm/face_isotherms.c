@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
-/* Samples the curve about a landmark; n = 0 if there is none. */
+/* Samples the curve that encloses a landmark. Sets n = 0 if there is none. */
 static void sample(const struct iso_tracer *curves, struct iso_vec3 landmark_mm, int n_points,
                    struct iso_isotherm *out)
 {
@@ -14,7 +14,8 @@ static void sample(const struct iso_tracer *curves, struct iso_vec3 landmark_mm,
     }
 }
 
-/* The isotherm of one landmark at one radius on a mesh. Returns 0 with n = 0 if there is none. */
+/* Finds the isotherm of one landmark at one radius on a mesh. Returns 0 with n = 0 if there is
+ * none, and -ENOSPC if the tracer is too small. */
 static int trace_on_mesh(struct iso_tracer *tracer, const struct iso_heated_face *face,
                          int landmark, double radius_mm, int n_points, struct iso_isotherm *out)
 {
@@ -42,7 +43,7 @@ static void trace_on_grid(struct iso_grid_tracer *tracer, const struct iso_heate
     }
 }
 
-/* Puts a curve into the template. Returns the sum of its weights. */
+/* Writes a curve to the template. Returns the sum of its weights. */
 static double keep(const struct iso_isotherm *curve, const struct iso_face_patch *patch, int radius,
                    int landmark, struct iso_template *tmpl)
 {

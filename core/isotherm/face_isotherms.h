@@ -12,27 +12,27 @@
 struct iso_heated_face {
     const struct iso_mesh *mesh;
     const int32_t (*adjacent)[3];               /* from iso_mesh_adjacency */
-    const struct iso_face_patch *patch;         /* says what was measured; NULL: all of it */
+    const struct iso_face_patch *patch;         /* knows what was measured; NULL: everything was */
     const double *heat;                         /* [ISO_LANDMARKS][mesh->n_vertices] */
     struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* on the surface */
 };
 
 /* Fills in points_mm, weight and quality of a template whose n_radii, n_points and radius_mm are
- * set. The points of a curve that cannot be found (the isotherm leaves the mesh) get weight 0. The
- * weight of a point on a filled-in surface is the share that was measured there. -ENOSPC if the
+ * set. The weight of a point is the share of the surface that was measured there, 0..1. It is 0 for
+ * a point that the isotherm does not have, for example because it leaves the mesh. -ENOSPC if the
  * tracer is too small for the mesh. */
 int iso_face_isotherms(struct iso_tracer *tracer, const struct iso_heated_face *face,
                        struct iso_template *tmpl) __attribute__((warn_unused_result));
 
-/* The same on a grid. */
+/* The same for a surface that is a depth grid. */
 struct iso_heated_grid {
     const struct iso_grid *grid;
-    const struct iso_face_patch *patch;
-    struct iso_grid_field heat[ISO_LANDMARKS];
-    struct iso_vec3 landmark_mm[ISO_LANDMARKS];
+    const struct iso_face_patch *patch;         /* as above */
+    struct iso_grid_field heat[ISO_LANDMARKS];  /* the heat of each landmark */
+    struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* on the surface */
 };
 
-/* As iso_face_isotherms; cannot fail. */
+/* The same as iso_face_isotherms on a grid. It cannot fail. */
 void iso_face_isotherms_on_grid(struct iso_grid_tracer *tracer, const struct iso_heated_grid *face,
                                 struct iso_template *tmpl);
 

@@ -36,8 +36,9 @@ static double heat_of(uint32_t key)
     return (double)heat;
 }
 
-/* The key at which the areas of the vertices, hottest first, add up to the wanted area. The level
- * is near it. 1 if they never do. */
+/* Guesses the key of the level: adds the areas of the vertices from the hottest key down, and
+ * returns the key at which the sum reaches the wanted area, or 1 if it never does. *hottest is the
+ * largest key; 0 if no vertex has heat. */
 static uint32_t guess_key(struct iso__grid_band *band, const struct iso_grid *grid,
                           const struct iso_grid_field *field, double wanted_mm2, uint32_t *hottest)
 {
@@ -81,7 +82,8 @@ static float most_of(const float v[3])
     return v[2] > high ? v[2] : high;
 }
 
-/* Sorts the triangles of one cell: above the band, in it, or below it. */
+/* Sorts the triangles of one cell: adds the area of those above the band, stores those in the band,
+ * and skips those below it. */
 static void sort_cell(struct iso__grid_band *band, const struct iso_grid *grid, int32_t at,
                       const float heat[4])
 {
@@ -147,7 +149,7 @@ int iso__grid_band_find(struct iso__grid_band *band, const struct iso_grid *grid
         return -ERANGE;
     }
     uint32_t low = key > 2 ? key - 1 : 1, high = key + 2;
-    for (;;) { /* until the level lies between them; each time the range is doubled */
+    for (;;) { /* until the level lies between low and high; each round widens the range */
         high = high < hottest + 1 ? high : hottest + 1;
         collect(band, grid, field, heat_of(low), heat_of(high));
         const double f_low = area_above(band, band->low) - wanted;

@@ -5,7 +5,7 @@
 
 #include "core/surface/grid.h"
 
-/* A triangle by its cell's plane index and the corner that it leaves out. */
+/* A triangle, named by the plane index of its cell and the corner that it leaves out (cell.h). */
 struct iso__grid_triangle {
     int32_t cell;
     uint8_t left_out;
@@ -13,27 +13,28 @@ struct iso__grid_triangle {
     float heat[3]; /* at its corners, in their order */
 };
 
-/* Heat in eighths of an octave: the first 12 bits of a float. */
+/* A key stands for a range of heat: it is the first 12 bits of a float, so that each octave is
+ * divided into 8 ranges. Heat is not negative, so that there are 2048 keys. */
 enum { ISO__GRID_KEYS = 2048, ISO__GRID_KEY_SHIFT = 20 };
 
 struct iso__grid_band {
-    double low, high; /* all triangles that a level between them cuts are here: */
-    int32_t n;        /* how many */
-    struct iso__grid_triangle *triangle; /* in the order of a mesh's triangles */
-    double above_mm2;                    /* area of those that lie above `high` altogether */
-    float key_mm2[ISO__GRID_KEYS];       /* zero but while the band is made */
+    double low, high; /* `triangle` has every triangle that a level between these two cuts */
+    int32_t n;        /* triangles in the band */
+    struct iso__grid_triangle *triangle; /* [n], in the order of a mesh's triangles */
+    double above_mm2;                    /* area of the triangles that lie wholly above `high` */
+    float key_mm2[ISO__GRID_KEYS];       /* area of each key; all zero except during a search */
 };
 
-/* Allocates room for all triangles of a grid. -ENOMEM; iso__grid_band_done accepts the rest of a
- * failed one. */
+/* Allocates room for all triangles of a grid. *band is all zero before. -ENOMEM, after which
+ * iso__grid_band_done is still allowed. */
 int iso__grid_band_init(struct iso__grid_band *band, const struct iso_grid *grid)
     __attribute__((warn_unused_result));
 
 /* Releases what it holds. */
 void iso__grid_band_done(struct iso__grid_band *band);
 
-/* Finds the level with the area pi radius^2 above it in the field's window, and the band about it.
- * -ERANGE as iso_grid_tracer_run. */
+/* Finds the level with the area pi radius^2 above it in the field's window, and collects the
+ * triangles of the band about it. -ERANGE as for iso_grid_tracer_run. */
 int iso__grid_band_find(struct iso__grid_band *band, const struct iso_grid *grid,
                         const struct iso_grid_field *field, double radius_mm, double *level)
     __attribute__((warn_unused_result));

@@ -1,6 +1,6 @@
-/* Isotherms on a depth grid: what iso_isotherm_level and iso_tracer_run do on a mesh, on the planes
- * of core/surface/grid.h and within a window. Same definition, same curves in the same order; but
- * only triangles near the level are looked at more than once. The window's border counts as a
+/* Isotherms on a depth grid: does on the planes of core/surface/grid.h, within a window, what
+ * iso_isotherm_level and iso_tracer_run do on a mesh. The curves and their order are the same, but
+ * only triangles near the level are visited more than once. The border of the window counts as a
  * border of the surface. */
 #ifndef ISO_CORE_ISOTHERM_GRID_ISOTHERM_H
 #define ISO_CORE_ISOTHERM_GRID_ISOTHERM_H
@@ -8,17 +8,19 @@
 #include "core/surface/grid.h"
 #include "isotherm/isotherm_curve.h"
 
-/* Workspace for grids of the given one's size. -ENOMEM. */
+/* The workspace for grids of one size. */
 struct iso_grid_tracer;
+
+/* Makes a workspace for grids of the size of `grid`. -ENOMEM. */
 int iso_grid_tracer_new(const struct iso_grid *grid, struct iso_grid_tracer **out)
     __attribute__((warn_unused_result));
 
 /* Frees it and what it holds. NULL is accepted. */
 void iso_grid_tracer_free(struct iso_grid_tracer *tracer);
 
-/* Finds the level of a field that encloses the area pi radius^2 and traces all its curves. Returns
- * their number and the level, or -ERANGE if the window's surface is smaller than that or the field
- * is 0 there. */
+/* Finds the level of a field that encloses the area pi radius^2, and traces all curves of that
+ * level. Returns their number and sets *level. -ERANGE if the surface in the window is smaller than
+ * that area, or if the field is 0 there. */
 int iso_grid_tracer_run(struct iso_grid_tracer *tracer, const struct iso_grid *grid,
                         const struct iso_grid_field *field, double radius_mm, double *level)
     __attribute__((warn_unused_result));

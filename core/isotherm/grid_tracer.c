@@ -8,7 +8,7 @@
 
 struct iso_grid_tracer {
     struct iso__grid_band band;
-    uint8_t *passed; /* of each cell's triangles (cell.h), those traced; in the grid's layout */
+    uint8_t *passed; /* for each cell, bits of the triangles (cell.h) that are traced already */
     struct iso_tracer *curves;
 };
 
@@ -89,7 +89,8 @@ static struct iso_vec3 cut(const struct scene *scene, struct place at, int edge)
                     iso_sub(iso_grid_vertex(scene->grid, b), start));
 }
 
-/* The triangle of a cell that has both corners. Except for a diagonal the cell has at most one. */
+/* The triangle of a cell that has the corners p and q, which lie on one side of the cell, so that
+ * there is at most one. None outside the window. */
 static struct place with_corners(const struct scene *scene, int32_t cell, int p, int q)
 {
     int32_t row = cell / scene->grid->stride, column = cell % scene->grid->stride;
@@ -107,7 +108,7 @@ static struct place with_corners(const struct scene *scene, int32_t cell, int p,
     return none;
 }
 
-/* The triangle across an edge. */
+/* The triangle on the other side of an edge. */
 static struct place across(const struct scene *scene, struct place at, int edge)
 {
     const uint8_t *corners = iso_cell_corners[at.left_out];
@@ -175,7 +176,8 @@ int iso_grid_tracer_run(struct iso_grid_tracer *tracer, const struct iso_grid *g
     }
     tracer->curves->n_curves = 0;
     tracer->curves->start[0] = 0;
-    /* Open curves first, from where they enter the window, so that only loops are left. */
+    /* The first pass traces the open curves, from where they enter the window. The second pass
+     * traces the loops. */
     for (int loops = 0; loops < 2; loops++) {
         for (int32_t i = 0; i < band->n; i++) {
             const struct place at = {band->triangle[i].cell, band->triangle[i].left_out};

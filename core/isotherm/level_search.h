@@ -4,7 +4,8 @@
 
 #include <math.h>
 
-/* The part of a triangle in which a linear function with corner values h is at or above a level. */
+/* The share of a triangle, 0..1, in which a linear function with the corner values h0, h1 and h2 is
+ * at or above a level. */
 static inline double iso__share_above(double h0, double h1, double h2, double level)
 {
     /* Sort so that low <= middle <= high, by comparisons: fmin and fmax are calls. */
@@ -24,15 +25,17 @@ static inline double iso__share_above(double h0, double h1, double h2, double le
     return 1.0 - (level - low) * (level - low) / ((high - low) * (middle - low));
 }
 
-/* A surface with heat, whose area above a level falls as the level rises. */
+/* A search for a level. area_mm2 gives the area of the surface above a level, which falls as the
+ * level rises. */
 struct iso__level_search {
     double (*area_mm2)(const void *surface, double level);
     const void *surface;
     double wanted_mm2;
 };
 
-/* The level with the wanted area above it, to 1e-6 of the area. It lies between `low` and `high`;
- * the area above `low` exceeds the wanted one by f_low >= 0, that above `high` by f_high <= 0. Heat
+/* Returns the level with the wanted area above it, to 1e-6 of that area. The level lies between
+ * `low` and `high`: the area above `low` is larger than the wanted one by f_low >= 0, and the area
+ * above `high` is smaller by -f_high >= 0. Heat
  * decreases like a Gaussian, so that the area is nearly linear in the logarithm of the level, and
  * regula falsi in that logarithm (Illinois variant, Dowell and Jarratt 1971) needs few steps. */
 double iso__level_between(const struct iso__level_search *search, double low, double f_low,

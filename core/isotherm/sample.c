@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <math.h>
 
-/* Places about the landmark, seen from the front. */
+/* A position relative to the landmark, seen from the front, mm. */
 struct place {
     double x, y;
 };
@@ -13,8 +13,9 @@ static struct place about(struct iso_vec3 point, struct iso_vec3 landmark)
     return (struct place){point.x - landmark.x, point.y - landmark.y};
 }
 
-/* Where the ray from the origin along the unit direction d meets the segment a b: the distance
- * along the ray, with *s the share of the segment; negative if it does not. */
+/* Where the ray from the origin along the unit direction d meets the segment from a to b. Returns
+ * the distance along the ray; negative if the ray does not meet the segment. *s is the share of the
+ * segment that lies before the crossing. */
 static double meet_ray(struct place d, struct place a, struct place b, double *s)
 {
     double across_a = d.x * a.y - d.y * a.x, across_b = d.x * b.y - d.y * b.x;
@@ -89,7 +90,7 @@ static double signed_area(struct iso_curve curve, struct iso_vec3 landmark)
     return area;
 }
 
-/* The point of the curve that lies closest to the direction +y of the landmark. */
+/* The index of the point of the curve whose direction from the landmark is closest to +y. */
 static int32_t uppermost(struct iso_curve curve, struct iso_vec3 landmark)
 {
     int32_t best = 0;

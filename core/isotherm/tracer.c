@@ -107,7 +107,7 @@ int iso_tracer_run(struct iso_tracer *tracer, const struct iso_mesh *mesh,
     memset(tracer->passed, 0, (size_t)mesh->n_triangles);
     tracer->n_curves = 0;
     tracer->start[0] = 0;
-    /* Open curves first, from where they enter the mesh, so that only loops are left. */
+    /* Open curves come first, from where they enter the mesh. Then only loops are left. */
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         int enters = turning_edge(&scene, t, true);
         if (!tracer->passed[t] && enters >= 0 && adjacent[t][enters] < 0) {

@@ -1,4 +1,4 @@
-/* The memory of a tracer, for the code that fills it over a mesh and over a grid. Internal to
+/* The memory of a tracer. tracer.c fills it on a mesh, grid_tracer.c on a grid. Internal to
  * core/isotherm.
  *
  * A vertex counts as hot if its heat is at least the level. With this rule alone every triangle
@@ -13,9 +13,9 @@
 struct iso_tracer {
     int32_t triangle_capacity;
     struct iso_vec3 *points; /* [2 triangle_capacity], curve after curve */
-    int32_t *start;          /* [triangle_capacity + 1], of each curve in points */
-    bool *closed;            /* [triangle_capacity] */
-    uint8_t *passed;         /* [triangle_capacity], 1 once traced */
+    int32_t *start;          /* [triangle_capacity + 1], where each curve begins in points */
+    bool *closed;            /* [triangle_capacity], of each curve */
+    uint8_t *passed;         /* [triangle_capacity], 1 for a triangle of a mesh that is traced */
     int32_t n_curves;
 };
 

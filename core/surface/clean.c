@@ -16,9 +16,9 @@ enum { NEIGHBOURS_MIN = 5 };
 struct iso_cleaner {
     size_t capacity_px;
     struct iso_frame frame; /* the result */
-    float *kept;            /* the plane while it is being cleaned */
-    int32_t *queue;         /* flood fill */
-    uint8_t *seen;
+    float *kept;            /* the second plane, to which the kept pixels are written */
+    int32_t *queue;         /* pixels of the piece that flood fill is finding */
+    uint8_t *seen;          /* 1 for pixels that already belong to a piece */
 };
 
 int iso_cleaner_new(size_t capacity_px, struct iso_cleaner **out)
@@ -59,7 +59,7 @@ void iso_cleaner_free(struct iso_cleaner *cleaner)
     }
 }
 
-/* The square's pixels in the frame, clipped. */
+/* The pixels of the square that lie in the frame; all zero if there are none. */
 static struct iso_window window_about(const struct iso_frame *frame, struct iso_vec3 centre_mm,
                                       double radius_mm)
 {
@@ -80,9 +80,9 @@ static struct iso_window window_about(const struct iso_frame *frame, struct iso_
                                (int)(bottom - top) + 1};
 }
 
-/* Whether a pixel, which is two or more from the border, agrees with its surroundings. That it lies
- * within 6 mm of the median is found by counting instead of sorting: no more than half of the
- * pixels lie further to either side. */
+/* Whether a pixel, which is two or more from the border, agrees with its surroundings. The distance
+ * from the median is checked by counting, without sorting: a pixel lies within 6 mm of the median
+ * if at most half of the measured pixels lie more than 6 mm before it and at most half behind. */
 static int agrees(const float *at, int width)
 {
     const float z = *at;

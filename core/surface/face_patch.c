@@ -56,7 +56,8 @@ static bool too_steep(const struct iso_face_patch *patch, int column, int row)
     return false;
 }
 
-/* Spreads a mark from pixels that carry it to their four neighbours whose domain is `over`. */
+/* Spreads a mark from pixels that carry it to their four neighbours whose domain is `over`, until
+ * there is no such neighbour left. */
 static void spread_mark(struct iso_face_patch *patch, uint8_t over, uint8_t mark)
 {
     const int side = patch->side;
@@ -73,9 +74,9 @@ static void spread_mark(struct iso_face_patch *patch, uint8_t over, uint8_t mark
     }
 }
 
-/* Makes the domain one piece without holes: everything that is joined to the nose tip, and the
- * steep places that it encloses (the sides of the nose). The outermost rows and columns are never
- * part of it. */
+/* Makes the domain one piece without holes: all pixels that are connected with the nose tip, and
+ * the steep places that they enclose (the sides of the nose). The outermost rows and columns are
+ * never part of it. */
 static void make_whole(struct iso_face_patch *patch)
 {
     enum { INSIDE = 1, JOINED = 2, OUTSIDE = 4 };
@@ -181,7 +182,7 @@ int iso_face_patch_new(const struct iso_head_model *model,
 void iso_face_patch_free(struct iso_face_patch *patch)
 {
     if (patch) {
-        if (patch->residual) { /* biometric data; the mean's planes are not */
+        if (patch->residual) { /* biometric data, unlike the planes of the mean face */
             explicit_bzero(patch->residual, count_pixels(patch) * sizeof *patch->residual);
         }
         if (patch->frame.depth_mm) {

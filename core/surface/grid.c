@@ -21,8 +21,8 @@ size_t iso_grid_plane_origin(const struct iso_grid *grid)
     return (size_t)grid->stride + ISO_LANES;
 }
 
-/* The pointer from calloc is stored before the planes, because the planes have a larger alignment.
- */
+/* The planes have a larger alignment than the memory from calloc. The pointer from calloc is stored
+ * in front of them, so that it can be freed. */
 enum { ALIGNMENT = 64 };
 
 float *iso_grid_planes_new(const struct iso_grid *grid, int n_planes)
@@ -40,7 +40,7 @@ float *iso_grid_planes_new(const struct iso_grid *grid, int n_planes)
 
 void iso_grid_planes_free(float *planes, size_t plane_size, int n_planes)
 {
-    if (planes) { /* a face is biometric data */
+    if (planes) { /* the planes may hold a face, which is biometric data */
         char *memory;
         memcpy(&memory, (char *)planes - sizeof memory, sizeof memory);
         explicit_bzero(planes, plane_size * (size_t)n_planes * sizeof *planes);

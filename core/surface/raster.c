@@ -59,7 +59,8 @@ static bool span_of(const struct iso_raster *raster, const struct corner c[3], s
     return true;
 }
 
-/* w1, w2: screen weights of the second and third corner. */
+/* Draws one pixel, unless something nearer is there. w1, w2: the weights of the second and third
+ * corner in the image. */
 static void draw_pixel(const struct iso_raster *raster, size_t pixel, const struct corner c[3],
                        double w1, double w2, int32_t index)
 {

@@ -6,24 +6,24 @@
 
 #include "isotherm/camera.h"
 
-/* The plane that is drawn into: a window of the camera's image, as in iso_frame. Depth 0 is empty.
- * `triangle` and `weight` may be NULL; else they say what is seen: index of the triangle (set to -1
- * by iso_raster_clear) and barycentric weights of its second and third corner, perspective-correct.
- */
+/* The planes that are drawn into: a window of the camera's image, as in iso_frame. Depth 0 is
+ * empty. `triangle` is the index of the triangle that a pixel sees, -1 for none. `weight` has the
+ * perspective-correct barycentric weights of its second and third corner at that pixel. */
 struct iso_raster {
     struct iso_camera camera; /* distortion is ignored */
     int width_px, height_px, crop_x_px, crop_y_px;
     float *depth_mm;    /* [height_px * width_px] */
-    int32_t *triangle;  /* the same, or NULL */
-    float (*weight)[2]; /* the same, or NULL */
+    int32_t *triangle;  /* of the same shape, or NULL */
+    float (*weight)[2]; /* of the same shape, or NULL */
 };
 
+/* Sets all depths to 0 and all triangles to -1. */
 void iso_raster_clear(const struct iso_raster *raster);
 
-/* Draws triangles given by camera-frame vertices. A pixel is covered if its centre is inside;
- * nearer wins. Triangles with a corner at z < near_mm are left out. Only those facing the camera
- * are drawn if `cull` (counter-clockwise seen from outside in a right-handed frame). The index
- * written is first_index + i. */
+/* Draws triangles given by camera-frame vertices. A triangle covers the pixels whose centres lie in
+ * it; each pixel keeps the nearest triangle. Triangles with a corner at z < near_mm or z <= 0 are
+ * left out. If `cull` is not 0, only triangles that face the camera are drawn (counter-clockwise
+ * seen from the camera). Triangle i gets the index first_index + i. */
 void iso_raster_triangles(const struct iso_raster *raster, const struct iso_vec3 *vertices_mm,
                           const uint32_t (*triangles)[3], int32_t n_triangles, int32_t first_index,
                           double near_mm, int cull);

@@ -20,9 +20,9 @@ struct iso_triangulator {
     int width_px, height_px; /* of the frame triangulated last */
     int32_t *vertex;         /* of each pixel, -1 for none */
     struct cell *cells;      /* of each pixel, as the cell's upper left corner */
-    int32_t (*adjacent)[3];  /* for the pieces */
-    int32_t *piece;
-    int32_t *moved; /* new index of a triangle, -1 if dropped */
+    int32_t (*adjacent)[3];  /* the neighbours of each triangle; only with largest_only */
+    int32_t *piece;          /* the piece of each triangle; the same */
+    int32_t *moved;          /* the new index of each triangle, -1 if dropped; the same */
 };
 
 int iso_triangulator_new(size_t capacity_px, const struct iso_triangulate_options *options,
@@ -102,8 +102,8 @@ static struct cell make_cell(const struct iso_frame *frame, int column, int row,
     return cell;
 }
 
-/* Makes the cells and the triangles; the corners of the triangles are pixels at first. Returns the
- * number of triangles, or -ENOSPC. */
+/* Makes the cells and the triangles. The corners of the triangles are indices of pixels until
+ * number_vertices replaces them. Returns the number of triangles, or -ENOSPC. */
 static int32_t make_triangles(struct iso_triangulator *t, const struct iso_frame *frame,
                               struct iso_mesh *mesh)
 {
@@ -131,7 +131,8 @@ static int32_t make_triangles(struct iso_triangulator *t, const struct iso_frame
     return n;
 }
 
-/* Replaces the pixels of the triangles by vertices, one for each pixel that is used. */
+/* Makes a vertex for each pixel that a triangle uses, and replaces the pixels of the triangles by
+ * these vertices. */
 static int number_vertices(struct iso_triangulator *t, const struct iso_frame *frame,
                            struct iso_mesh *mesh)
 {
