@@ -136,6 +136,6 @@ int iso_cohort_normalise(struct iso_icp_workspace *work, const struct iso_cohort
 double iso_cohort_score(struct iso_cohort_norm norm, double distance_mm)
 {
     const double typical_mm = 2.0;
-    /* A floor keeps the score finite for a probe that equals the whole cohort. */
+    /* The lower limit keeps the score finite if the probe equals all templates of the cohort. */
     return 1.0 - distance_mm / sqrt(fmax(norm.mean_mm, 1e-3) * typical_mm);
 }

@@ -4,9 +4,9 @@
 
 #include "core/match/template_points.h"
 
-/* How much the surface about each landmark tells of the person, as opposed to the expression. What
- * moves with the mouth counts least, but it is not left out. Measured on generated people with
- * strong expressions (sim/results/radii.md). */
+/* The weights of the landmarks: how much the surface there depends on the person, compared with the
+ * expression. The landmarks of the mouth count least, but they are not left out. Measured on
+ * generated people with strong expressions (sim/results/radii.md). */
 static const float landmark_weight[ISO_LANDMARKS] = {
     [ISO_LM_NASION] = 1.0f,     [ISO_LM_NOSE_TIP] = 1.0f,  [ISO_LM_SUBNASALE] = 0.5f,
     [ISO_LM_ALA_R] = 0.7f,      [ISO_LM_ALA_L] = 0.7f,     [ISO_LM_EYE_IN_R] = 1.0f,

@@ -17,8 +17,8 @@ struct row {
     int32_t step;
 };
 
-/* A probe for people of one step: the score of a person whose unscaled numbers are y is constant +
- * scale * sum weight y + scale^2 * sum square y^2. */
+/* The coefficients of the score of one probe, for people of one step. A person with the numbers y,
+ * not yet scaled, has the score constant + scale * sum weight y + scale^2 * sum square y^2. */
 struct view {
     double constant;
     float weight[STRIDE_MAX], square[STRIDE_MAX];
@@ -26,11 +26,11 @@ struct view {
 
 struct iso_index {
     const struct iso_metric *metric;
-    size_t stride; /* floats of a vector: the dimensions, and zeros to a multiple of ISO_LANES */
+    size_t stride; /* floats of a vector: the dimensions, filled up to a multiple of ISO_LANES */
     size_t n, capacity;
     struct row *row;                 /* by rising person */
     float *mean;                     /* [capacity][stride] */
-    size_t people[ISO_METRIC_STEPS]; /* how many people have vectors of that variance */
+    size_t people[ISO_METRIC_STEPS]; /* how many people have vectors of each step */
     struct view *views;              /* [ISO_METRIC_STEPS] working memory of a search */
 };
 
@@ -53,7 +53,8 @@ int iso_index_new(const struct iso_metric *metric, struct iso_index **out)
     return 0;
 }
 
-/* Only the rows in use are wiped: the others were never written, or were wiped before. */
+/* Wipes and frees the rows. Only the rows in use need it: the others were never written, or were
+ * wiped before. */
 static void wipe_rows(struct iso_index *index)
 {
     if (index->n > 0) {
@@ -124,8 +125,8 @@ static void make_view(const struct iso_metric *metric, const struct iso_metric_v
     view->constant = half * sum + (double)metric->bias;
 }
 
-/* Passed by address: how a vector is passed by value depends on the processor that the compiler may
- * assume. */
+/* The sum of the lanes. They are passed by address, because the way in which a vector is passed by
+ * value depends on the processor that the compiler compiles for. */
 static float sum_of(const iso_lanes *lanes)
 {
     float a[ISO_LANES];
@@ -153,7 +154,7 @@ static size_t lower_bound(const struct iso_index *index, int64_t person)
 {
     size_t low = 0, high = index->n;
     if (high > 0 && index->row[high - 1].person < person) {
-        return high; /* as they come from a gallery */
+        return high; /* the usual case: a gallery adds people in this order */
     }
     while (low < high) {
         const size_t middle = (low + high) / 2;
@@ -181,7 +182,7 @@ static size_t *people_at(struct iso_index *index, int step)
     return &index->people[step - ISO_METRIC_STEP_MIN];
 }
 
-/* Moves the rows from `from` on to `to`. */
+/* Moves all rows from index `from` to the end, so that they begin at index `to`. */
 static void move_rows(struct iso_index *index, size_t from, size_t to)
 {
     const size_t n = index->n - from;
@@ -273,7 +274,8 @@ struct candidate {
     double score;
 };
 
-/* Sorted by falling score; of equal ones the first row stays first. Returns how many there are. */
+/* Inserts a candidate into a list of n that is sorted by falling score. Of equal scores the earlier
+ * row stays first. Returns the new length, at most `capacity`. */
 static int keep_candidate(struct candidate *best, int n, int capacity, struct candidate candidate)
 {
     int i = n < capacity ? n : capacity - 1;

@@ -10,12 +10,12 @@
 
 enum { POINTS_MAX = ISO_METRIC_VALUES_MAX / 3, PRESENT_PERCENT_MIN = 30 };
 
-/* The points of the curves that are used, one after the other. */
+/* The points of a template that the metric uses, curve after curve. */
 struct curves {
     const struct iso_metric *metric;
     const struct iso_template *tmpl;
     int n;
-    uint16_t at[POINTS_MAX]; /* the number of the point among all of a template's */
+    uint16_t at[POINTS_MAX]; /* [n]: the index of each point among all points of a template */
 };
 
 static struct iso_vec3 vector_of(const float p[3])
@@ -84,7 +84,7 @@ static int fit_to_mean(const struct curves *curves, struct iso_rigid *mean_from_
     return 0;
 }
 
-/* The curves of a template and the motion that takes them closest to the mean ones. */
+/* Collects the curves of a template, and finds the motion that brings them closest to the mean. */
 static int register_curves(const struct iso_metric *metric, const struct iso_template *tmpl,
                            struct curves *curves, struct iso_rigid *mean_from_face)
 {
@@ -140,9 +140,9 @@ double iso_metric_variance(int step)
     return exp2(-0.5 * step);
 }
 
-/* The squared length of a vector with that variance within a person, each number in units of its
- * expected standard deviation. *log_volume is the logarithm of the product of the squares of these
- * deviations. */
+/* The squared length of a vector whose numbers are divided by their expected standard deviations,
+ * for a variance within a person. *log_volume is the logarithm of the product of the expected
+ * variances. */
 static double length_of(const struct iso_metric *metric, const float *mean, double variance,
                         double *log_volume)
 {
@@ -152,7 +152,7 @@ static double length_of(const struct iso_metric *metric, const float *mean, doub
         const double x = (double)mean[d], any = variance + (double)metric->between[d];
         length += x * x / any;
         volume *= any;
-        if (d % 8 == 7 || d + 1 == metric->n_dimensions) { /* long before it would overflow */
+        if (d % 8 == 7 || d + 1 == metric->n_dimensions) { /* long before `volume` overflows */
             *log_volume += log(volume);
             volume = 1.0;
         }
@@ -184,11 +184,11 @@ static int step_of(float weight)
                                         : (int)step;
 }
 
-/* The factor that gives a vector the length that is expected of one of its weight. Templates unlike
- * the people of the training (another sensor, a bad fit) have long vectors, and that length does
- * not tell who it is; real errors have heavier tails than the model (length normalisation:
- * Garcia-Romero and Espy-Wilson 2011). Equal error rate on real frames: 1.4 % with it, 2.3 %
- * without; 2.6 % with it if all templates are taken to be equally noisy. */
+/* The factor that gives a vector the expected length of a vector of its weight. Templates that are
+ * unlike the people of the training (another sensor, a bad fit) have long vectors, and this length
+ * does not depend on the person. Real errors have heavier tails than the model (length
+ * normalisation: Garcia-Romero and Espy-Wilson 2011). Equal error rate on real frames: 1.4 % with
+ * the factor, 2.3 % without; 2.6 % with it if all templates are taken to be equally noisy. */
 static float normal_scale(const struct iso_metric *metric, const struct iso_metric_vector *vector)
 {
     double log_volume;
@@ -254,10 +254,10 @@ void iso_metric_vector_add(const struct iso_metric *metric, const struct iso_met
     all->scale = normal_scale(metric, all);
 }
 
-/* With the variance b between people, and a mean m whose variance within the person is v, the own
- * mean of the person has the distribution N(b m / (b + v), b v / (b + v)). A probe of the person
- * varies about that by its own variance within. A probe of anybody has the distribution N(0, its
- * variance within + b). */
+/* Let b be the variance between people, m the mean of the person's templates, and v its variance
+ * within the person. The true mean of the person then has the distribution
+ * N(b m / (b + v), b v / (b + v)). A probe of the person varies about the true mean by the variance
+ * `own` of the probe. A probe of anybody has the distribution N(0, own + b). */
 double iso_metric_score(const struct iso_metric *metric, const struct iso_metric_vector *person,
                         const struct iso_metric_vector *probe)
 {

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Inserts a hit by falling score; only the best hit of a person is kept. */
+/* Inserts a hit into a list that is sorted by falling score and has only one hit of a person. */
 static void insert_hit(struct iso_search_hit *hits, int *n, int capacity, struct iso_search_hit hit)
 {
     int i = 0;
@@ -57,8 +57,8 @@ int iso_search(struct iso_icp_workspace *work, const struct iso_search_entry *en
     return 0;
 }
 
-/* All templates of the person whose first entry is given; *n_entries says how many entries they
- * are. A template with too few points adds nothing. */
+/* Makes the vector of all templates of the person to whom the first entry belongs. *n_entries is
+ * the number of entries of that person. A template with too few points adds nothing. */
 static int gather(const struct iso_search_entry *first, int n_left, const struct iso_metric *metric,
                   struct iso_metric_vector *person, int *n_entries)
 {
@@ -85,7 +85,7 @@ struct candidate {
     int first, n;
 };
 
-/* Keeps the best by falling score. */
+/* Inserts a candidate into a list of the best ISO_RERANK_CANDIDATES, sorted by falling score. */
 static void insert_candidate(struct candidate *list, int *n, struct candidate one)
 {
     if (*n == ISO_RERANK_CANDIDATES && !(list[*n - 1].score < one.score)) {

@@ -9,26 +9,26 @@
 #include "isotherm/index.h"
 #include "isotherm/metric.h"
 
-/* Refers to a template; the gallery keeps it alive. */
+/* One template of a gallery. The template must exist until the search has ended. */
 struct iso_search_entry {
     int64_t person; /* the caller's identifier; several entries may share it */
     const struct iso_template *tmpl;
 };
 
-/* The best hits by falling score, one a person (its best template): at most `capacity` of them are
- * written (room for scratch until the search has succeeded) and *n_hits says how many. An empty
- * gallery gives none. Entries that have too few points in common with the probe cannot be hits.
- * -EINVAL if algorithms differ or options are out of range, -ENODATA if the probe itself has too
- * few points for the cohort. */
+/* Finds the best hits by distance, sorted by falling score; a person has one hit, by the best
+ * template. hits [capacity] receives them; it is also used as working memory, so that its contents
+ * are undefined after an error. *n_hits is their number; 0 for an empty gallery. Entries that have
+ * too few points in common with the probe cannot be hits. -EINVAL if algorithms differ or options
+ * are out of range, -ENODATA if the probe has too few points in common with the cohort. */
 int iso_search(struct iso_icp_workspace *work, const struct iso_search_entry *entries,
                int n_entries, const struct iso_template *probe, const struct iso_cohort *cohort,
                const struct iso_match_options *options, struct iso_search_hit *hits, int capacity,
                int *n_hits) __attribute__((warn_unused_result));
 
-/* The same by the learned metric: a person's score rests on all of that person's templates, which
- * stand side by side in `entries`. The ISO_RERANK_CANDIDATES best are looked at again (rerank.h);
- * hits are some of them, by their fused scores. -EINVAL if algorithms differ, -ENODATA if the probe
- * has too few points. */
+/* The same by the learned metric. A person's score depends on all templates of the person; their
+ * entries must follow each other in `entries`. The ISO_RERANK_CANDIDATES best people are reranked
+ * (rerank.h), and hits are found among these only, by their fused scores. -EINVAL if algorithms
+ * differ, -ENODATA if the probe has too few points. */
 int iso_search_by_metric(struct iso_rerank_workspace *work, const struct iso_search_entry *entries,
                          int n_entries, const struct iso_template *probe,
                          const struct iso_metric *metric, struct iso_search_hit *hits, int capacity,

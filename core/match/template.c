@@ -170,8 +170,7 @@ static bool bytes_whole(const uint8_t *bytes, size_t size, const struct iso_temp
            iso_get_u32(bytes + size - 4) == iso_crc32(0, bytes, size - 4);
 }
 
-/* Checks everything except the upper face, which is written to *upper: all zero if there is none.
- */
+/* Checks everything, and reads the upper face into *upper: all zero if there is none. */
 static int check_bytes(const uint8_t *p, size_t size, struct iso_template_facts *facts,
                        struct iso_upper_face *upper)
 {
@@ -186,7 +185,7 @@ static int check_bytes(const uint8_t *p, size_t size, struct iso_template_facts 
         !bytes_whole(p, size, facts)) {
         return -EBADMSG;
     }
-    /* The checksum was right, so that the writer made a mistake if this fails. */
+    /* The checksum is right: if one of these checks fails, the writer made a mistake. */
     const int n_points = facts->n_radii * ISO_LANDMARKS * facts->n_points;
     if (!isfinite(iso_get_f32(p + QUALITY_AT)) || !memchr(p + SENSOR_AT, '\0', SENSOR_BYTES) ||
         !curves_fit(p + HEADER_BYTES, facts->n_radii, n_points)) {
@@ -237,7 +236,7 @@ void iso_template_wipe(struct iso_template *tmpl)
     explicit_bzero(tmpl, sizeof *tmpl);
 }
 
-/* What a registration by ISO_ICP_RIGID found. */
+/* The result of a registration by ISO_ICP_RIGID as a rigid motion. */
 static struct iso_rigid rigid_of(const struct iso_affine *a)
 {
     struct iso_rigid rigid;

@@ -8,8 +8,9 @@
 #include "core/registration/icp.h"
 #include "isotherm/template.h"
 
-/* One group for each radius, landmark and ISO_TEMPLATE_POINTS_MAX points, in the memory of the
- * template. Points beyond n_points have weight 0, so that they do not count. */
+/* The points of a template: one group of ISO_TEMPLATE_POINTS_MAX points for each radius and
+ * landmark, in the memory of the template. Points beyond n_points have weight 0, so that they do
+ * not count. */
 static inline struct iso_icp_points iso_template_points(const struct iso_template *t)
 {
     return (struct iso_icp_points){
@@ -20,12 +21,14 @@ static inline struct iso_icp_points iso_template_points(const struct iso_templat
     };
 }
 
+/* Whether two templates have the same algorithm and shape. */
 static inline bool iso_template_comparable(const struct iso_template *a,
                                            const struct iso_template *b)
 {
     return a->algorithm == b->algorithm && a->n_radii == b->n_radii && a->n_points == b->n_points;
 }
 
+/* Options for the registration of templates: rigid, each point to the point of the same number. */
 static inline struct iso_icp_options iso_template_icp_options(double trim, int iterations)
 {
     return (struct iso_icp_options){

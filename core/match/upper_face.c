@@ -70,9 +70,9 @@ int iso_upper_face_get(const uint8_t *bytes, size_t size, struct iso_upper_face 
     return whole ? 0 : -EBADMSG;
 }
 
-/* The height of a moved field above (x, y): the point of the field that the motion takes there is
- * found by fixed-point iteration on its height, starting from a guess. False where the field has no
- * surface. */
+/* The height of a moved face at (x, y). *z_mm is a guess of it before the call. The point of the
+ * face that the motion `to` takes to (x, y) is found by fixed-point iteration on its height. `back`
+ * is the inverse of `to`. Returns false where the face has no surface. */
 static bool moved_height(const struct iso_upper_face *face, const struct iso_rigid *to,
                          const struct iso_rigid *back, double x_mm, double y_mm, double *z_mm,
                          bool *measured)
@@ -94,7 +94,7 @@ static bool moved_height(const struct iso_upper_face *face, const struct iso_rig
     return found;
 }
 
-/* Sums of the fields' heights at a node: of filled-in and of measured ones. */
+/* Sums of the faces' heights at a node: [0] of filled-in ones, [1] of measured ones. */
 struct height {
     double sum_mm[2];
     int count[2];
@@ -118,7 +118,7 @@ static void add_moved(const struct iso_upper_face *face, const struct iso_rigid 
     }
 }
 
-/* The first face is not moved: its heights are added at its nodes, up to its edge. */
+/* Adds the first face. It is not moved: its heights are those of its nodes, also at its edge. */
 static void add_first(const struct iso_upper_face *face, int row, int column, struct height *height)
 {
     const uint8_t kind = face->kind[row][column];
@@ -136,7 +136,7 @@ static void finish(const struct height *height, int row, int column, struct iso_
     }
 }
 
-/* The faces that count, and the motions that take them to the first. */
+/* The faces, whether each of them counts, and their motions to the first one and back. */
 struct moved_faces {
     int n;
     const struct iso_upper_face *const *faces;

@@ -44,8 +44,8 @@ void iso_upper_surface_of(const struct iso_upper_face *face, struct iso_upper_su
     }
 }
 
-/* The four nodes about a place: the upper left one is in column u and row v, and the place lies a
- * and b of the way to the others. */
+/* The four nodes about a place. The upper left one is in column u and row v. The place lies a share
+ * a of the way to the next column, and a share b of the way to the next row. */
 struct corner {
     int u, v;
     float a, b;
@@ -66,7 +66,8 @@ static bool corner_of(double x_mm, double y_mm, struct corner *out)
     return true;
 }
 
-/* Between two nodes side by side, c, and the two below, d. */
+/* Interpolates between two nodes side by side, c, and the two nodes below them, d. Returns false if
+ * one of them has no surface. */
 static bool interpolate_nodes(const struct iso_upper_node *c, const struct iso_upper_node *d,
                               const struct corner *corner, struct iso_upper_place *out)
 {
@@ -108,7 +109,8 @@ bool iso_upper_face_at(const struct iso_upper_face *face, double x_mm, double y_
     return interpolate_nodes(c, d, &at, out);
 }
 
-/* The plane of the surface under a point; false where it was not measured. */
+/* Makes a pair of a point and the plane of the surface under it. Returns false where the surface
+ * was not measured, or where it lies 20 mm or more from the point. */
 static bool pair_up(const struct iso_upper_surface *surface, struct iso_vec3 p,
                     struct iso_upper_pair *pair)
 {
@@ -124,7 +126,7 @@ static bool pair_up(const struct iso_upper_surface *surface, struct iso_vec3 p,
     return fabs(pair->residual_mm) < cutoff_mm;
 }
 
-/* Every second measured node, as the fields of a chessboard. */
+/* Collects every second measured node, like the fields of one colour of a chessboard. */
 static int points_of(const struct iso_upper_face *face, struct iso_vec3 *points_mm)
 {
     int n = 0;
@@ -139,8 +141,7 @@ static int points_of(const struct iso_upper_face *face, struct iso_vec3 *points_
     return n;
 }
 
-/* The distance that the closest `trim` of the pairs do not exceed, rounded to the width of a bin.
- */
+/* The distance within which the closest `trim` of the pairs lie, rounded up to a whole bin. */
 static double trim_limit(const struct iso_upper_pair *pairs, int n)
 {
     int count[BINS] = {0}, wanted = (int)ceil(trim * n);
@@ -154,9 +155,9 @@ static double trim_limit(const struct iso_upper_pair *pairs, int n)
     return cutoff_mm * (bin + 1) / BINS;
 }
 
-/* The motion that brings the pairs within the limit closest to their planes, to first order (Gauss
- * and Newton). -EDOM if they do not determine it. *rms_mm is their root mean square distance before
- * the motion. */
+/* Finds the small motion x (turn, then shift) that brings the pairs within the limit closest to
+ * their planes, to first order (Gauss and Newton). -EDOM if they do not determine it. *rms_mm is
+ * their root mean square distance before the motion. */
 static int solve_step(const struct iso_upper_pair *pairs, int n, double limit_mm, double x[6],
                       double *rms_mm)
 {
