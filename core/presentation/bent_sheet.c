@@ -10,29 +10,29 @@
 
 enum { POINTS_MIN = 24, KNOTS_MAX = 28, UNKNOWNS_MAX = KNOTS_MAX + 1, ANGLES = 10, PLANE = 3 };
 
-/* The least distance of the knots of the profile: a finer profile would follow the width of a nose.
- */
+/* The least distance of the knots of the profile. A finer profile would follow a nose. */
 static const double knot_mm = 12.0;
-/* The weak coupling of neighbouring knots, in points. Some knots may have no points of their own.
- */
+/* The weight of the coupling of neighbouring knots, compared with a point. Without it a knot that
+ * has no points of its own would be undetermined. */
 static const double stiffness = 0.05;
-/* The cut-offs of Tukey's weight, in units of the limit. The first step has none. The directions
- * are compared after the first of these. */
+/* The cut-offs of Tukey's weight in the reweighted steps, in units of the limit. The step before
+ * them has no weights. The angles are compared after the first STEPS_COMPARED of these steps. */
 static const double cutoffs[] = {8.0, 4.0, 2.0, 1.0};
 
 enum { STEPS = sizeof cutoffs / sizeof cutoffs[0], STEPS_COMPARED = 2 };
 
-/* The points as a sheet sees them that is ruled along one direction, and that sheet. */
+/* A sheet that is ruled along one direction, and the points in its coordinates. */
 struct sheet {
     const struct iso_vec3 *point_mm;
     int n, n_knots;
     double cosine, sine;    /* of the direction across the rulings */
     double x[UNKNOWNS_MAX]; /* heights of the knots, then the slope along the rulings */
-    uint8_t below[ISO_SHEET_POINTS_MAX]; /* the knot below the point */
-    double part[ISO_SHEET_POINTS_MAX];   /* how far it is to the next one, 0..1 */
+    uint8_t below[ISO_SHEET_POINTS_MAX]; /* [n]: the knot before each point */
+    double
+        part[ISO_SHEET_POINTS_MAX]; /* [n]: how far the point lies on the way to the next, 0..1 */
 };
 
-/* How far along the rulings a point lies. */
+/* The coordinate of a point along the rulings. */
 static double along_mm(const struct sheet *s, int i)
 {
     return s->point_mm[i].y * s->cosine - s->point_mm[i].x * s->sine;
@@ -130,7 +130,8 @@ static double bend_of(const struct sheet *s)
     return high - low;
 }
 
-/* Fits the sheet that is ruled across one angle, with this many reweighted steps. */
+/* Fits the sheet whose rulings are perpendicular to the direction angle_rad, with this many
+ * reweighted steps. */
 static int fit_at_angle(const struct iso_vec3 *p, int n, double limit_mm, double angle_rad,
                         int steps, struct iso_sheet_fit *out)
 {
@@ -153,7 +154,7 @@ static int fit_at_angle(const struct iso_vec3 *p, int n, double limit_mm, double
     return 0;
 }
 
-/* Tries the angles up to `turn` to either side, and keeps the best. */
+/* Tries the two angles that differ by `turn` from the best one, and keeps the best of the three. */
 static void refine_turn(const struct iso_vec3 *points_mm, int n, double limit_mm, double turn,
                         struct iso_sheet_fit *best)
 {

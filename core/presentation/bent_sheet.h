@@ -18,17 +18,19 @@ enum { ISO_SHEET_POINTS_MAX = 1024 };
 
 struct iso_sheet_fit {
     double rms_mm;       /* root mean square of residuals, each limited to `limit_mm` */
-    double inlier_share; /* of the points, nearer than half of `limit_mm` */
-    double bend_mm;      /* range of f(t) - its own straight line; 0 for a plane */
+    double inlier_share; /* share of the points that lie nearer than half of `limit_mm` */
+    double bend_mm;      /* range of f(t) minus the line through its ends; 0 for a plane */
     double angle_rad;    /* a, 0..pi; 0 for a plane */
 };
 
-/* The plane z = a + b x + c y (plane = {a, b, c}), and the bent sheet, by iteratively reweighted
- * least squares with Tukey's biweight, so that a finger in front of the sheet has no effect.
- * Residuals are measured along z. `n` points, at most ISO_SHEET_POINTS_MAX; -ENODATA if there are
- * fewer than 24 or they do not span a surface. */
+/* Fits the plane z = a + b x + c y to n points (plane = {a, b, c}), by iteratively reweighted least
+ * squares with Tukey's biweight, so that a finger in front of the sheet has no effect. Residuals
+ * are measured along z. -ENODATA for fewer than 24 or more than ISO_SHEET_POINTS_MAX points, or if
+ * they do not span a surface. */
 int iso_plane_fit(const struct iso_vec3 *points_mm, int n, double limit_mm, double plane[3],
                   struct iso_sheet_fit *out) __attribute__((warn_unused_result));
+
+/* Fits the bent sheet in the same way. */
 int iso_bent_sheet_fit(const struct iso_vec3 *points_mm, int n, double limit_mm,
                        struct iso_sheet_fit *out) __attribute__((warn_unused_result));
 

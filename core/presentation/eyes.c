@@ -4,7 +4,8 @@
 
 enum { CORNERS = 6, RIGHT_EYE = 36, LEFT_EYE = 42, RINGS = 2, PLACES = CORNERS * RINGS + 1 };
 
-/* The rings of places about the middle of an eye, as multiples of the eye's contour. */
+/* The rings of places within and about an eye: the factors by which its contour is scaled about its
+ * middle. */
 static const double within[RINGS] = {0.3, 0.6}, about[RINGS] = {2.3, 2.9};
 /* A place about the lids counts as part of the face if it lies this near to the fitted head. */
 static const double on_face_mm = 8.0;

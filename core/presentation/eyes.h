@@ -10,20 +10,22 @@
 #include "isotherm/frame.h"
 
 struct iso_eye {
-    double around_share; /* of places about the lids that are measured, and on the face */
-    double behind_share; /* of places within the lids, measured far behind those about them */
-    double hole_share;   /* of places within the lids, not measured */
-    double depth_mm;     /* median of how far behind those about them: negative for a proud eye;
-                            0 if nothing is measured */
+    double around_share; /* share of the places about the lids that are measured on the face */
+    double behind_share; /* share of the places within the lids that lie more than
+                            ISO_EYE_BEHIND_MM behind those about the lids */
+    double hole_share;   /* share of the places within the lids that are not measured */
+    double depth_mm;     /* median of how far the places within the lids lie behind those about
+                            them; negative for an eye that stands out; 0 if none is measured */
 };
 
 enum { ISO_EYE_R, ISO_EYE_L, ISO_EYES };
 
-/* Farther behind the lids than this is not an eye: its white lies 2 to 4 mm behind them. */
+/* A surface that lies farther behind the lids than this is not an eye. The white of an eye lies 2
+ * to 4 mm behind the lids. */
 #define ISO_EYE_BEHIND_MM 6.0
 
-/* Looks into the frame as it came: cleaning would take small pieces that lie behind for outliers.
- * `fit` is of the same frame or its cleaned part. */
+/* Measures both eyes in the original frame, because cleaning would remove small pieces that lie
+ * behind the lids as outliers. `fit` is the fit to the same frame or to its cleaned part. */
 void iso_eyes_measure(const struct iso_frame *frame, const struct iso_shape_fit *fit,
                       struct iso_eye eyes[ISO_EYES]);
 

@@ -6,11 +6,11 @@
 #include <string.h>
 
 enum {
-    REACH_TILES = 10, /* about the nose, to each side */
+    REACH_TILES = 10, /* tiles to each side of the nose */
     SIDE = 4,         /* pixels of a tile that are read, in each direction */
     SAMPLES = SIDE * SIDE,
-    SAMPLES_MIN = 12, /* of those, as far away as the face */
-    SLOPES_MIN = 4,   /* differences that are not 0: a flat tile is no content */
+    SAMPLES_MIN = 12, /* the least of these pixels that must be as far away as the face */
+    SLOPES_MIN = 4,   /* the least differences that must not be 0: a flat tile has no content */
 };
 
 /* A tile has the same number of pixels at every distance, namely what 12 mm cover at 700 mm. A
@@ -50,7 +50,8 @@ struct view {
     float from_mm, to_mm;
 };
 
-/* The depth at a pixel of the camera's image; 0 where nothing as far as the face was measured. */
+/* The depth at a pixel of the camera's image; 0 if nothing as far away as the face is measured
+ * there. */
 static float depth_at(const struct view *view, int u, int v)
 {
     const struct iso_frame *frame = view->frame;
@@ -120,7 +121,7 @@ struct iso_fingerprint iso_fingerprint_of(const struct iso_frame *frame, struct 
     return print;
 }
 
-/* How many bytes are equal; the compiler makes one or two vector instructions of it. */
+/* How many bytes are equal. The compiler uses vector instructions for this loop. */
 static int count_equal(const uint8_t *a, const uint8_t *b)
 {
     uint8_t n = 0;

@@ -26,10 +26,10 @@
 
 enum { ISO_FINGERPRINT_CLASSES = 32 };
 
-/* A value of its own: copied freely, nothing to be freed. */
+/* The fingerprint of a frame. A plain value: it can be copied and is not freed. */
 struct iso_fingerprint {
-    uint8_t of[ISO_FINGERPRINT_CLASSES]; /* 0: no tile of that class had enough content */
-    int filled;                          /* classes that are not 0 */
+    uint8_t of[ISO_FINGERPRINT_CLASSES]; /* for each class; 0: no tile of it has enough content */
+    int filled;                          /* how many classes are not 0 */
 };
 
 /* The fingerprint of everything that is as far from the camera as the face, in the whole frame as
@@ -42,32 +42,34 @@ struct iso_fingerprint iso_fingerprint_of(const struct iso_frame *frame, struct 
 /* The share of filled classes that two fingerprints have in common, 0..1. */
 double iso_fingerprint_likeness(const struct iso_fingerprint *a, const struct iso_fingerprint *b);
 
-/* Two frames above this likeness are the same frame. Measured by
+/* Two frames of at least this likeness count as the same frame. Measured by
  * tests/sim/door/test_repeated_frames.c: two frames of a head that does not move at all stay well
  * below it. */
 #define ISO_FINGERPRINT_SAME 0.4
 
 struct iso_frame_memory_options {
-    int64_t span_ns; /* a frame is remembered for so long, > 0 */
-    int capacity;    /* so many frames at most, >= 1; the oldest is forgotten for a new one */
+    int64_t span_ns; /* how long a frame is remembered, > 0 */
+    int capacity;    /* the most frames, >= 1; the oldest one is overwritten by a new one */
 };
 
-/* 10 minutes, and the 18,000 frames that a camera of 30 frames a second delivers in them: 720 kB.
- */
+/* 10 minutes, and the 18,000 frames that a camera of 30 frames a second delivers in this time: 720
+ * kB. */
 struct iso_frame_memory_options iso_frame_memory_options_default(void);
 
 struct iso_frame_memory;
 
-/* Allocates all memory that it will ever need. -EINVAL for options outside their ranges, -ENOMEM.
- */
+/* Makes an empty memory and allocates everything that it will need. -EINVAL for options outside
+ * their ranges, -ENOMEM. */
 int iso_frame_memory_new(const struct iso_frame_memory_options *options,
                          struct iso_frame_memory **out) __attribute__((warn_unused_result));
-/* Wipes it; NULL is fine. */
+
+/* Wipes and frees it. NULL is accepted. */
 void iso_frame_memory_free(struct iso_frame_memory *memory);
 
-/* Whether the frame of this fingerprint, exposed at t_ns (monotonic), repeats a remembered one. It
- * is remembered in either case, so that frames which are repeated without an end stay known. A
- * fingerprint below ISO_FINGERPRINT_MIN repeats nothing and is not remembered. */
+/* Whether the frame of this fingerprint, exposed at t_ns (monotonic), repeats a remembered one. The
+ * frame is remembered in either case, so that frames which are repeated for longer than the span
+ * stay known. A fingerprint with `filled` below ISO_FINGERPRINT_MIN repeats nothing and is not
+ * remembered. */
 bool iso_frame_memory_repeats(struct iso_frame_memory *memory,
                               const struct iso_fingerprint *fingerprint, int64_t t_ns);
 

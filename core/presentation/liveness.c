@@ -58,7 +58,7 @@ static void remember(struct iso_liveness *l, const struct iso_liveness_frame *fr
     l->n = l->n < ISO_LIVENESS_FRAMES ? l->n + 1 : l->n;
 }
 
-/* Whether one coordinate moved over the frames held by more than independent noise explains. */
+/* Whether one coordinate moved over the stored frames by more than independent noise explains. */
 static bool moved(const struct iso_liveness *l, int coordinate)
 {
     const int from = (l->next - l->n + ISO_LIVENESS_FRAMES) % ISO_LIVENESS_FRAMES;
@@ -108,7 +108,7 @@ enum iso_liveness_answer iso_liveness_feed(struct iso_liveness *liveness,
     l->repeated = same ? l->repeated + 1 : 0;
     l->digest = frame->digest;
     l->last_ns = frame->t_ns;
-    /* A frame that is given twice is not two measurements; it would count as stillness. */
+    /* The same frame twice is not two measurements; it would count as stillness. */
     if (!same && frame->sigma_mm <= sigma_max_mm) {
         remember(l, frame);
     }

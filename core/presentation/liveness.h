@@ -13,7 +13,6 @@
  *   NOT_YET -> STILL      nothing moved for `still_ns`; or frames are the same to the bit
  *   ALIVE  <-> STILL      the same, judged anew over the last frames
  *   any    -> NOT_YET     a gap in time, or iso_liveness_init
- *   any    -> NOT_YET     a gap in time, or iso_liveness_init
  *
  * Rendered visits of 1.5 s (seed 34; astra, kinect2, d435, truedepth; sway of a tenth to all of the
  * generator's), with still_ns of 1.2 s: of 48 people 47 were alive and none still; of 48 prints on
@@ -39,12 +38,12 @@ enum iso_liveness_answer {
 };
 
 struct iso_liveness_options {
-    int64_t still_ns;  /* nobody stands still for this time */
-    int64_t gap_ns;    /* frames further apart are not of one visit */
+    int64_t still_ns;  /* no living person stands still for this time */
+    int64_t gap_ns;    /* frames further apart in time do not belong to one visit */
     int frames_min;    /* the answer needs this many frames, 8..ISO_LIVENESS_FRAMES */
-    int frozen_frames; /* so many in a row, the same to the bit, were not measured: >= 2 */
-    double moved_mm;   /* standard deviation, noise taken off, that is motion */
-    double doubt;      /* how many standard deviations von Neumann's ratio is to be off 1 */
+    int frozen_frames; /* so many equal frames in a row count as still, >= 2 */
+    double moved_mm;   /* a larger standard deviation, without noise, is motion */
+    double doubt;      /* how many standard deviations von Neumann's ratio must lie below 1 */
 };
 
 /* 1.8 s, 0.5 s, 20 frames, 3 frozen, 0.12 mm, 3.5. */
@@ -54,32 +53,34 @@ struct iso_liveness_options iso_liveness_options_default(void);
 struct iso_liveness_frame {
     int64_t t_ns;
     struct iso_rigid camera_from_face;
-    double
-        sigma_mm; /* of the pose: frames worse than 6 mm are counted for nothing but their digest */
+    double sigma_mm; /* of the pose; above 6 mm only the digest of the frame is used */
     uint32_t digest; /* iso_liveness_digest */
 };
 
+/* The frames of a visit. A plain value: it can be copied and is not freed. */
 struct iso_liveness {
     struct iso_liveness_options options;
     int n, next; /* frames held, and where the next one goes */
     int64_t t_ns[ISO_LIVENESS_FRAMES];
     double x_mm[ISO_LIVENESS_FRAMES][ISO_LIVENESS_COORDINATES]; /* shift, and turn at 80 mm */
     struct iso_rigid first; /* turns are counted from its attitude */
-    int64_t last_ns;
-    uint32_t digest;
-    int repeated; /* frames in a row like the one before them */
+    int64_t last_ns;        /* time of the last frame */
+    uint32_t digest;        /* of the last frame */
+    int repeated;           /* how many of the last frames in a row equal the frame before them */
     enum iso_liveness_answer answer;
 };
 
-/* A value of its own: copied freely, nothing to be freed. */
+/* Begins a visit without frames. The options are copied. */
 void iso_liveness_init(const struct iso_liveness_options *options, struct iso_liveness *out);
 
-/* Adds the next frame and returns the answer. Times must rise; one that does not starts anew. */
+/* Adds the next frame and returns the answer. A frame that is not later than the last one, or later
+ * by more than gap_ns, begins a new visit. */
 enum iso_liveness_answer iso_liveness_feed(struct iso_liveness *liveness,
                                            const struct iso_liveness_frame *frame);
 
 /* A checksum of the depths about a face, 80 mm to each side, in every fourth row of the original
- * frame: the noise of a sensor makes two frames of the same scene differ. */
+ * frame. The noise of a sensor makes the checksums of two frames of the same scene differ. 0 if the
+ * nose lies behind the camera. */
 uint32_t iso_liveness_digest(const struct iso_frame *frame, struct iso_vec3 nose_mm);
 
 #endif

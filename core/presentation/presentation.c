@@ -12,13 +12,12 @@ struct iso_presentation {
 
 /* The share of the scale that comes from the fit; the rest comes from the measured size. */
 static const double fit_weight = 1.0 / 3.0;
-/* The limit of the root mean square of 60 coefficients. The last coefficients carry little
- * information. */
+/* The largest root mean square of the 60 identity coefficients that is usual for people. */
 static const double people_norm = 0.41;
-/* A head that is fitted to a bent sheet has unusual coefficients. For every unit by which they
- * exceed those of people, this much less of the bent sheet is enough for a refusal. (Of 376 real
- * faces none has more than 0.70 of a bent sheet. A rolled photograph that passed at 0.77 exceeds by
- * 0.57.) */
+/* A head that is fitted to a bent sheet has unusual coefficients. For every unit by which their
+ * root mean square exceeds people_norm, the bound sheet_share is lower by this. (None of 376 real
+ * faces has more than 0.70 on a bent sheet. A rolled photograph with 0.77, which would have passed,
+ * exceeds people_norm by 0.57.) */
 static const double bent_share_per_oddness = 0.15;
 /* The shares of the places about an eye and within it that must be measured before the eye is
  * judged. */

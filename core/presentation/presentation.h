@@ -1,10 +1,8 @@
-/* Cues of a presentation attack (ISO/IEC 30107-1) that one depth frame gives without further
- * effort.
+/* Cues of a presentation attack (ISO/IEC 30107-1) in a single depth frame.
  *
  *   relief   a picture of a face has no nose             -> flat, bent
  *   size     a print that is too small or too large      -> wrong-size
  *   eyes     a print with its eyes cut out               -> eyes-cut
- *   sheet    without a face: a picture that is held up   -> flat, bent, screen
  *   sheet    without a face: a picture that is held up   -> flat, bent, screen
  *
  * liveness.h has the cues that need several frames. A print of true size that somebody wears, with
@@ -36,29 +34,38 @@ struct iso_presentation_cues {
     struct iso_relief relief;
     struct iso_size size;
     double fitted_scale;  /* iso_size_of_fit */
-    double identity_norm; /* of the fit: how far the head had to leave the mean */
+    double identity_norm; /* of the fit: how unlike the mean the fitted head is */
     struct iso_eye eyes[ISO_EYES];
     struct iso_sheet sheet;
 };
 
+/* The bounds of the cues. Each comment begins with the default. */
 struct iso_presentation_options {
-    double sheet_share; /* of the relief on one sheet: no face. 0.83, of faces at most 0.76, of
-                           pictures taken for a face at least 0.89; of bent sheets less, the
-                           odder the head that was fitted to them */
-    /* iso_presentation_oversize, below and above. 0.152, 0.128: of 1,678 genuine frames (strong,
-     * astra and kinect2) 3 are beyond, of 376 real ones none; 2 of 800 masks are not. */
+    /* 0.83. If the relief has at least this share on one sheet, it is no face. Faces have at most
+     * 0.76; pictures that were taken for a face have at least 0.89. For bent sheets the bound is
+     * lower, the more unusual the head is that was fitted to them. */
+    double sheet_share;
+    /* 0.152 and 0.128: the limits of iso_presentation_oversize below and above 0. Of 1,678 genuine
+     * frames (strong, astra and kinect2) 3 lie beyond them, of 376 real ones none. 2 of 800 masks
+     * lie within them. */
     double too_small, too_large;
-    double no_size_cost_mm2;  /* the mean face fits worse at every size. 7; people 4.3, real
-                                 ones 6.2,  the last of the masks 8.1 */
-    double eye_behind_mm;     /* both eyes. 3: genuine frames reach 1.4 */
-    double eye_hole_share;    /* both eyes without a measurement; above 1: a sensor that loses eyes
-                                 (active stereo often does) is not held against them. 0.9 */
-    double held_flat_share;   /* of a thing on one plane, for it to be a picture. 0.55 */
-    double held_bent_share;   /* on one bent sheet. 0.8 */
-    double held_area_max_mm2; /* larger than A3 is a wall, a table or a chair. 130000 */
-    double screen_hole_share; /* of a plate: its glass does not come back. 0.08 */
+    /* 7. If the mean face fits worse than this at every size, the size is wrong. Rendered people
+     * reach 4.3 and real ones 6.2; the mask that is nearest to the bound has 8.1. */
+    double no_size_cost_mm2;
+    /* 3. Eyes are cut out if both lie at least this far behind their lids. Genuine frames
+     * reach 1.4. */
+    double eye_behind_mm;
+    /* 0.9. An eye of which at least this share is not measured counts as cut out, too. With a value
+     * above 1 holes do not count: for sensors that often do not measure eyes (active stereo). */
+    double eye_hole_share;
+    double held_flat_share; /* 0.55. An object with this share on one plane is a flat picture. */
+    double held_bent_share; /* 0.8. An object with this share on one bent sheet: a bent picture. */
+    double held_area_max_mm2; /* 130000. A larger object (A3) is a wall, a table or a chair. */
+    double screen_hole_share; /* 0.08. A flat picture with this share of holes is a screen: its
+                                 glass does not reflect light back to the sensor. */
 };
 
+/* The default bounds. */
 struct iso_presentation_options iso_presentation_options_default(void);
 
 /* How much too large a face is (> 0), or too small (< 0), roughly as the logarithm of its size. It

@@ -5,11 +5,13 @@
 #include <stdlib.h>
 
 static const double area_min_mm2 = 6000.0;
-/* A step of depth between neighbours ends a part if it exceeds 12 mm, or a slope of 70 degrees. */
+/* A step of depth between neighbours ends a part if it exceeds both 12 mm and a slope of 70
+ * degrees. */
 static const double jump_mm = 12.0, jump_slope = 2.75;
 /* The widest hole that a part reaches across. */
 static const double across_mm = 200.0;
-/* Residual limit at 600 mm: four times the noise of stereo there. */
+/* The residual limit up to 600 mm: four times the noise of stereo there. It grows with the distance
+ * beyond. */
 static const double limit_mm = 6.0, limit_at_mm = 600.0;
 
 enum { SAMPLES = 500 };
@@ -114,7 +116,8 @@ static struct part flood_part(struct iso_sheet_finder *f, const struct iso_frame
     return part;
 }
 
-/* Points of a part, about its middle, evenly picked. */
+/* Picks points of a part at even steps, relative to their mean. Returns how many, at most
+ * 2 * SAMPLES. */
 static int sample_points(const struct iso_sheet_finder *f, const struct iso_frame *frame,
                          const struct part *part, struct iso_vec3 points[2 * SAMPLES])
 {

@@ -10,26 +10,28 @@
 #include "isotherm/frame.h"
 
 struct iso_sheet {
-    double area_mm2;     /* that was measured, as seen */
-    double distance_mm;  /* mean */
-    double border_share; /* of its outermost pixels in rows and columns, that lie on the image's
-                            border */
-    double hole_share;   /* of the pixels between its pixels, in row and column, not measured */
-    double limit_mm;     /* of the residuals: grows with distance, as noise does */
+    double area_mm2;     /* area of its measured pixels, as seen from the camera */
+    double distance_mm;  /* mean depth */
+    double border_share; /* share of its outermost pixels in rows and columns that lie on the
+                            border of the image */
+    double hole_share;   /* share of the pixels that lie between pixels of the object, in their row
+                            and in their column, and are not measured */
+    double limit_mm;     /* limit of the residuals; grows with distance, as noise does */
     struct iso_sheet_fit flat, bent;
 };
 
 struct iso_sheet_finder;
 
-/* Works on frames of at most capacity_px pixels. -EINVAL, -ENOMEM. */
+/* Makes a finder for frames of at most capacity_px pixels. -EINVAL, -ENOMEM. */
 int iso_sheet_finder_new(size_t capacity_px, struct iso_sheet_finder **out)
     __attribute__((warn_unused_result));
 
 /* Frees it and what it holds. NULL is accepted. */
 void iso_sheet_finder_free(struct iso_sheet_finder *finder);
 
-/* The part with the least mean depth of those of at least 60 cm^2, between two depths. -ENOENT if
- * there is none, -ENOSPC over the finder's capacity. */
+/* Finds the part with the least mean depth among the parts between two depths that have at least 60
+ * cm^2. -ENOENT if there is none or no sheet can be fitted to it, -ENOSPC over the finder's
+ * capacity. */
 int iso_sheet_find(struct iso_sheet_finder *finder, const struct iso_frame *coarse, double near_mm,
                    double far_mm, struct iso_sheet *out) __attribute__((warn_unused_result));
 

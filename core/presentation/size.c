@@ -39,7 +39,7 @@ struct state {
     double scale, coefficient[MODES_MAX];
 };
 
-/* Chooses the rigid vertices at even steps. */
+/* Chooses at most VERTICES of the rigid vertices, at even steps. Returns how many. */
 static int choose_vertices(const struct iso_head_model *model, uint32_t vertex[VERTICES])
 {
     int rigid = 0, n = 0, seen = 0;

@@ -1,12 +1,12 @@
 /* How large a face is, compared with the people that the head model was trained on.
  *
- * The fitted head follows a face that is too small or too large as far as its modes allow; up to a
- * point it hides the size in its identity. The mean face is therefore registered with a free scale,
- * point to plane with projective association as in pose_fit.h, over seven unknowns (rigid motion
- * and the logarithm of the scale). Then the leading modes of identity become free as well, held by
- * their prior. These modes describe the sizes of people, and which shapes belong to them: a large
- * person has the features of large people, but a large print has those of the person it shows. The
- * remaining scale is what the shapes of people do not explain. */
+ * The fitted head follows a face that is too small or too large as far as its modes allow, so that
+ * a part of the size is hidden in its identity. The mean face is therefore registered with a free
+ * scale, point to plane with projective association as in pose_fit.h, over seven unknowns (rigid
+ * motion and the logarithm of the scale). Then the leading modes of identity become free as well,
+ * held by their prior. These modes describe the sizes of people, and which shapes belong to them: a
+ * large person has the features of large people, but a large print has those of the person it
+ * shows. The remaining scale is what the shapes of people do not explain. */
 #ifndef ISO_CORE_PRESENTATION_SIZE_H
 #define ISO_CORE_PRESENTATION_SIZE_H
 
@@ -14,28 +14,30 @@
 #include "isotherm/head_model.h"
 
 struct iso_size {
-    double scale;    /* of the measured face over that of people of its shape */
-    double cost_mm2; /* mean of min(r^2, 36) there, as of iso_pose_fit */
+    double scale;    /* size of the measured face over the size of people with its shape */
+    double cost_mm2; /* cost of the fit at this scale, as in struct iso_pose_fit */
 };
 
 struct iso_sizer;
 
-/* What is compared, taken from the model, which is not needed further. -EINVAL if its rigid region
- * has fewer than 60 vertices, -ENOMEM. */
+/* Makes a sizer from the vertices that are compared. They are copied, so that the model is not
+ * needed afterwards. -EINVAL if the model's rigid region has fewer than 60 vertices, -ENOMEM. */
 int iso_sizer_new(const struct iso_head_model *model, struct iso_sizer **out)
     __attribute__((warn_unused_result));
 
 /* Frees it and what it holds. NULL is accepted. */
 void iso_sizer_free(struct iso_sizer *sizer);
 
-/* `camera_from_face` where the head model was fitted in this frame, the cleaned one. Changes
- * nothing in the sizer. -ENODATA if too little is measured to fix the scale. */
+/* Measures the size of a face in a cleaned frame. `camera_from_face` is the pose of the head model
+ * that was fitted to it. Several threads may use one sizer. -ENODATA if too little is measured to
+ * determine the scale. */
 int iso_size_measure(const struct iso_sizer *sizer, const struct iso_frame *frame,
                      const struct iso_rigid *camera_from_face, struct iso_size *out)
     __attribute__((warn_unused_result));
 
-/* Centroid size (Bookstein 1991) of a fitted head's rigid region over the mean head's: what the fit
- * says of the scale, held back by the modes' prior. `vertex_mm` has the model's vertices. */
+/* The scale that the fit found, which the prior of the modes holds near 1: the centroid size
+ * (Bookstein 1991) of the rigid region of a fitted head over that of the mean head. `vertex_mm` has
+ * the model's vertices. */
 double iso_size_of_fit(const struct iso_head_model *model, const struct iso_vec3 *vertex_mm);
 
 #endif
