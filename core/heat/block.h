@@ -1,10 +1,10 @@
-/* Several vectors at once: the operations of the direct heat solver on all sources. Internal to
- * core/heat.
+/* Operations on several vectors at once, with which the direct heat solver treats several sources
+ * together. Internal to core/heat.
  *
  * A block is [n][width * ISO_DOUBLES]: value i of every vector, then value i + 1 of every vector.
- * Each entry of a matrix is then read only once for all vectors, and is multiplied with whole
- * registers; one vector after another spends most of its time on reading the matrix. The vectors do
- * not affect each other: each has the same operations in the same order at every width.
+ * Each entry of a matrix is then read only once for all vectors and multiplied with whole
+ * registers. (With one vector after another, reading the matrix takes most of the time.) The
+ * vectors do not affect each other: each has the same operations in the same order at every width.
  *
  * The same source is compiled for every processor of the architecture and, on x86-64, for AVX2
  * (without FMA), like the steps of the grid. The results are the same to the bit. */
@@ -18,9 +18,9 @@
 
 enum { ISO_BLOCK_WIDTH_MAX = 3, ISO_BLOCK_MAX = ISO_BLOCK_WIDTH_MAX * ISO_DOUBLES };
 
-/* L and D of an LDL' by columns: in column j D(j, j) at start[j], then the count[j] - 1 entries of
- * L below the diagonal, rows ascending. The rows of a column are, without the first of them, among
- * those of the column of that number (as in the factor of any symmetric matrix). */
+/* L and D of an LDL' by columns. Column j begins at start[j] with D(j, j); then come its count[j] -
+ * 1 entries of L below the diagonal, rows ascending. If p is the first of these rows, the other
+ * rows of column j are also rows of column p (as in the factor of any symmetric matrix). */
 struct iso_ldl {
     int32_t n;
     const int32_t *start, *count, *row;
@@ -34,8 +34,10 @@ struct iso_rows {
     const double *value;
 };
 
+/* In all operations width is 1..ISO_BLOCK_WIDTH_MAX, and arrays of one number for each vector are
+ * [width * ISO_DOUBLES]. */
 struct iso_block_ops {
-    /* x = (L D L')^-1 b in the place of b; energy = b' x of each vector. */
+    /* x holds b before and (L D L')^-1 b afterwards; energy = b' x of each vector. */
     void (*solve)(const struct iso_ldl *l, int width, double *x, double *energy);
     /* y = A x; form = x' y and total = 1' y of each vector. */
     void (*multiply)(const struct iso_rows *a, int width, const double *x, double *y, double *form,
@@ -43,13 +45,14 @@ struct iso_block_ops {
     /* io = weight[0] io + weight[1] u + weight[2] v, with weights of each vector. */
     void (*mix)(int32_t n, int width, const double weight[3][ISO_BLOCK_MAX], const double *u,
                 const double *v, double *io);
-    /* sum = sum over j of weight[j] block[j], of n_blocks one behind the other; n of each vector.
-     */
+    /* sum = sum over j of weight[j] block[j]. `block` holds n_blocks blocks one after the other,
+     * each of vectors of n values. */
     void (*combine)(int32_t n, int width, const double *block, int n_blocks,
                     const double (*weight)[ISO_BLOCK_MAX], double *sum);
     const char *name;
 };
 
+/* For every processor of the architecture. */
 extern const struct iso_block_ops iso__block_ops_baseline;
 extern const struct iso_block_ops iso__block_ops_avx2; /* x86-64 only */
 

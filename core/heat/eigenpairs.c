@@ -11,11 +11,11 @@
 #include "core/heat/lanczos.h"
 
 enum {
-    BLOCK = 8, /* to begin with */
+    BLOCK = 8, /* the first size of blocks; each further attempt doubles it */
     BLOCK_MAX = 32,
 };
 
-/* Residuals that rounding leaves anyway. */
+/* The least relative residual that rounding allows. */
 static const double least_tolerance = 1e-13;
 
 /* One attempt, with one size of blocks. */
@@ -24,7 +24,7 @@ struct attempt {
     double shift; /* s > 0, so that L + s B is positive definite */
     double tolerance;
     struct iso_lanczos lanczos;
-    double *value; /* [size] of T, ascending: 1 / (lambda + s) */
+    double *value; /* [size]: eigenvalues of T, ascending: 1 / (lambda + s) */
     double *ritz;  /* [size][size]: vectors of T by columns */
 };
 
@@ -78,7 +78,8 @@ static int diagonalise_basis(struct attempt *a)
     return info == LAPACK_WORK_MEMORY_ERROR ? -ENOMEM : -ENOTRECOVERABLE;
 }
 
-/* Whether the part of A V outside of V is small for the k-th vector, and so for all before it. */
+/* Whether the part of A V outside of V is small for each of the k vectors with the largest
+ * eigenvalues. */
 static bool has_converged(const struct attempt *a)
 {
     const struct iso_lanczos *l = &a->lanczos;
@@ -125,14 +126,14 @@ static int grow_basis(struct attempt *a)
     }
 }
 
-/* 1 / (lambda + s) of pair i, ascending lambda. */
+/* The eigenvalue lambda of pair i; pairs are in the order of ascending lambda. */
 static double lambda_of(const struct attempt *a, int32_t i)
 {
     return 1.0 / a->value[a->lanczos.size - 1 - i] - a->shift;
 }
 
-/* Whether an eigenvalue below the k-th is missing: a copy of a multiple one can be missed by blocks
- * that are smaller than its multiplicity. -EAGAIN if one is missing. */
+/* Checks that no eigenvalue below the k-th is missing: blocks can miss copies of an eigenvalue
+ * whose multiplicity is larger than their size. -EAGAIN if one is missing. */
 static int count_again(const struct attempt *a, struct iso_factor *factor,
                        const struct iso_symmetric *stiffness, const struct iso_symmetric *mass)
 {

@@ -12,8 +12,8 @@
 struct iso_factor {
     cholmod_common common;
     cholmod_factor *l;         /* NULL until the first analysis */
-    struct iso_symmetric *sum; /* a L + b B, with the pattern that was analysed */
-    cholmod_dense *x, *y, *e;  /* solution and workspaces, reused by cholmod_solve2 */
+    struct iso_symmetric *sum; /* a L + b B, in the pattern that was analysed */
+    cholmod_dense *x, *y, *e;  /* the solution and two workspaces that cholmod_solve2 reuses */
 };
 
 int iso_factor_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_factor **out)
@@ -83,7 +83,7 @@ static int error_of(const struct iso_factor *f)
     return f->common.status == CHOLMOD_OUT_OF_MEMORY ? -ENOMEM : -EDOM;
 }
 
-/* Takes over a new pattern and analyses it. */
+/* Copies a new pattern and analyses it. */
 static int analyse_pattern(struct iso_factor *f, const struct iso_symmetric *pattern)
 {
     cholmod_free_factor(&f->l, &f->common);

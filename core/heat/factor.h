@@ -1,9 +1,9 @@
-/* Cholesky factor of a L + b B, by CHOLMOD: both general solvers of the heat kernel use it.
+/* Cholesky factor of a L + b B, by CHOLMOD. Both general solvers of the heat kernel use it.
  *
- * Simplicial LDL' with AMD ordering only: CHOLMOD's supernodal module is GPL and never called. The
- * symbolic analysis is kept while the pattern stays the same. The pattern is compared each time,
- * because CHOLMOD gives wrong results without an error if it changes. One factor belongs to one
- * thread.
+ * Only the simplicial LDL' with AMD ordering is used: CHOLMOD's supernodal module is under the GPL
+ * and is never called. The symbolic analysis is kept while the pattern stays the same. The pattern
+ * is compared each time, because CHOLMOD gives wrong results without an error if it changes. Only
+ * one thread at a time may use a factor.
  *
  * CHOLMOD solves for few columns. For many at once, such as all sources of heat, block.h uses the
  * factor directly. */
@@ -15,7 +15,7 @@
 struct iso_factor;
 struct iso_ldl; /* block.h, internal to core/heat */
 
-/* For matrices up to the given size. -EINVAL, -ENOMEM. */
+/* Makes room for matrices up to the given size. There is no factor yet. -EINVAL, -ENOMEM. */
 int iso_factor_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_factor **out)
     __attribute__((warn_unused_result));
 
@@ -29,21 +29,23 @@ int iso_factor_compute(struct iso_factor *factor, double a, const struct iso_sym
                        double b, const struct iso_symmetric *mass)
     __attribute__((warn_unused_result));
 
-/* How many eigenvalues of stiffness x = lambda mass x lie below `limit`: as many as the LDL' of
- * stiffness - limit * mass has negative pivots (Sylvester's law of inertia; Parlett, The Symmetric
- * Eigenvalue Problem, 1980, section 3.3). Leaves nothing to solve with. Errors as above; -EDOM also
- * if a pivot is 0, as for a limit that is itself an eigenvalue. */
+/* Counts the eigenvalues of stiffness x = lambda mass x that lie below `limit`: as many as the LDL'
+ * of stiffness - limit * mass has negative pivots (Sylvester's law of inertia; Parlett, The
+ * Symmetric Eigenvalue Problem, 1980, section 3.3). There is no factor afterwards. Errors as for
+ * iso_factor_compute, except that the matrix may be indefinite; -EDOM also if a pivot is 0, as for
+ * a limit that is itself an eigenvalue. */
 int iso_factor_count_below(struct iso_factor *factor, const struct iso_symmetric *stiffness,
                            double limit, const struct iso_symmetric *mass, int32_t *count)
     __attribute__((warn_unused_result));
 
 /* Solves for n_right columns at once: right and solution are [n_right][n], and may be the same.
- * -EDOM, -ENOMEM. */
+ * -EDOM if there is no factor, -ENOMEM. */
 int iso_factor_solve(struct iso_factor *factor, const double *right, int n_right, double *solution)
     __attribute__((warn_unused_result));
 
-/* The factor itself, for what works in its own order (block.h): row k of L is row (*order)[k] of
- * the matrix. Borrowed until the next call that computes. -EDOM if there is none. */
+/* Gives access to the factor, for code that works in the order of the factor (block.h): row k of L
+ * is row (*order)[k] of the matrix. *ldl and *order are borrowed: they are valid until the next
+ * call that computes or counts. -EDOM if there is no factor. */
 int iso_factor_ldl(const struct iso_factor *factor, struct iso_ldl *ldl, const int32_t **order)
     __attribute__((warn_unused_result));
 

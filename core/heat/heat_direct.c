@@ -16,20 +16,22 @@
  *   exp(-t A) B^-1 b = exp(-t A) S^-1 v = g(S) v,   v = (B + gamma L)^-1 b,
  *   g(s) = exp(-(t / gamma) (1 / s - 1)) / s.
  *
- * Lanczos from v gives S V = V T + ..., so that g(S) v ~ |v| V g(T) e1, for every t at once.
- * Starting from v rather than from B^-1 b (b a point load, which no mesh resolves) costs one solve
- * and is what lets a space of dimension 9 do.
+ * Lanczos from v gives S V = V T + ..., so that g(S) v ~ |v| V g(T) e1, for every t at once. It
+ * starts from v and not from B^-1 b, because b is a point load, which no mesh resolves. This costs
+ * one more solve, but a space of dimension 9 is then enough.
  *
- * The three terms of the recurrence are all there is: that vectors lose their orthogonality as
- * Ritz values converge delays g(T) e1 but does not spoil it (Druskin, Greenbaum and Knizhnerman,
- * Using nonorthogonal Lanczos vectors in the computation of matrix functions, 1998).
+ * Vectors are not orthogonalised again beyond the recurrence of three terms. They lose their
+ * orthogonality as Ritz values converge, which delays g(T) e1 but does not spoil it (Druskin,
+ * Greenbaum and Knizhnerman, Using nonorthogonal Lanczos vectors in the computation of matrix
+ * functions, 1998).
  *
- * The constant function, along which heat is conserved, lies in that space only nearly. So the
- * coefficients c are given the least change that makes the total heat 1' B V c exactly 1.
+ * The constant function, along which heat is conserved, lies only nearly in that space. The
+ * coefficients c therefore get the least change that makes the total heat 1' B V c exactly 1.
  *
  * All sources of a block take each step together (block.h), in the factor's order of the vertices.
- * What is kept of Lanczos vector v is u with v = scale u, so that no pass only divides by a norm;
- * and the diagonal of T, v' B S v, is the energy that the solver has at hand. */
+ * A Lanczos vector v is stored as u and a number `scale` with v = scale u, so that no pass over the
+ * vectors is needed for the division by a norm. The diagonal of T, v' B S v, is the energy that the
+ * solver returns. */
 
 enum { KRYLOV_DEFAULT = 9 };
 
@@ -48,7 +50,7 @@ struct iso_heat_direct {
     const struct iso_block_ops *ops;
     struct iso_factor *factor;
     struct iso_permuted *mass; /* in the factor's order */
-    double *u;                 /* [krylov + 1] blocks: the Lanczos vectors, then what comes next */
+    double *u;                 /* [krylov + 1] blocks: the Lanczos vectors, then working memory */
     struct spaces spaces;
 };
 
@@ -114,7 +116,8 @@ static double *block_at(const struct iso_heat_direct *h, const struct work *w, i
     return &h->u[(size_t)j * (size_t)w->mass.n * (size_t)lanes_of(w)];
 }
 
-/* Unit loads at the sources, one in each vector of a block; none in vectors without a source. */
+/* Writes the unit loads of the sources, one to each vector of a block. Vectors without a source are
+ * 0. */
 static void put_loads(const struct iso_mesh *mesh, const struct iso_surface_point *sources,
                       int n_sources, const int32_t *place, const struct work *w, double *load)
 {
@@ -181,8 +184,8 @@ static void conserve_heat(const double *total, int m, double *c)
 }
 
 /* The coefficients of the heat column of source s in the Lanczos vectors, c = |v| g(T) e1, changed
- * so that heat is conserved. `weight` has them for the vectors as they are stored, without their
- * scale. */
+ * so that heat is conserved. `weight` receives them times the scale, for the vectors as they are
+ * stored. */
 static int coefficients_of(const struct iso_heat_direct *h, int s, double t_mm2, double gamma,
                            double (*weight)[ISO_BLOCK_MAX])
 {
@@ -214,7 +217,7 @@ static int coefficients_of(const struct iso_heat_direct *h, int s, double t_mm2,
     return 0;
 }
 
-/* Heat columns of a block at one time, out[s * stride] for its source s. */
+/* Writes the heat columns of a block at one time; that of source s begins at out[s * stride]. */
 static int put_columns(struct iso_heat_direct *h, const struct work *w, int n_sources, double t_mm2,
                        double *out, size_t stride)
 {

@@ -13,18 +13,21 @@ struct iso_lanczos {
     const struct iso_symmetric *mass;
     struct iso_factor *factor; /* of L + s B */
     int32_t n, block, capacity;
-    int32_t size;     /* vectors of V that A has been applied to */
-    int32_t last;     /* of these, how many the last block had */
-    int32_t pending;  /* vectors of the next block, behind them; 0 if V is the whole space */
-    double *v, *bv;   /* [capacity + block][n]: V and B V */
-    double *t;        /* [capacity][capacity]: T by columns */
-    double *coupling; /* [last][pending] by columns: what A sends from the last block to the next */
-    double *w;        /* [block][n] */
-    double *projected; /* [block][capacity + block] */
-    uint64_t random;
+    int32_t size;      /* vectors of V to which A was applied */
+    int32_t last;      /* how many of these the last block had */
+    int32_t pending;   /* vectors of the next block, which follow; 0 if V is the whole space */
+    double *v, *bv;    /* [capacity + block][n]: V and B V */
+    double *t;         /* [capacity][capacity]: T by columns */
+    double *coupling;  /* [block][block]: column c has the coefficients, in the next block, of A
+                          applied to vector c of the last one */
+    double *w;         /* [block][n]: working memory */
+    double *projected; /* [block][capacity + block]: working memory */
+    uint64_t random;   /* state of the generator of random numbers */
 };
 
-/* For a matrix of order n; the borrowed factor is of L + s B. capacity <= n. -ENOMEM, -EDOM. */
+/* Begins a basis with one block of random vectors. `factor` is that of L + s B; mass and factor
+ * must outlive the basis. `capacity` is the most vectors of V, at most the order of the matrices.
+ * -ENOMEM, -EDOM; iso_lanczos_done is needed after an error as well. */
 int iso_lanczos_init(struct iso_lanczos *l, const struct iso_symmetric *mass,
                      struct iso_factor *factor, int32_t block, int32_t capacity)
     __attribute__((warn_unused_result));

@@ -15,15 +15,16 @@ struct iso_permuted {
     int32_t *place;                   /* [n], the inverse of the order */
 };
 
-/* -EINVAL, -ENOMEM. */
+/* Makes room for a matrix of these sizes. -EINVAL, -ENOMEM. */
 int iso_permuted_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_permuted **out)
     __attribute__((warn_unused_result));
 
 /* Frees it and what it holds. NULL is accepted. */
 void iso_permuted_free(struct iso_permuted *matrix);
 
-/* Row and column k become row and column order[k] of `a` (a permutation of 0..n - 1, which is not
- * looked after). Borrowed until the next call. -ENOSPC over a capacity. */
+/* Refills the matrix: its row and column k are row and column order[k] of `a`. `order` must be a
+ * permutation of 0..n - 1; this is not checked. *out is borrowed until the next call. -ENOSPC over
+ * a capacity. */
 int iso_permuted_fill(struct iso_permuted *matrix, const struct iso_symmetric *a,
                       const int32_t *order, struct iso_rows *out)
     __attribute__((warn_unused_result));

@@ -173,7 +173,7 @@ static void add_triangle(const struct iso_mesh *mesh, int32_t t, enum iso_mass k
             const double opposite = h.at[(k + 1) % 3] + h.at[(k + 2) % 3];
             add_entry(mass, p, q, area * (opposite / 60.0 + h.mean / 20.0));
             add_entry(mass, v[k], v[k], area * (h.at[k] / 15.0 + h.mean / 10.0));
-        } else { /* the sum of a row of those */
+        } else { /* lumped: the sum of a row of the consistent matrix */
             add_entry(mass, v[k], v[k], area * (h.at[k] / 12.0 + h.mean / 4.0));
         }
     }
@@ -216,7 +216,7 @@ static int assemble_matrices(const struct iso_mesh *mesh, enum iso_mass kind, co
     }
     for (int32_t i = 0; i < mass->n; i++) {
         double *diagonal = &mass->value[mass->column_start[i]];
-        *diagonal = *diagonal > 0.0 ? *diagonal : 1.0; /* a vertex of no (or no proper) triangle */
+        *diagonal = *diagonal > 0.0 ? *diagonal : 1.0; /* 1 for a vertex without a triangle */
     }
     return 0;
 }

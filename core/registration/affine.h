@@ -15,6 +15,7 @@ struct iso_affine iso_affine_identity(void);
 /* The same motion as an affine transform. */
 struct iso_affine iso_affine_of_rigid(const struct iso_rigid *rigid);
 
+/* The transform of a point. */
 static inline struct iso_vec3 iso_affine_apply(const struct iso_affine *a, struct iso_vec3 v)
 {
     return iso_vec3(a->m[0][0] * v.x + a->m[0][1] * v.y + a->m[0][2] * v.z + a->m[0][3],

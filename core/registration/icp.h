@@ -31,16 +31,16 @@ struct iso_icp_options {
     enum iso_icp_pairing pairing;
     double trim;               /* share of the pairs that count, the closest ones, in (0, 1] */
     int iterations_max;        /* >= 1 */
-    double tolerance_mm;       /* stop when the trimmed distance falls by less than this */
+    double tolerance_mm;       /* stop when the trimmed distance changes by less than this */
     const float *group_weight; /* [n_groups] factor on the weights of a group; NULL: 1; 0: as if the
                                 * group's points were missing */
 };
 
 struct iso_icp_result {
     struct iso_affine target_from_source;
-    double distance_mm; /* weighted mean distance of the pairs that count */
-    int pairs, iterations;
-    bool converged;
+    double distance_mm;    /* weighted mean distance of the pairs that count */
+    int pairs, iterations; /* pairs of the last iteration; iterations done */
+    bool converged;        /* the tolerance was reached */
 };
 
 /* Working memory of a registration, 164 kB. It is allocated once and used by one thread at a time;
@@ -49,16 +49,17 @@ struct iso_icp_result {
 struct iso_icp_workspace {
     int n;
     struct iso_vec3 source[ISO_ICP_POINTS_MAX], target[ISO_ICP_POINTS_MAX];
-    double weight[ISO_ICP_POINTS_MAX];   /* both ends present */
+    double weight[ISO_ICP_POINTS_MAX];   /* product of the weights of both points and the group */
     double distance[ISO_ICP_POINTS_MAX]; /* after the present transform, mm */
-    double trimmed[ISO_ICP_POINTS_MAX];  /* weight, or 0 beyond the trim */
-    double sorted[ISO_ICP_POINTS_MAX];   /* distances in another order */
+    double trimmed[ISO_ICP_POINTS_MAX];  /* the weight, or 0 for a pair that does not count */
+    double sorted[ISO_ICP_POINTS_MAX];   /* the distances, reordered to find the limit */
 };
 
-/* Trimmed ICP (Besl and McKay 1992; Chetverikov, Svirko, Stepanov and Krsek 2002): pairs, the best
- * `trim` share of them, closed-form transform of those, again. The first pairing is ordered, so
- * that it starts well. Starts from the identity. -EINVAL for sizes that differ or options out of
- * range, -ENODATA with fewer than 12 pairs, -EDOM if an affine system is singular. */
+/* Registers the source to the target by trimmed ICP (Besl and McKay 1992; Chetverikov, Svirko,
+ * Stepanov and Krsek 2002). Each iteration makes pairs, keeps the closest `trim` share of them, and
+ * computes the transform of these in closed form. It starts from the identity, and the first
+ * pairing is always ordered. -EINVAL for sizes that differ or options out of range, -ENODATA with
+ * fewer than 12 pairs, -EDOM if an affine system is singular. */
 int iso_icp(struct iso_icp_workspace *work, const struct iso_icp_points *source,
             const struct iso_icp_points *target, const struct iso_icp_options *options,
             struct iso_icp_result *result) __attribute__((warn_unused_result));

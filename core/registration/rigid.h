@@ -6,16 +6,16 @@
 
 /* Minimises sum_i weight[i] |T source[i] - target[i]|^2 over proper rigid motions T (Horn 1987,
  * unit quaternions: the eigenvector of the largest eigenvalue of a symmetric 4x4 matrix, by Jacobi
- * rotations). weight may be NULL, which means
- * that all weights are 1; weights are >= 0. -EINVAL unless at least 3 points have a
- * positive weight. Collinear points leave a rotation about their line undetermined: one is chosen.
- */
+ * rotations). The arrays are [n]. Weights are >= 0; NULL means that all weights are 1. -EINVAL
+ * unless at least 3 points have a positive weight. Collinear points do not determine the rotation
+ * about their line: any rotation about it may be the result. */
 int iso_rigid_fit(const struct iso_vec3 *source, const struct iso_vec3 *target,
                   const double *weight, int n, struct iso_rigid *target_from_source)
     __attribute__((warn_unused_result));
 
-/* The same fit in steps, for callers that have no arrays of the points: each point is given twice,
- * in the same order. Starts from all zero. */
+/* The same fit in steps, for callers that have no arrays of the points. The sums are all zero at
+ * first. Give every point to iso_rigid_sums_first, call iso_rigid_sums_centre, give every point to
+ * iso_rigid_sums_second, and call iso_rigid_sums_fit. */
 struct iso_rigid_sums {
     int used; /* points of positive weight */
     double weight;
@@ -23,6 +23,7 @@ struct iso_rigid_sums {
     double s[3][3];                           /* sum w source_i target_j, about the means */
 };
 
+/* Adds a pair of points to the means. w >= 0 is its weight. */
 static inline void iso_rigid_sums_first(struct iso_rigid_sums *sums, struct iso_vec3 source,
                                         struct iso_vec3 target, double w)
 {
@@ -32,9 +33,10 @@ static inline void iso_rigid_sums_first(struct iso_rigid_sums *sums, struct iso_
     sums->target_mean = iso_madd(sums->target_mean, w, target);
 }
 
-/* Between the two rounds. -EINVAL as iso_rigid_fit(). */
+/* Makes means of the sums. -EINVAL as for iso_rigid_fit(). */
 int iso_rigid_sums_centre(struct iso_rigid_sums *sums) __attribute__((warn_unused_result));
 
+/* Adds a pair of points to the products, with the same weight as in the first round. */
 static inline void iso_rigid_sums_second(struct iso_rigid_sums *sums, struct iso_vec3 source,
                                          struct iso_vec3 target, double w)
 {
@@ -48,6 +50,7 @@ static inline void iso_rigid_sums_second(struct iso_rigid_sums *sums, struct iso
     }
 }
 
+/* The motion that takes the source points closest to the target points. */
 struct iso_rigid iso_rigid_sums_fit(const struct iso_rigid_sums *sums);
 
 #endif

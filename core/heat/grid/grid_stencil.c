@@ -47,7 +47,7 @@ struct cells {
     iso_lanes bound;
 };
 
-/* Absolute values instead of comparisons, because compilers split comparisons of vectors up. */
+/* The absolute value. It replaces comparisons, which compilers do lane by lane. */
 #define ABSOLUTE(a) ((iso_lanes)((iso_lane_bits)(a)&INT32_MAX))
 
 /* Adds the triangles that leave out corner k; z are the heights of the cells' corners. */
@@ -75,8 +75,8 @@ static inline void add_triangles(struct cells *c, const iso_lanes z[4], int k,
 
 #define ADD(plane, value) ISO_LANES_STORE(plane, ISO_LANES_LOAD(plane) + (value))
 
-/* The edges of L from the triangles of a part of a row of cells, in whole groups of lanes. `below`:
- * the row of pixels below the cells belongs to the window too. */
+/* Adds the entries of L for the edges of a part of a row of cells, in whole groups of lanes.
+ * `below`: the row of pixels below the cells belongs to the window too. */
 static inline void add_row(struct iso_grid_stencil *s, const struct iso_grid *grid, int row,
                            ptrdiff_t left, ptrdiff_t end, bool below)
 {
@@ -116,7 +116,7 @@ static void sum_row(struct iso_grid_stencil *s, ptrdiff_t from, ptrdiff_t to)
     }
 }
 
-/* D^-1/2. */
+/* Fills in D^-1/2; 0 where there is no vertex. */
 static void root_row(struct iso_grid_stencil *s, const struct iso_grid *grid, ptrdiff_t from,
                      ptrdiff_t to)
 {
@@ -168,8 +168,8 @@ void iso_grid_stencil_build(struct iso_grid_stencil *s, const struct iso_grid *g
     }
 }
 
-/* The larger of each pair. No value is negative, so that floats have the same order as their bits.
- */
+/* Raises `most` to the larger of each pair. No value is negative, so that floats have the same
+ * order as their bits. */
 #define LARGER(most, bound)                                                                \
     do {                                                                                   \
         const iso_lane_bits now = (iso_lane_bits)ISO_LANES_LOAD(bound), is = now > (most); \

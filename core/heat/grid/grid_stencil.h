@@ -12,38 +12,40 @@
 
 #include "core/surface/grid.h"
 
-/* Planes in the grid's layout; entry (i, j) of A stands at the pixel that comes first, row by row,
- * that of a rising diagonal at the cell's top left. Where there is no vertex, everything is 0. */
+/* Planes in the grid's layout. The entry of A for two pixels is stored at the pixel that comes
+ * first row by row; only the entry of a rising diagonal is stored at the top left pixel of its
+ * cell. Where there is no vertex, all planes are 0. */
 struct iso_grid_stencil {
     ptrdiff_t stride;
     float *centre;       /* a pixel with itself */
-    float *east, *south; /* with the pixels to the right and below, */
-    float *south_east;   /* and the one right of that; */
-    float *south_west;   /* the pixel to the right with the one below */
+    float *east, *south; /* a pixel with the pixel to the right, and with the pixel below */
+    float *south_east;   /* a pixel with the pixel below and to the right */
+    float *south_west;   /* the pixel to the right with the pixel below */
     float *root;         /* D^-1/2 of the pixel, 1/mm; 0: no vertex */
-    float *bound;        /* no triangle of the cells in this row and the next seven has a larger
-                            eigenvalue; in rows 0, 8, 16 ... */
-    float *memory;       /* of all planes */
-    size_t plane_size;   /* floats */
+    float *bound;        /* in rows 0, 8, 16 ...: the largest eigenvalue of a triangle of this
+                            column's cells in this row and the next seven, or a little more */
+    float *memory;       /* the memory of all planes */
+    size_t plane_size;   /* floats of a plane */
 };
 
-/* Planes for grids of that size. -ENOMEM. */
+/* Makes planes for grids of the size of `grid`. -ENOMEM. */
 int iso_grid_stencil_new(const struct iso_grid *grid, struct iso_grid_stencil **out)
     __attribute__((warn_unused_result));
 
 /* Frees it and what it holds. NULL is accepted. */
 void iso_grid_stencil_free(struct iso_grid_stencil *stencil);
 
-/* The operator of the grid's surface at the pixels of a window, whose column and width are
- * multiples of ISO_LANES (lanes.h). */
+/* Builds the operator of the grid's surface at the pixels of a window. The column and the width of
+ * the window are multiples of ISO_LANES (lanes.h). */
 void iso_grid_stencil_build(struct iso_grid_stencil *stencil, const struct iso_grid *grid,
                             struct iso_grid_window window);
 
-/* No eigenvalue of A restricted to a window exceeds this, 1/mm^2: the largest over single triangles
- * (Fried 1972) of the window and of the few rows that share its blocks of eight. That of a triangle
- * with cotangents of sum s and the mass A / 3 at each corner is 3 / A times (s + sqrt(s^2 - 3)) /
- * 2, which is taken too large: by 2 % where the surface lies flat in the grid, s = 2, and by no
- * more than a third, for an equilateral triangle. */
+/* An upper bound of the eigenvalues of A restricted to a window, 1/mm^2. It is the largest
+ * eigenvalue of a single triangle (Fried 1972) in the window and in the few rows that share its
+ * blocks of eight. A triangle of the area F, whose cotangents have the sum s, has the eigenvalue 3
+ * / F (s + sqrt(s^2 - 3)) / 2, with the mass F / 3 at each corner. The approximation used here is
+ * larger by 2 % where the surface lies flat in the grid (s = 2), and by at most a third, for an
+ * equilateral triangle. */
 double iso_grid_stencil_bound(const struct iso_grid_stencil *stencil,
                               struct iso_grid_window window);
 

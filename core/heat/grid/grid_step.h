@@ -6,10 +6,11 @@
  * same operations as if one step were taken after the other, so that results are the same to the
  * bit.
  *
- * The same source is compiled for every processor of the architecture and, on x86-64, for AVX2;
- * iso_grid_stepper chooses by what the machine has. Both do the same operations in the same order
- * (AVX2 without FMA), so that their results are the same to the bit. (On arm64 the compiler may
- * join a product and a sum into one instruction; the tests show whether it did so everywhere.) */
+ * The same source is compiled for every processor of the architecture and, on x86-64, for AVX2.
+ * iso_grid_stepper chooses the fastest that the machine has. Both do the same operations in the
+ * same order (AVX2 without FMA), so that their results are the same to the bit. (On arm64 the
+ * compiler may join a product and a sum into one instruction; the tests show whether it did so
+ * everywhere.) */
 #ifndef ISO_CORE_HEAT_GRID_GRID_STEP_H
 #define ISO_CORE_HEAT_GRID_GRID_STEP_H
 
@@ -25,7 +26,8 @@ struct iso_grid_load {
 };
 
 /* io = forth * A y + back * y - io + load in a window whose column and width are multiples of
- * ISO_LANES. y is 0 in the column before it, and in the row above it if A begins there. */
+ * ISO_LANES. y must be 0 in the column before the window. It must also be 0 in the row above the
+ * window if this is the first row of the window that A was built for. */
 struct iso_grid_step {
     struct iso_grid_window window;
     float forth, back;
@@ -34,8 +36,8 @@ struct iso_grid_step {
     struct iso_grid_load load;
 };
 
-/* One step after the other, 1..ISO_GRID_STEPS_MAX of them: the y of each is the io of the one
- * before it and its io the y of that. */
+/* Takes 1..ISO_GRID_STEPS_MAX steps, one after the other: the y of each is the io of the one before
+ * it, and its io is the y of the one before it. */
 typedef void iso_grid_sweep(const struct iso_grid_stencil *a, const struct iso_grid_step *steps,
                             int n_steps);
 

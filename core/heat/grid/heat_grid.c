@@ -12,21 +12,21 @@
 
 enum { SOURCES_MAX = 64, VECTORS = 2 };
 
-/* How far an isotherm may move because the expansion ends: an estimate of the worst case, as that
- * of the window's end (heat_window.c). */
+/* How far an isotherm may move because the expansion is cut off: an estimate of the worst case,
+ * like the one for the end of the window (heat_window.c). */
 static const double expansion_error_mm = 0.05;
 
-/* Single precision leaves nothing below this. */
+/* A smaller tolerance has no effect in single precision. */
 static const double tolerance_min = 1e-9;
 
-/* Of t lambda: below, the coefficients' recurrence would overflow. */
+/* The least t lambda: with a smaller one the recurrence of the coefficients would overflow. */
 static const double argument_min = 0.02;
 
-/* The heat of a source, which is in the plane of the same number. */
+/* A source and its window. Its heat is in the plane of the same index. */
 struct column {
     struct iso_grid_point source;
-    struct iso_grid_window window; /* outside, the plane is 0 */
-    double lambda;                 /* bound of the window's spectrum, 1/mm^2 */
+    struct iso_grid_window window; /* the plane is 0 outside of it */
+    double lambda;                 /* bound of the eigenvalues in the window, 1/mm^2 */
 };
 
 struct iso_heat_grid {
@@ -34,10 +34,10 @@ struct iso_heat_grid {
     iso_grid_sweep *sweep;
     size_t plane_size, plane_origin;
     float *planes; /* one for each source, then the vectors of the recurrence */
-    int n_columns; /* as many as sources */
+    int n_columns; /* most sources of a call */
     struct column *columns;
-    float *vector[VECTORS]; /* the recurrence's last two: zero outside a call */
-    double c[ISO_CHEBYSHEV_TERMS_MAX];
+    float *vector[VECTORS]; /* the last two vectors of the recurrence; zero outside a call */
+    double c[ISO_CHEBYSHEV_TERMS_MAX]; /* the coefficients of the expansion */
     struct iso_heat_grid_effort effort;
 };
 
@@ -82,8 +82,8 @@ void iso_heat_grid_free(struct iso_heat_grid *solver)
     }
 }
 
-/* How small coefficients may be left out. The heat at the radius in terms of a unit vector, D^1/2
- * u, is pitch exp(-r^2 / 4t) / (4 pi t), that at the source is 1 / pitch. */
+/* The sum of the coefficients that may be left out. The scaled heat D^1/2 u is pitch
+ * exp(-r^2 / 4t) / (4 pi t) at the radius r, for a load of 1 / pitch at the source. */
 static double tolerance_of(double pitch_mm, double radius_mm, double t_mm2)
 {
     const double level = exp(-radius_mm * radius_mm / (4.0 * t_mm2)) / (4.0 * M_PI * t_mm2);
@@ -98,7 +98,7 @@ static void clear_window(float *plane, ptrdiff_t stride, struct iso_grid_window 
     }
 }
 
-/* weight D^-1/2 b: the unit load of the source. */
+/* weight D^-1/2 b, where b is the unit load of the source. */
 static struct iso_grid_load load_of(const struct iso_heat_grid *h,
                                     const struct iso_grid_point *source, double weight)
 {
@@ -134,8 +134,8 @@ static void sweep_steps(struct recurrence *r)
     }
 }
 
-/* The next vector, 2 x now - before, or half of the first term: x = 2 A / lambda - 1 maps the
- * spectrum to -1..1. It is vector number `number`, counted from the load, which is number 0. */
+/* Adds the step to the next vector, half * 2 x now - before, where x = 2 A / lambda - 1 maps the
+ * spectrum to -1..1. `number` is the number of that vector; the load is number 0. */
 static struct iso_grid_step *add_step(struct recurrence *r, int number, double half)
 {
     if (r->n_steps == ISO_GRID_STEPS_MAX) {

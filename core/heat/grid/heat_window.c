@@ -5,9 +5,9 @@
 
 #include "core/base/lanes.h"
 
-/* How far an isotherm may move because the window ends. This estimate counts the worst of
- * everything. The measured error is a tenth of it (test_heat_grid_accuracy), since a window loses
- * most of its heat evenly all around, and the level of the isotherm makes that good. */
+/* How far an isotherm may move because the window ends, if all effects add up. The measured error
+ * is a tenth of it (test_heat_grid_accuracy): a window loses most of its heat evenly all around,
+ * and the level of the isotherm compensates for that. */
 static const double window_error_mm = 0.2;
 
 /* The half side R such that exp(-R (R - r) / t) <= window_error_mm r / 2t. The right side is the

@@ -9,15 +9,15 @@
 
 #include "core/surface/grid.h"
 
-/* Half the side of the window that a source needs, so that the isotherm of this radius stays where
- * it is although the window ends. */
+/* Half the side of the window that a source needs, mm, so that the end of the window does not move
+ * the isotherm of this radius noticeably. */
 double iso_heat_window_reach_mm(double radius_mm, double t_mm2);
 
-/* The window about a source: everything within `reach_mm`, as far as the grid goes. */
+/* The window about a source: everything within `reach_mm` of it, clipped to the grid. */
 struct iso_grid_window iso_heat_window(const struct iso_grid *grid,
                                        const struct iso_grid_point *source, double reach_mm);
 
-/* The part of its window that a source's heat can have reached after so many steps. */
+/* The part of a source's window that its heat can have reached after this many steps. */
 struct iso_grid_window iso_heat_window_reached(struct iso_grid_window window, ptrdiff_t stride,
                                                const struct iso_grid_point *source, int steps);
 
