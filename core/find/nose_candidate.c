@@ -9,22 +9,22 @@
 #include "core/base/solve.h"
 
 /* Sizes of a head, mm. */
-static const double part_jump_mm = 40.0;    /* a step between pixels that parts two surfaces */
-static const double part_area_mm2 = 6000.0; /* the least that may hold a face */
+static const double part_jump_mm = 40.0;    /* a larger step of depth separates two parts */
+static const double part_area_mm2 = 6000.0; /* the least area of a part that may hold a face */
 static const double ring_radius_mm = 40.0;
 static const double ring_reach_mm = 70.0; /* ring points further off in depth are not the face */
 static const double height_min_mm = 7.0;
 static const double height_max_mm = 60.0;
-static const double low_mm = 2.0;    /* four points of a ring say less than all of it */
-static const double apart_mm = 22.0; /* two candidates are at least so far apart */
+static const double low_mm = 2.0;    /* a lower mean of four ring points is surely no nose */
+static const double apart_mm = 22.0; /* the least distance of two candidates */
 
 enum { RING = 16, RING_MIN = 9 };
 
 struct iso_candidate_finder {
     size_t capacity_px;
     int32_t *part;    /* of each pixel, -1 for none */
-    int32_t *queue;   /* flood fill */
-    float *height_mm; /* above the ring, 0 for none */
+    int32_t *queue;   /* pixels of the part that flood fill is finding */
+    float *height_mm; /* of each pixel above its ring; 0 for no candidate */
 };
 
 /* A connected piece of surface. */
@@ -96,7 +96,7 @@ static double flood_part(struct iso_candidate_finder *f, const struct iso_frame 
     return area;
 }
 
-/* Finds the parts that may hold a face, sorted from near to far; returns how many. */
+/* Finds the nearest parts that may hold a face, sorted from near to far. Returns how many. */
 static int find_parts(struct iso_candidate_finder *f, const struct iso_frame *frame,
                       const struct iso_candidate_options *options,
                       struct part parts[ISO_CANDIDATE_PARTS_MAX])
@@ -128,7 +128,8 @@ static int find_parts(struct iso_candidate_finder *f, const struct iso_frame *fr
     return n;
 }
 
-/* Mean point of the 3x3 pixels about one that lie on the same surface. */
+/* The point that a pixel sees, with the mean depth of those of its 3 x 3 surroundings that lie on
+ * the same surface. */
 static struct iso_vec3 smoothed_point(const struct iso_frame *frame, int column, int row)
 {
     double z = (double)iso_frame_depth_at(frame, column, row), sum = 0.0;
@@ -154,8 +155,8 @@ static const double ring_cosine[RING] = {
     1.0,  0.92387953,  0.70710678,  0.38268343,  0.0, -0.38268343, -0.70710678, -0.92387953,
     -1.0, -0.92387953, -0.70710678, -0.38268343, 0.0, 0.38268343,  0.70710678,  0.92387953};
 
-/* Whether the place is certainly not high. This quick look needs only two opposite pairs of the
- * ring, all of them on the surface; it spares most pixels the whole ring. */
+/* Whether a place is certainly not high. This quick check needs only four points of the ring, two
+ * opposite pairs, all of them on the surface. Most pixels then need no check of the whole ring. */
 static bool surely_low(const struct iso_frame *frame, int column, int row, double z_mm,
                        double radius_px)
 {
@@ -179,8 +180,8 @@ static bool surely_low(const struct iso_frame *frame, int column, int row, doubl
 }
 
 /* Height of a pixel towards the camera, above the least-squares plane z = a + b dx + c dy through
- * the ring about the pixel. It is measured along the plane's normal, and it is 0 if too few points
- * of the ring were measured. */
+ * the ring about the pixel, along the normal of the plane. 0 if the place is surely low, or if too
+ * few points of the ring were measured. */
 static double height_above_ring(const struct iso_frame *frame, int column, int row)
 {
     const struct iso_vec3 centre = smoothed_point(frame, column, row);

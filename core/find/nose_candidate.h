@@ -1,4 +1,4 @@
-/* Where a nose may be: convex places of the right size, in a coarse frame.
+/* Places where the tip of a nose may be: convex places of the right size in a coarse frame.
  *
  * The frame is shrunk to about 4 mm a pixel. The score of a place is its height above the plane
  * through a ring of 40 mm about it (nose tips: 15..35 mm, at any pose up to 40 degrees). The
@@ -25,17 +25,19 @@ struct iso_candidate_options {
     double near_mm, far_mm; /* depths looked at */
 };
 
-/* Scratch for frames of up to capacity_px pixels. */
+/* Working memory of a search. */
 struct iso_candidate_finder;
+
+/* Makes a finder for frames of up to capacity_px pixels. -ENOMEM. */
 int iso_candidate_finder_new(size_t capacity_px, struct iso_candidate_finder **out)
     __attribute__((warn_unused_result));
 
 /* Frees it and what it holds. NULL is accepted. */
 void iso_candidate_finder_free(struct iso_candidate_finder *finder);
 
-/* Writes at most ISO_CANDIDATES_MAX candidates, part by part and by falling height within one;
- * *n_parts (may be 0: nobody there) counts the parts of head size in range. -ENOSPC over the
- * finder's capacity. */
+/* Writes at most ISO_CANDIDATES_MAX candidates, part by part, and within a part by falling height.
+ * *n_candidates is their number. *n_parts is the number of parts in range that are large enough for
+ * a face, at most ISO_CANDIDATE_PARTS_MAX. Both may be 0. -ENOSPC over the finder's capacity. */
 int iso_candidates_find(struct iso_candidate_finder *finder, const struct iso_frame *frame,
                         const struct iso_candidate_options *options,
                         struct iso_nose_candidate candidates[ISO_CANDIDATES_MAX], int *n_candidates,

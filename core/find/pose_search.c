@@ -4,8 +4,9 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* How many poses go from one round to the next. First these are the best of each candidate, so that
- * near copies of one wrong pose do not displace all others; then they are the best of all. */
+/* How many poses go from one round to the next. At first the best OF_A_CANDIDATE poses of each
+ * candidate are kept, so that near copies of one wrong pose do not displace all others. The later
+ * rounds keep the best poses of all. */
 enum { OTHERS = 4, OF_A_CANDIDATE = 2, FINALISTS = 16, REFINED = 8, FITTED = 4 };
 
 /* Vertices that the first round compares. */
@@ -20,8 +21,8 @@ static const double turned_cost_mm2 = 5.0;
 
 /* A fit this good is certainly a face; parts of the scene behind it are not searched. */
 static const double beyond_doubt_mm2 = 6.0;
-/* A second face counts if its nose is at least this far from the first one, and at most this many
- * times as far from the camera. */
+/* A second face counts if at least this share of it is measured and in the image, if its nose is at
+ * least this far from the first one, and if it is at most this many times as far away. */
 static const double other_coverage_min = 0.8;
 static const double other_apart_mm = 110.0, other_far_ratio = 1.2;
 /* A nearer fit gives way to one that is better by more than this. */
@@ -120,7 +121,7 @@ static struct rough_poses try_candidate(const struct iso_pose_search *search,
     return poses;
 }
 
-/* Whether two poses are so close that further steps would bring them together. */
+/* Whether two poses are so close that further steps would make them the same. */
 static bool much_alike(const struct iso_rigid *a, const struct iso_rigid *b)
 {
     struct iso_mat3 bt = iso_mat3_transpose(&b->rotation);
@@ -251,7 +252,7 @@ int iso_pose_search(const struct iso_pose_search *search,
     if (!found) {
         return -ENOENT;
     }
-    /* Parts that were not searched, because the face was beyond doubt. */
+    /* Parts that were not searched because the face was beyond doubt may hold another face. */
     const double far_mm = other_far_ratio * found->camera_from_face.translation_mm.z;
     for (; i < n_candidates; i++) {
         if (candidates[i].point_mm.z < far_mm) {

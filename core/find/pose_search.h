@@ -2,8 +2,8 @@
  *
  * Every candidate is tried as the nose tip in nine attitudes (yaw and pitch); the mean face is
  * registered by a few rigid steps. The best ones are refined, and the whole head model is fitted
- * from the best few of those. The nearest part of the scene is taken in which the fit is about as
- * good as anywhere, so that a person who stands behind the visitor is never taken. */
+ * from the best few of those. The result is the fit to the nearest part of the scene whose cost is
+ * near the lowest one, so that a person who stands behind the visitor is not taken. */
 #ifndef ISO_CORE_FIND_POSE_SEARCH_H
 #define ISO_CORE_FIND_POSE_SEARCH_H
 
@@ -12,11 +12,11 @@
 
 /* The tools of a search, and the frame that it searches. */
 struct iso_pose_search {
-    const struct iso_pose_vertices *vertices; /* a couple of hundred of the mean face */
-    struct iso_shape_fitter *fitter;          /* set for few iterations */
+    const struct iso_pose_vertices *vertices; /* about 200 vertices of the mean face */
+    struct iso_shape_fitter *fitter;          /* with options for few iterations */
     const struct iso_frame *frame;            /* the frame of the candidates */
-    double cost_max_mm2;                      /* a worse fit is no face */
-    double coverage_min;
+    double cost_max_mm2;                      /* a fit with a higher cost is no face */
+    double coverage_min;                      /* a lower coverage makes the cost higher, 0..1 */
 };
 
 /* Returns 0 and the pose, or -ENOENT if no part of the scene holds a face. The cost of the pose

@@ -2,12 +2,13 @@
 
 #include <math.h>
 
-/* More than noise changes a mean over half a second, and less than a person's sway does. */
+/* The least change of a mean over half a second that counts. Noise changes it less, sway more. */
 static const float change_mm = 100.0F;
 static const int64_t window_ns = 500000000;
 enum { CELLS_MIN = 4, FRAMES_MIN = 3, STEP_PX = 2 };
 
-/* The mean depth of the measured pixels of a cell; 0 if fewer than half of them are measured. */
+/* The mean depth of the measured pixels of a cell, of which every second one in each direction is
+ * read. 0 unless more than half of these are measured. */
 static float mean_depth_mm(const struct iso_frame *frame, int row, int column)
 {
     const int top = row * frame->height_px / ISO_SCENE_ROWS;
@@ -40,7 +41,8 @@ static void add_frame(struct iso_scene_motion *scene, const struct iso_frame *fr
     scene->latest_ns = frame->t_ns;
 }
 
-/* Ends a half second. Returns how many cells changed that were within reach before or are now. */
+/* Ends a half second. Returns how many cells changed. Only cells count that were measured before
+ * and now, and were within reach at one of these times. */
 static int end_window(struct iso_scene_motion *scene, float reach_mm)
 {
     int n_changed = 0;

@@ -26,7 +26,7 @@ struct iso_scene_cell {
     int n;           /* frames of this half second in which it was measured */
 };
 
-/* All zero: nothing was seen yet. A value of its own: copied freely, nothing to be freed. */
+/* What was seen so far; all zero at first. A plain value: it can be copied and is not freed. */
 struct iso_scene_motion {
     struct iso_scene_cell cells[ISO_SCENE_ROWS][ISO_SCENE_COLUMNS];
     int width_px, height_px;     /* of the frames compared; 0: there was none */
@@ -36,9 +36,9 @@ struct iso_scene_motion {
     bool moved;
 };
 
-/* Takes the next frame into account: whether something moves at a depth of at most reach_mm, or
- * moved within the last quiet_ns. A frame of another size, or an earlier one, begins anew. Some
- * 0.1 ms a frame of 640x480. */
+/* Adds the next frame. Returns whether something at a depth of at most reach_mm moved within the
+ * last quiet_ns. A frame of another size, or with an earlier time, starts from the beginning. Takes
+ * some 0.1 ms for a frame of 640 x 480. */
 bool iso_scene_motion_feed(struct iso_scene_motion *scene, const struct iso_frame *frame,
                            double reach_mm, int64_t quiet_ns);
 

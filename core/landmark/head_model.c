@@ -137,8 +137,7 @@ static const char *inconsistency_of(const struct iso_head_model *model)
     return NULL;
 }
 
-/* The readers and writers below return a pointer to the byte after those that they read or wrote.
- */
+/* The readers and writers below return a pointer to the byte after the last one that they used. */
 
 static const uint8_t *read_mesh(const uint8_t *p, struct iso_head_model *model)
 {
@@ -155,7 +154,7 @@ static const uint8_t *read_mesh(const uint8_t *p, struct iso_head_model *model)
     return p + model->n_vertices;
 }
 
-/* NULL if the reserved bytes are not zero. */
+/* Returns NULL if the reserved bytes are not zero. */
 static const uint8_t *read_landmarks(const uint8_t *p, struct iso_head_model *model)
 {
     for (int i = 0; i < ISO_LANDMARKS_IBUG; i++, p += LANDMARK_BYTES) {
@@ -228,7 +227,8 @@ static uint8_t *write_modes(uint8_t *p, size_t n_modes, size_t n, const float *m
     return p;
 }
 
-/* Fills in a model of the right counts from a file of the right size and checksum. */
+/* Fills in a model of the right counts from a file of the right size and checksum. Returns NULL, or
+ * what is wrong with the contents. */
 static const char *parse_contents(const uint8_t *p, struct iso_head_model *model)
 {
     const size_t n = 3 * (size_t)model->n_vertices;

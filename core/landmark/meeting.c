@@ -2,8 +2,9 @@
 
 #include <stdbool.h>
 
+/* The cosine of the largest angle, 75 degrees, between a normal and the line of sight. */
 static const double facing_cosine = 0.26;
-/* Depths about a place belong to one surface if they differ by less. */
+/* The four depths about a place belong to one surface if they differ by less than this. */
 static const float together_mm = 10.0f;
 
 /* Conditional expressions, because fmin and fmax would be calls, and this runs a hundred thousand
@@ -18,7 +19,7 @@ static inline float larger(float a, float b)
     return a > b ? a : b;
 }
 
-/* column and row are not negative. */
+/* The depth at a position of the frame; 0 if there is none. column and row are not negative. */
 static double depth_between(const struct iso_frame *frame, double column, double row)
 {
     int u = (int)column, v = (int)row;

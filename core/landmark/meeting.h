@@ -7,15 +7,16 @@
 
 enum iso_meeting {
     ISO_MEETING_TURNED_AWAY, /* its normal is more than 75 degrees off the line of sight */
-    ISO_MEETING_OUTSIDE,     /* projects outside the frame */
-    ISO_MEETING_UNMEASURED,  /* no depth where it appears */
-    ISO_MEETING_MEASURED,
-    ISO_MEETINGS
+    ISO_MEETING_OUTSIDE,     /* it projects outside the frame */
+    ISO_MEETING_UNMEASURED,  /* the frame has no depth where it appears */
+    ISO_MEETING_MEASURED,    /* it is compared with a measured depth */
+    ISO_MEETINGS             /* how many there are */
 };
 
-/* The signed distance of a camera-frame point from the measured surface along the unit normal of
- * the point; written only if measured. The depth is bilinear between pixels of one surface,
- * otherwise that of the nearest pixel. */
+/* Compares a camera-frame point of the model, with its unit normal, with the frame. For
+ * ISO_MEETING_MEASURED, *distance_mm becomes the distance of the point from the measured surface
+ * along the normal: above 0 if the point lies before the surface. The depth is bilinear between
+ * pixels of one surface, otherwise that of the nearest pixel. */
 enum iso_meeting iso_meet(const struct iso_frame *frame, struct iso_vec3 point,
                           struct iso_vec3 normal, double *distance_mm);
 

@@ -8,7 +8,8 @@
 static const double eye_reach_mm = 20.0, mouth_reach_mm = 26.0, nose_half_width_mm = 18.0;
 static const double side_from_mm = 12.0;
 
-/* The head may lie this far behind the surface because it fits no better. */
+/* A vertex is covered if it lies further than this behind the surface. Less may be an error of the
+ * fit. */
 static const double before_mm = 10.0;
 
 /* A part with fewer visible vertices is not judged. */

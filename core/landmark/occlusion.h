@@ -4,10 +4,12 @@
 
 #include "core/landmark/shape_fit.h"
 
-/* Sets the parts to which each vertex of the model's face belongs, as bits 1 << enum iso_face_part,
- * from its place in the mean face. `parts` has room for all vertices. */
+/* Sets parts[i] to the parts to which vertex i of the model belongs, as bits 1 << enum
+ * iso_face_part, from its place in the mean face; 0 for a vertex outside the face. `parts` has room
+ * for all vertices. */
 void iso_face_parts_of(const struct iso_head_model *model, uint8_t *parts);
 
+/* Measures which parts of a fitted head are covered. `parts` comes from iso_face_parts_of. */
 struct iso_occlusion iso_occlusion_measure(const struct iso_shape_residuals *head,
                                            const uint8_t *parts);
 

@@ -39,12 +39,12 @@ static int accumulate(const struct iso_pose_vertices *vertices, int n,
     return met;
 }
 
-/* A weak prior that pulls the nose tip, the origin of the face frame, to where it was seen. */
+/* Adds a weak prior that pulls the nose tip, the origin of the face frame, to where it was seen. */
 static void add_prior(const struct iso_pose_options *options, const struct iso_rigid *pose,
                       double h[DOF * DOF], double g[DOF])
 {
-    /* The sum of squares has hundreds of vertices of about 2 mm rms; the prior counts as much as
-     * ten of them. */
+    /* The sum of squares has hundreds of vertices with residuals of about 2 mm. The prior counts as
+     * much as ten of them. */
     const double w = 10.0 * 4.0 / (options->nose_sigma_mm * options->nose_sigma_mm);
     const struct iso_vec3 off = iso_sub(pose->translation_mm, options->nose_mm);
     const double r[3] = {off.x, off.y, off.z};

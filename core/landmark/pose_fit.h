@@ -16,11 +16,12 @@ struct iso_pose_vertices {
     int n;
     struct iso_vec3 *point_mm; /* [n], face frame */
     struct iso_vec3 *normal;   /* [n], unit, outward */
-    double *weight;            /* [n], how much the place moves with identity and expression */
+    double *weight;            /* [n], 1 for vertices of ISO_HEAD_RIGID, else the soft weight */
 };
 
-/* `count` vertices (0: all) of the region ISO_HEAD_FACE by farthest-point sampling; those that are
- * not ISO_HEAD_RIGID get `soft_weight`. -EINVAL if the model has no such region, -ENOMEM. */
+/* Chooses `count` vertices (0: all) of the region ISO_HEAD_FACE by farthest-point sampling. Those
+ * that are not ISO_HEAD_RIGID get the weight `soft_weight`. -EINVAL if the model has no such
+ * region, or if count or soft_weight is below 0; -ENOMEM. */
 int iso_pose_vertices_new(const struct iso_head_model *model, int count, double soft_weight,
                           struct iso_pose_vertices **out) __attribute__((warn_unused_result));
 
@@ -29,10 +30,10 @@ void iso_pose_vertices_free(struct iso_pose_vertices *vertices);
 
 struct iso_pose_options {
     int iterations;                         /* 1..64 */
-    int vertices;                           /* compared at most; 0: all */
-    double cutoff_first_mm, cutoff_last_mm; /* Tukey's cut-off, geometric between */
-    double nose_sigma_mm;                   /* prior on the nose tip; 0: none */
-    struct iso_vec3 nose_mm;                /* camera frame, where the prior wants it */
+    int vertices;                           /* most vertices that are compared; 0: all */
+    double cutoff_first_mm, cutoff_last_mm; /* Tukey's cut-off falls geometrically between these */
+    double nose_sigma_mm;                   /* standard deviation of the nose tip; 0: no prior */
+    struct iso_vec3 nose_mm;                /* expected position of the nose tip, camera frame */
 };
 
 /* The limit of a squared residual in the cost of a fit. */
@@ -45,8 +46,8 @@ struct iso_pose_fit {
     double in_image; /* share of front-facing vertices that project into the frame */
 };
 
-/* Starts from `start`. -ENODATA if fewer than 30 vertices meet a measurement or they do not fix a
- * pose. */
+/* Registers the mean face to the frame, beginning at the pose `start`. -ENODATA if fewer than 30
+ * vertices meet a measurement, or if these do not determine a pose. */
 int iso_pose_fit(const struct iso_pose_vertices *vertices, const struct iso_frame *frame,
                  const struct iso_pose_options *options, const struct iso_rigid *start,
                  struct iso_pose_fit *out) __attribute__((warn_unused_result));

@@ -1,5 +1,4 @@
-/* The figures by which fits are judged, summed over the vertices of a model. Internal to
- * core. */
+/* The figures by which fits are judged, summed over the vertices of a model. Internal to core. */
 #ifndef ISO_CORE_LANDMARK_POSE_TALLY_H
 #define ISO_CORE_LANDMARK_POSE_TALLY_H
 
@@ -11,6 +10,7 @@ struct iso_pose_tally {
     double cost_mm2;
 };
 
+/* Adds one vertex. distance_mm is used only for ISO_MEETING_MEASURED. */
 static inline void iso_pose_tally_add(struct iso_pose_tally *tally, enum iso_meeting meeting,
                                       double distance_mm)
 {
@@ -20,7 +20,7 @@ static inline void iso_pose_tally_add(struct iso_pose_tally *tally, enum iso_mee
     }
 }
 
-/* Sets all of a fit but its pose. */
+/* Sets the cost, the coverage and the share in the image of a fit. */
 static inline void iso_pose_tally_finish(const struct iso_pose_tally *tally,
                                          struct iso_pose_fit *fit)
 {

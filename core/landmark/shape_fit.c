@@ -12,6 +12,7 @@
 /* Vertices that the starts of a fit compare. */
 enum { TRIAL_VERTICES = 320 };
 
+/* The cost of a vertex without a measurement when starts are compared. */
 static const double unmeasured_cost_mm2 = 15.0;
 static const int chin_ibug = 8;
 
@@ -28,6 +29,7 @@ static bool options_sane(const struct iso_shape_fit_options *o)
            o->identity_stiffness_mm2 > 0.0 && o->expression_stiffness_mm2 > 0.0;
 }
 
+/* The sign of the first expression mode that moves the chin down; 0 without such a mode. */
 static double jaw_sign(const struct iso_head_model *model)
 {
     if (model->n_expression == 0) {
@@ -123,7 +125,7 @@ static void wipe_points(struct iso_vec3 *points, size_t n)
 
 void iso_shape_fitter_free(struct iso_shape_fitter *fitter)
 {
-    if (fitter) { /* the remains of a face are biometric data */
+    if (fitter) { /* the shape of the last face is biometric data */
         wipe_points(fitter->shape, fitter->model->n_vertices);
         wipe_points(fitter->fitted, fitter->model->n_vertices);
         free(fitter->modes);
@@ -166,7 +168,8 @@ static int take_steps(struct iso_shape_fitter *f, const struct iso_frame *frame,
     return error;
 }
 
-/* Begins the fit with the jaw open by `jaw` and says how well it goes. */
+/* Takes the first steps of the fit from a state whose jaw is open by `jaw`. *cost_mm2 is how badly
+ * it fits then. */
 static int try_jaw(struct iso_shape_fitter *f, const struct iso_frame *frame,
                    const struct iso_rigid *pose, double jaw, struct iso__shape_state *state,
                    double *cost_mm2)
@@ -179,14 +182,14 @@ static int try_jaw(struct iso_shape_fitter *f, const struct iso_frame *frame,
     const int error = take_steps(f, frame, 0, trial_steps(&f->options), TRIAL_VERTICES, state);
     if (!error) {
         iso__shape_measure(f, frame, &state->pose, &fit);
-        /* A closed mouth over an open one leaves places without measurements, which must count too.
-         */
+        /* If the model's mouth is shut over an open one, vertices there have no measurements. They
+         * must count as well. */
         *cost_mm2 = fit.coverage * fit.cost_mm2 + (1.0 - fit.coverage) * unmeasured_cost_mm2;
     }
     return error;
 }
 
-/* The pose alone, of the mean face. */
+/* Fits the pose alone, with the mean face. */
 static int fit_rigidly(struct iso_shape_fitter *f, const struct iso_frame *frame,
                        struct iso__shape_state *state)
 {
@@ -199,7 +202,7 @@ static int fit_rigidly(struct iso_shape_fitter *f, const struct iso_frame *frame
     return error;
 }
 
-/* The state becomes the best of the starts from its pose. -ENODATA if no start gets anywhere. */
+/* Sets the state to the best of the starts from its pose. -ENODATA if no start can be fitted. */
 static int choose_jaw(struct iso_shape_fitter *f, const struct iso_frame *frame,
                       struct iso__shape_state *state)
 {

@@ -23,35 +23,38 @@ struct iso_shape_fit {
     /* The twelve landmarks of the head without its expression, face frame: where they would be if
      * the face were at rest. */
     struct iso_vec3 neutral_mm[ISO_LANDMARKS];
-    /* Standard deviation of where each of the twelve is (root of the trace of its covariance),
-     * from the curvature of the fit at its minimum and its residual. */
+    /* Standard deviation of the position of each of the twelve (root of the trace of its
+     * covariance), from the curvature of the fit at its minimum and its residual. */
     double sigma_mm[ISO_LANDMARKS];
 };
 
-/* What every vertex of the fitted head met; belongs to the fitter, valid until its next fit. */
+/* The fitted head compared with the frame, vertex by vertex. The arrays belong to the fitter and
+ * are valid until its next fit. */
 struct iso_shape_residuals {
     uint32_t n;                       /* the model's vertices */
     const struct iso_vec3 *vertex_mm; /* [n] the fitted head, face frame */
     const float *residual_mm; /* [n] along the normal, > 0: the head is before the surface */
-    const uint8_t *meeting;   /* [n] enum iso_meeting; outside the face: turned away */
+    const uint8_t *meeting;   /* [n] enum iso_meeting; turned away if a vertex is not compared */
 };
 
 struct iso_shape_fitter;
 
-/* The model must outlive the fitter. -EINVAL for options out of range or a model without a face,
- * -ENOMEM. */
+/* Makes a fitter. The model must outlive it. -EINVAL for options out of range or fewer than 100
+ * vertices to compare, -ENOMEM. */
 int iso_shape_fitter_new(const struct iso_head_model *model,
                          const struct iso_shape_fit_options *options, struct iso_shape_fitter **out)
     __attribute__((warn_unused_result));
 
-/* Wipes and frees it and what it holds. NULL is accepted. */
+/* Wipes the shape of the last face and frees the fitter. NULL is accepted. */
 void iso_shape_fitter_free(struct iso_shape_fitter *fitter);
 
-/* Starts from a pose of the mean face. -ENODATA if too little of the face is measured to fix it. */
+/* Fits the head model to a frame, beginning at a pose of the mean face. -ENODATA if too little of
+ * the face is measured to determine the fit. */
 int iso_shape_fit(struct iso_shape_fitter *fitter, const struct iso_frame *frame,
                   const struct iso_rigid *start, struct iso_shape_fit *out)
     __attribute__((warn_unused_result));
 
+/* The residuals of the last fit that succeeded. */
 struct iso_shape_residuals iso_shape_fitter_residuals(const struct iso_shape_fitter *fitter);
 
 #endif

@@ -1,5 +1,5 @@
-/* What the files of the head model's fit share (shape_fit.h): the fitter, and the steps of a fit.
- * Internal to core/landmark. */
+/* The common part of the files that fit the head model (shape_fit.h): the fitter, and the steps of
+ * a fit. Internal to core/landmark. */
 #ifndef ISO_CORE_LANDMARK_SHAPE_FITTER_H
 #define ISO_CORE_LANDMARK_SHAPE_FITTER_H
 
@@ -8,7 +8,7 @@
 enum {
     ISO__SHAPE_POSE = 6, /* unknowns of the pose: three of the turn, then three of the shift */
     ISO__SHAPE_UNKNOWNS_MAX = ISO__SHAPE_POSE + ISO_HEAD_IDENTITY_MAX + ISO_HEAD_EXPRESSION_MAX,
-    ISO__SHAPE_MEASURED_MIN = 100, /* vertices without which no pose is fixed */
+    ISO__SHAPE_MEASURED_MIN = 100, /* the least vertices that must be measured */
 };
 
 struct iso_shape_fitter {
@@ -16,11 +16,11 @@ struct iso_shape_fitter {
     struct iso_shape_fit_options options;
     double jaw_sign; /* of the first expression mode when the chin goes down */
     int n_modes, mode_stride;
-    float *modes; /* [n_vertices][3][mode_stride] what a vertex moves by, identity first */
+    float *modes; /* [n_vertices][3][mode_stride] the modes at each vertex, identity first */
     int n_face;
-    uint32_t *face;         /* [n_face] vertices that are compared: any first few are spread well */
-    struct iso_vec3 *shape; /* [n_vertices] the head as fitted so far, face frame */
-    struct iso_vec3 *normal;
+    uint32_t *face; /* [n_face] vertices that are compared; the first few are spread evenly */
+    struct iso_vec3 *shape;  /* [n_vertices] the head as fitted so far, face frame */
+    struct iso_vec3 *normal; /* [n_vertices] its unit normals, outward */
     struct iso_vec3 *fitted; /* [n_vertices] the last fit, with its expression */
     float *residual_mm;      /* [n_vertices] of the last fit */
     uint8_t *meeting;        /* [n_vertices] */
@@ -39,23 +39,23 @@ struct iso__shape_state {
 
 /* What a step solves for. */
 struct iso__shape_unknowns {
-    int n_vertices, n; /* of the face that are compared; unknowns */
-    double cutoff_mm;
+    int n_vertices, n; /* most vertices that are compared; unknowns: the pose, or pose and modes */
+    double cutoff_mm;  /* Tukey's cut-off */
 };
 
 /* Mode k of the model, identity first, as [n_vertices][3]. */
 const float *iso__shape_mode(const struct iso_head_model *model, uint32_t k);
 
-/* What a vertex moves by, [3][mode_stride]. */
+/* The modes at a vertex, [3][mode_stride]: how far it moves along x, y and z, mm. */
 static inline float *iso__shape_modes_at(const struct iso_shape_fitter *f, uint32_t vertex)
 {
     return &f->modes[3 * (size_t)f->mode_stride * vertex];
 }
 
-/* f->shape becomes the head of the first n_modes coefficients; the others count as 0. */
+/* Sets f->shape to the head with the first n_modes coefficients; the others count as 0. */
 void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int n_modes);
 
-/* f->shape and f->normal become those of the state. */
+/* Sets f->shape and f->normal to those of the state. */
 void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *state);
 
 /* One step of Gauss-Newton. -ENODATA if too few vertices are measured, or if they do not fix the
@@ -64,11 +64,12 @@ int iso__shape_step(struct iso_shape_fitter *f, const struct iso_frame *frame,
                     const struct iso__shape_unknowns *unknowns, struct iso__shape_state *state)
     __attribute__((warn_unused_result));
 
-/* Judges the fit vertex by vertex. */
+/* Compares the head with the frame vertex by vertex: sets f->meeting, f->residual_mm and *out. */
 void iso__shape_measure(struct iso_shape_fitter *f, const struct iso_frame *frame,
                         const struct iso_rigid *pose, struct iso_pose_fit *out);
 
-/* Describes the fit, after a step with all unknowns. */
+/* Fills in *out after a step with all unknowns. f->fitted becomes the fitted head, and f->shape the
+ * head without its expression. */
 void iso__shape_report(struct iso_shape_fitter *f, const struct iso_frame *frame,
                        const struct iso__shape_state *state, struct iso_shape_fit *out);
 

@@ -5,9 +5,9 @@
 #include "core/landmark/pose_tally.h"
 #include "core/landmark/shape_fitter.h"
 
-/* Residuals of neighbouring vertices are alike, since the model's own error is smooth. There are
- * thus fewer independent residuals than vertices. The number was measured, so that sigma_mm is
- * about the true error. */
+/* Residuals of neighbouring vertices are alike, because the error of the model is smooth. There are
+ * therefore fewer independent residuals than vertices, by this factor. It was chosen by
+ * measurements so that sigma_mm is about the true error. */
 static const double correlated_vertices = 12.0;
 
 void iso__shape_measure(struct iso_shape_fitter *f, const struct iso_frame *frame,

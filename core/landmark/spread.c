@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* distance[i] is to the nearest vertex chosen so far, and negative for vertices that may not be
- * chosen. Returns the next one. */
+/* Chooses the next vertex. distance[i] is the distance of vertex i from the nearest vertex chosen
+ * so far; it is negative for vertices that may not be chosen. */
 static uint32_t choose_farthest(const struct iso_head_model *model, double *distance)
 {
     uint32_t best = 0;

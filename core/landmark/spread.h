@@ -1,4 +1,5 @@
-/* A well spread order of the face's vertices. Internal to core/landmark. */
+/* An order of the face's vertices in which the first few are spread evenly. Internal to
+ * core/landmark. */
 #ifndef ISO_CORE_LANDMARK_SPREAD_H
 #define ISO_CORE_LANDMARK_SPREAD_H
 
