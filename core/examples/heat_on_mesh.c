@@ -63,8 +63,8 @@ static bool find_vertex(const struct iso_mesh *mesh, int32_t vertex, struct iso_
     return false;
 }
 
-/* The temperature at each vertex: one column of the heat kernel. It is also summed over the
- * surface, which gives the heat that was released: 1, at any time. */
+/* Computes the temperature at each vertex: one column of the heat kernel. *total is its integral
+ * over the surface, which is the released heat: 1 at any time. */
 static int solve(const struct iso_mesh *mesh, const struct iso_surface_point *source, double t_mm2,
                  double *temperature, double *total)
 {
@@ -95,7 +95,7 @@ static int solve(const struct iso_mesh *mesh, const struct iso_surface_point *so
     return error;
 }
 
-/* Traces the isotherm and prints its points; a message of how far they are from the source. */
+/* Traces the isotherm and prints its points. A message says how far they are from the source. */
 static int trace(const struct iso_mesh *mesh, const double *temperature, struct iso_vec3 source_mm,
                  double radius_mm)
 {

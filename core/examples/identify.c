@@ -17,11 +17,11 @@
 
 #include "recording.h"
 
-/* A score of s is as rare among strangers who look alike as one in 10^s. Choose yours by how many
- * people are enrolled: each of them is another chance for a stranger. */
+/* Among strangers who look alike, one in 10^s has a score of s or more. Choose the threshold by the
+ * number of enrolled people: each of them is one more chance for a stranger to be accepted. */
 static const double threshold = 4.0;
 
-/* What the steps need. It is made once and used for all frames. */
+/* The objects that the steps need. They are made once and used for all frames. */
 struct recogniser {
     struct iso_head_model *model;
     struct iso_metric *metric;

@@ -30,8 +30,8 @@ int file_read(const char *path, void **bytes, size_t *size)
     return 0;
 }
 
-/* Takes over one line `key = value` of recording.ini. Lines that the examples do not need, such as
- * the headings of sections, are passed over. */
+/* Reads one line `key = value` of recording.ini. Lines that the examples do not need, such as the
+ * headings of sections, are skipped. */
 static void take_line(const char *line, struct recording *out)
 {
     char key[32], value[32];
@@ -79,8 +79,7 @@ int recording_open(const char *directory, struct recording *out)
     return iso_camera_check(&out->camera, &fault) ? failed(path, fault.text) : 0;
 }
 
-/* Reads a PNG of 16-bit grey into a frame of the same size. libpng reports an error by a long jump.
- */
+/* Reads a PNG of 16-bit grey into a frame of the same size. libpng reports errors by longjmp. */
 static int read_png(FILE *file, double unit_mm, struct iso_frame *frame)
 {
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
@@ -112,7 +111,8 @@ static int read_png(FILE *file, double unit_mm, struct iso_frame *frame)
     return error;
 }
 
-/* The time and the file of a frame, from depth.txt. Returns 1, or 0 after the last frame. */
+/* Finds the time and the file of a frame in depth.txt. Returns 1; 0 after the last frame; -1 with a
+ * line on standard error. */
 static int find_frame(const struct recording *recording, int index, double *seconds, char name[256])
 {
     char path[PATH_BYTES], line[512];

@@ -7,23 +7,24 @@
 #include "core/extract/extract_inside.h"
 #include "core/extract/extract_workspace.h"
 
-/* A limit of the cost in the coarse frame, a mean square with residuals limited to 6 mm. If the
- * mean face fits worse than this, the surface is no face. */
+/* The largest cost of a face in the coarse frame: a mean square of residuals, each limited to 6 mm,
+ * with the penalties of pose_search.c. */
 static const double search_cost_max_mm2 = 14.0;
 static const double search_coverage_min = 0.5;
 
 /* The least share of the face patch that must be measured. */
 static const double patch_coverage_min = 0.45;
 
-/* People are found beyond the range in which they are recognised, to be told to come closer. */
+/* People are also found a little outside the range in which they are recognised, so that they can
+ * be told to come closer or to step back. */
 static const double too_near_share = 0.6, too_far_share = 1.4;
 
-/* A face is followed for this many frames, and over gaps of this length, before it is searched
- * again. */
+/* The whole frame is searched again after a face was followed for this many frames, or after a gap
+ * of this length between two frames. */
 enum { TRACK_FRAMES = 10 };
 static const int64_t track_age_max_ns = 250000000;
 
-/* The cut-out about the nose reaches further than the patch by this distance. */
+/* The part of the frame that is cleaned reaches further from the nose than the patch, by this. */
 static const double clean_margin_mm = 20.0;
 
 const char *iso_stage_name(enum iso_stage stage)
@@ -53,7 +54,8 @@ static int coarse_factor(const struct iso_frame *frame)
     return factor;
 }
 
-/* Attitude and distance of a pose: where the face's +z, +y and origin point in the camera frame. */
+/* Describes the attitude and the distance of a pose. The angles follow from the directions of the
+ * face's +z and +y axes in the camera frame. */
 static void describe_pose(const struct iso_pose_fit *fit, struct iso_extraction *out)
 {
     const struct iso_mat3 *r = &fit->camera_from_face.rotation;
@@ -109,7 +111,7 @@ static int find_face(struct iso_extractor *x, const struct iso_frame *frame,
     return 0;
 }
 
-/* Describes the fit, in the camera frame. */
+/* Copies the result of the fit to the extraction. Points become those of the camera frame. */
 static void describe_fit(const struct iso_extractor *x, struct iso_extraction *out)
 {
     const struct iso_shape_fit *head = &x->head;
@@ -169,8 +171,8 @@ static bool same_camera(const struct iso_camera *a, const struct iso_camera *b)
            a->k1 == b->k1 && a->k2 == b->k2 && a->k3 == b->k3 && a->p1 == b->p1 && a->p2 == b->p2;
 }
 
-/* Whether the face of the previous frame may serve as the rough place of this one: only if it is
- * recent enough. */
+/* Whether the fit may start from the face of the previous frame: if tracking is on, if that frame
+ * is recent enough and from the same camera, and if the face was not followed for too long. */
 static bool is_tracked(const struct iso_extractor *x, const struct iso_frame *frame)
 {
     const struct iso_extract_track *t = &x->track;
@@ -179,8 +181,8 @@ static bool is_tracked(const struct iso_extractor *x, const struct iso_frame *fr
            same_camera(&t->camera, &frame->camera);
 }
 
-/* Remembers a good face. After some frames it is forgotten on purpose, because somebody nearer may
- * have come. */
+/* Remembers the pose of a usable face for the next frame. A face is followed for TRACK_FRAMES
+ * frames only, because somebody nearer may have come. */
 static void keep_track(struct iso_extractor *x, const struct iso_frame *frame, bool tracked,
                        const struct iso_extraction *out)
 {
@@ -204,19 +206,20 @@ struct progress {
     struct iso_extractor *x;
     const struct iso_frame *frame;
     struct iso_extraction *out;
-    int64_t before_ns; /* when the step before ended */
+    int64_t before_ns; /* when the previous step ended */
     int error;
 };
 
-/* Ends a step, which is charged with the time since the end of the previous step. Returns false if
- * the step failed, or if it found the frame unusable and has set the outcome. */
+/* Ends a step. Its time is the time since the end of the previous step. Returns false if the step
+ * failed, or if the frame is unusable (the outcome then says why). */
 static bool end_stage(struct progress *progress, enum iso_stage stage, int error)
 {
     const int64_t after_ns = now_ns(progress->x);
     progress->out->stage_ns[stage] = after_ns - progress->before_ns;
     progress->before_ns = after_ns;
     if (error == -ENODATA || error == -ENOENT) {
-        /* The cleaning left nothing, there is no triangle, or there is none at a landmark. */
+        /* The cleaning left nothing, the head cannot be fitted, there is no triangle, or there is
+         * no triangle at a landmark. */
         progress->out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
         return false;
     }

@@ -11,13 +11,14 @@ const char *iso_heat_method_name(enum iso_heat_method method)
     return (unsigned)method < sizeof names / sizeof *names ? names[method] : NULL;
 }
 
+/* The position in the patch of a landmark of the head without its expression. */
 static void place_of(const struct iso_extractor *x, int landmark, double *column, double *row)
 {
     const struct iso_vec3 at = x->head.neutral_mm[landmark];
     iso_face_patch_pixel(x->patch, at.x, at.y, column, row);
 }
 
-/* Makes planes of the patch and places the landmarks on them. No mesh is made, and the mesh of the
+/* Makes the grid of the patch and places the landmarks on it. No mesh is made, and the mesh of the
  * previous frame is emptied. */
 static int make_grid(struct iso_extractor *x)
 {
@@ -45,7 +46,8 @@ static int make_mesh(const struct iso_extractor *x)
     return error;
 }
 
-/* The same, with the neighbours of its triangles and the landmarks on it. */
+/* Makes the mesh of the patch, finds the neighbours of its triangles and places the landmarks on
+ * it. */
 static int make_mesh_with_sources(struct iso_extractor *x)
 {
     int error = make_mesh(x);

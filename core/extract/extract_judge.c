@@ -1,17 +1,17 @@
-/* The checks of a face: whether it can be used, and if not, what would help or what it is. */
+/* The checks of a face: whether it can be used. If it cannot, the outcome tells the person what
+ * would help, or names the presentation attack. */
 #include <math.h>
 
 #include "core/extract/extract_workspace.h"
 
-/* A limit of the fit's cost, a mean square with residuals limited to 6 mm. A worse fit is not to a
- * face. */
+/* The largest cost of a fit to a face: a mean square of residuals, each limited to 6 mm. */
 static const double fit_cost_max_mm2 = 10.0;
 
-/* The limit of how unlike a head a fit may be: millimetres of residual, plus 1.5 for every standard
- * deviation of the identity (root mean square of 60 coefficients). Rendered faces reach 2.7. Real
- * ones (Kinect v2) reach 4.43; 2 of 378 are beyond the limit. Of 275 frames that show no face 1 is
- * within it. With 40 modes the same bounds refused 12 of the real faces: the last modes carry
- * little information and make the mean square smaller. */
+/* The limit of how unlike a head a fit may be: the root of the cost in mm, plus 1.5 mm for every
+ * standard deviation of the identity (root mean square of 60 coefficients). Rendered faces
+ * reach 2.7. Real ones (Kinect v2) reach 4.43; 2 of 378 are beyond the limit. Of 275 frames that
+ * show no face, 1 is within it. With 40 modes the same bounds refused 12 of the real faces: the
+ * last modes carry little information and make the mean square smaller. */
 static const double unlikeness_per_sigma_mm = 1.5, unlikeness_max_mm = 4.35;
 
 static const double fit_coverage_min = 0.5;
@@ -55,8 +55,8 @@ enum iso_capture iso__extract_judge_scene(struct iso_extractor *x,
     return distant && is_background(&cues, &bounds) ? ISO_CAPTURE_NOBODY : otherwise;
 }
 
-/* The direction in which a face that is cut by the image border should move, as the subject sees
- * it. The left of the subject is the right of the image. */
+/* The direction in which a person should move whose face is cut by the border of the image. The
+ * left of the person is the right of the image. */
 static enum iso_capture way_to_the_middle(const struct iso_frame *frame, struct iso_vec3 nose_mm)
 {
     double u = 0.0, v = 0.0;
@@ -69,7 +69,6 @@ static enum iso_capture way_to_the_middle(const struct iso_frame *frame, struct 
     return down > 0.0 ? ISO_CAPTURE_MOVE_UP : ISO_CAPTURE_MOVE_DOWN;
 }
 
-/* Whether a face stands where it can be used, and if not, what would help. */
 enum iso_capture iso__extract_judge_pose(const struct iso_extractor *x,
                                          const struct iso_frame *frame,
                                          const struct iso_pose_fit *fit,
@@ -94,7 +93,7 @@ enum iso_capture iso__extract_judge_pose(const struct iso_extractor *x,
     return ISO_CAPTURE_OK;
 }
 
-/* The part that is covered most, if that is too much. */
+/* The outcome for the part that exceeds its limit by most; ISO_CAPTURE_OK if no part does. */
 static enum iso_capture judge_cover(const struct iso_occlusion *occlusion)
 {
     static const enum iso_capture words[ISO_FACE_PARTS] = {

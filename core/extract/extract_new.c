@@ -7,7 +7,7 @@
 #include "core/base/crc32.h"
 #include "core/extract/extract_workspace.h"
 
-/* To be raised with every change of code that moves the points of a template. */
+/* Raise this number with every change of the code that moves the points of a template. */
 enum { ALGORITHM_REVISION = 3 };
 
 struct iso_extract_options iso_extract_options_default(void)
@@ -228,7 +228,8 @@ int iso_extractor_new(const struct iso_head_model *model, const struct iso_extra
     return 0;
 }
 
-/* Wipes the face from the plain buffers; the other workspaces wipe their own. */
+/* Wipes the face from the buffers of the extractor itself. The cleaner, the patch, the fitters, the
+ * grid and its heat solver wipe theirs when they are freed. */
 static void wipe_face(struct iso_extractor *x)
 {
     if (x->coarse.depth_mm) {

@@ -21,7 +21,8 @@ enum {
     ISO_EXTRACT_WIDTH_MAX = 1920,
     ISO_EXTRACT_HEIGHT_MAX = 1200,
     ISO_EXTRACT_COARSE_PX_MAX = 640 * 480,
-    /* The widest patch and its margin at half the clean pitch, below which pixels are joined. */
+    /* The widest patch with its margin, if a pixel is half as wide as the clean pitch. If pixels
+     * are smaller, the frame is shrunk. */
     ISO_EXTRACT_CLEAN_PX_MAX = 682 * 682,
     ISO_EXTRACT_SEARCH_VERTICES = 220,
     ISO_EXTRACT_SEARCH_FIT_VERTICES = 320,
@@ -36,7 +37,7 @@ enum {
 
 /* Where the face of the previous frame was. */
 struct iso_extract_track {
-    int frames_left; /* in which the face may be followed before it is searched again; 0: none */
+    int frames_left; /* how many more frames the face may be followed; 0: there is none */
     struct iso_rigid camera_from_face;
     int64_t t_ns;
     struct iso_camera camera;
@@ -84,27 +85,32 @@ struct iso_extractor {
     struct iso_grid_tracer *grid_tracer;
 };
 
-/* extract_judge.c: what a frame without a face shows: a picture that is held up, nobody, or
- * `otherwise`. */
+/* extract_judge.c: judges a frame without a face. The outcome is a picture that is held up,
+ * ISO_CAPTURE_NOBODY, or `otherwise`. */
 enum iso_capture iso__extract_judge_scene(struct iso_extractor *x,
                                           const struct iso_candidate_options *range,
                                           enum iso_capture otherwise);
-/* Whether a face stands where it can be used, and if not, what would help. */
+
+/* Judges the pose of a face: ISO_CAPTURE_OK, or what would help. */
 enum iso_capture iso__extract_judge_pose(const struct iso_extractor *x,
                                          const struct iso_frame *frame,
                                          const struct iso_pose_fit *fit,
                                          const struct iso_extraction *out);
-/* Whether the head in x->head fits a face that is uncovered and, as far as one frame shows, alive.
- */
+/* Judges the fit in x->head: ISO_CAPTURE_OK for a face that is not covered and shows no
+ * presentation attack. */
 enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
                                         const struct iso_frame *frame,
                                         const struct iso_frame *cleaned,
                                         const struct iso_extraction *out);
 
-/* extract_isotherms.c: the patch as a surface with the sources on it, and the upper face; the heat
- * of the sources; the rest of the template. */
+/* extract_isotherms.c: makes a surface of the patch with the sources on it, and the upper face of
+ * the template. -ENODATA or -ENOENT if there is no surface, or none at a source. */
 int iso__extract_surface(struct iso_extractor *x, struct iso_extraction *out);
+
+/* Computes the heat of the sources. Errors of the solver. */
 int iso__extract_heat(struct iso_extractor *x);
+
+/* Traces the isotherms and fills in the rest of the template. */
 int iso__extract_isotherms(struct iso_extractor *x, struct iso_template *tmpl);
 
 /* extract_upper_face.c: the upper face of the patch, sampled at the nodes of a template. */

@@ -67,7 +67,7 @@ int iso_collaborative_train(const struct iso_collaborative_kind *kind,
 
 /* ---- a query's codes ---- */
 
-/* The memory of a code. */
+/* The memory that a code points into. */
 struct room {
     float *features; /* y, residual */
     double *numbers;
@@ -138,7 +138,7 @@ double iso_code_residual(const struct iso_collaborative *m, const struct iso_cod
     return square;
 }
 
-/* ---- what they say ---- */
+/* ---- scores and distances ---- */
 
 static bool is_present(const struct iso_training_set *gallery, int32_t class)
 {

@@ -18,20 +18,20 @@ struct iso_collaborative {
 
 /* The codes of a feature, one for each dictionary, and the memory to compute them. */
 struct iso_code {
-    int32_t left;                         /* the shape whose coefficients are 0, or -1 */
+    int32_t left;                         /* the shape that is left out: coefficients 0; or -1 */
     const float *y[ISO_SHAPE_PARTS_MAX];  /* [part[k].size], of unit length */
     double *product[ISO_SHAPE_PARTS_MAX]; /* [n]: D_k y_k */
     double *alpha[ISO_SHAPE_PARTS_MAX];   /* [n] */
-    double weight[ISO_SHAPE_PARTS_MAX];   /* of each part in what the codes say, above 0 */
+    double weight[ISO_SHAPE_PARTS_MAX];   /* of each part in scores and distances, above 0 */
     double *mean, *right, *scratch;       /* [n], [n], [2 n], for find() */
     float *residual;                      /* [size], for iso_code_residual */
 };
 
 struct iso_collaborative_kind {
     bool joined; /* one dictionary, of whole features; otherwise one of each part */
-    /* Finds alpha and weight; y, product and left are there. */
+    /* Finds alpha and weight, given y, product and left. */
     void (*find)(const struct iso_collaborative *model, struct iso_code *code);
-    /* The score of a class that there are shapes of. */
+    /* The score of a class that has at least one shape. */
     double (*score)(const struct iso_collaborative *model, const struct iso_code *code,
                     int32_t class);
 };
@@ -40,15 +40,15 @@ struct iso_collaborative_kind {
 double iso_code_residual(const struct iso_collaborative *model, const struct iso_code *code,
                          int32_t k, int32_t class);
 
-/* The operations of isotherm/classifier.h; the model is an iso_collaborative. The
- * ranking treats each shape as a class of its own. Its distance is the residual of y without the
- * contribution of that shape, over the parts by their weights. It is not divided by |alpha_i|,
- * which is near 0 for most shapes and would put them in no order. */
+/* The operations of isotherm/classifier.h; the model is an iso_collaborative. The ranking treats
+ * each shape as a class of its own. The distance of a shape is the residual of y after the
+ * contribution of that shape is subtracted, averaged over the parts by their weights. It is not
+ * divided by |alpha_i|, which is near 0 for most shapes, so that their order would be arbitrary. */
 int iso_collaborative_train(const struct iso_collaborative_kind *kind,
                             const struct iso_labelled *training, void **model)
     __attribute__((warn_unused_result));
 
-/* Frees it. It must not be NULL. */
+/* Frees a model, which must not be NULL. */
 void iso_collaborative_free(void *model);
 int iso_collaborative_score(const void *model, const float *feature, double *score)
     __attribute__((warn_unused_result));

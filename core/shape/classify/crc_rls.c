@@ -1,7 +1,7 @@
 /* Collaborative representation based classification with regularised least squares (Zhang, Yang and
  * Feng, "Sparse representation or collaborative representation: which helps face recognition?",
- * ICCV 2011): y is coded over all shapes of all classes, and belongs to the class whose shapes take
- * the best part in that. */
+ * ICCV 2011): y is coded over all shapes of all classes, and belongs to the class whose shapes
+ * represent it best in that code. */
 #include <math.h>
 
 #include "core/shape/classify/collaborative.h"
@@ -18,7 +18,7 @@ static void find(const struct iso_collaborative *m, struct iso_code *code)
     code->weight[0] = 1.0;
 }
 
-/* |y - D_c alpha_c| / |alpha_c|, as a score. */
+/* The score -|y - D_c alpha_c| / |alpha_c|. */
 static double score(const struct iso_collaborative *m, const struct iso_code *code, int32_t class)
 {
     double square = 0.0;

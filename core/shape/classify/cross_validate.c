@@ -11,8 +11,7 @@ static uint32_t next_random(uint64_t *state, uint32_t below)
     return (uint32_t)((*state >> 33) % below);
 }
 
-/* Distributes the members of one class after another over the folds, each class in a random order.
- */
+/* Distributes the members of one class after another over the folds, each class in random order. */
 static void deal(const struct iso_labelled *all, int32_t folds, uint64_t seed, int32_t *order,
                  int32_t *fold)
 {
@@ -33,7 +32,7 @@ static void deal(const struct iso_labelled *all, int32_t folds, uint64_t seed, i
     }
 }
 
-/* Learns from all folds but one, and scores that. */
+/* Learns from all folds except one, and scores the members of that one. */
 static int validate_fold(const struct iso_classifier_ops *ops, const struct iso_labelled *all,
                          const int32_t *fold, int32_t which, float *feature, int32_t *label,
                          double *score)

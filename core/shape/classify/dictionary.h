@@ -17,17 +17,19 @@ struct iso_dictionary {
     double *vector; /* [n][n]: eigenvectors, one after another */
 };
 
-/* -ENOMEM, -EDOM if atoms are not finite. */
+/* Makes a dictionary of n features of `size` values, which it borrows. -ENOMEM, -EDOM if the atoms
+ * are not finite. */
 int iso_dictionary_init(struct iso_dictionary *d, const float *atom, int32_t n, int32_t size,
                         int32_t stride) __attribute__((warn_unused_result));
 
 /* Releases what it holds. */
 void iso_dictionary_done(struct iso_dictionary *d);
 
-/* D y: [n]. */
+/* Computes product [n] = D y. */
 void iso_dictionary_products(const struct iso_dictionary *d, const float *y, double *product);
 
-/* alpha for the right side b; `left` is the atom that is left out, or -1. scratch [2 n]. */
+/* Computes alpha [n] for the right side b [n]. `left` is the atom that is left out, or -1. scratch
+ * [2 n] is working memory. */
 void iso_dictionary_solve(const struct iso_dictionary *d, double c, const double *b, int32_t left,
                           double *scratch, double *alpha);
 

@@ -1,6 +1,6 @@
-/* Naive Bayes with normal densities (John and Langley, UAI 1995): the values of a feature are taken
- * for independent. OpenCV's classifier of normal densities is not naive, and has no inverse of a
- * covariance of hundreds of values from a dozen shapes. */
+/* Naive Bayes with normal densities (John and Langley, UAI 1995): the values of a feature are
+ * assumed to be independent. OpenCV's classifier of normal densities is not naive: it needs the
+ * inverse of a covariance matrix, which a dozen shapes with hundreds of values do not have. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,8 +13,8 @@ static const double least_variance = 0.05;
 
 struct bayes {
     int32_t size, n_classes;
-    double *mean, *variance; /* [n_classes][size]; a variance of 0 says nothing */
-    double *prior;           /* [n_classes]: logarithm of its share */
+    double *mean, *variance; /* [n_classes][size]; a value with variance 0 is ignored */
+    double *prior;           /* [n_classes]: logarithm of the share of the class */
 };
 
 static void release(void *model)
@@ -26,7 +26,8 @@ static void release(void *model)
     free(m);
 }
 
-/* Mean and variance of value k in one class, or in all for class -1. Returns how many. */
+/* Mean and variance of value k in one class, or in all classes for -1. Returns the number of
+ * shapes. */
 static int32_t moments(const struct iso_labelled *t, int32_t class, int32_t k, double *mean,
                        double *variance)
 {

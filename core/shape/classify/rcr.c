@@ -1,11 +1,11 @@
 /* Relaxed collaborative representation (Yang, Zhang, Zhang and Wang, CVPR 2012; Abdelrahman 2013,
- * 4.7 and 4.8): each part y_k of a feature is coded over its own dictionary, the codes being held
- * together by weights that are optimised with them:
+ * 4.7 and 4.8): each part y_k of a feature is coded over its own dictionary. The codes are pulled
+ * to their mean, by weights that are optimised together with the codes:
  *
  *     min sum_k |y_k - D_k a_k|^2 + lambda |a_k|^2 + tau w_k |a_k - mean|^2 + gamma w_k ln w_k
  *
- * over a_k, w_k and the mean in turn, each exactly, so that the sum falls until it settles. A part
- * that disagrees with the others gets a small weight. */
+ * The sum is minimised over a_k, w_k and the mean in turn, each exactly, so that it never rises. A
+ * part that disagrees with the others gets a small weight. */
 #include <math.h>
 #include <string.h>
 
@@ -69,7 +69,7 @@ static void find(const struct iso_collaborative *m, struct iso_code *code)
     }
 }
 
-/* sum_k w_k |y_k - D_k a_k|^2, as a score. */
+/* The score -sum_k w_k |y_k - D_k a_k|^2, over the shapes of one class. */
 static double score(const struct iso_collaborative *m, const struct iso_code *code, int32_t class)
 {
     double score = 0.0;

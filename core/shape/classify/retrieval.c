@@ -22,11 +22,11 @@ static int compare_items(const void *a, const void *b)
 /* The items of one query, closest first, and which of them are relevant. */
 struct ranking {
     int32_t n;         /* items */
-    int32_t n_class;   /* of the query's class */
-    int32_t n_wider;   /* of its wider class; these hold those */
+    int32_t n_class;   /* items of the query's class */
+    int32_t n_wider;   /* items of its wider class, those of its class included */
     struct item *item; /* [n] */
-    uint8_t *of_class; /* [n] */
-    uint8_t *of_wider; /* [n] */
+    uint8_t *of_class; /* [n]: 1 for an item of the class */
+    uint8_t *of_wider; /* [n]: 1 for an item of the wider class */
 };
 
 static void ranking_done(struct ranking *r)
@@ -82,7 +82,7 @@ static double e_measure(const struct ranking *r)
     return hits > 0.0 ? 2.0 / (1.0 / precision + 1.0 / recall) : 0.0;
 }
 
-/* Gain 1 for each hit, from the second place on over log2 of the place. */
+/* The gain of a hit is 1 in the first place, and 1 / log2 of the place from the second one on. */
 static double discounted_gain(const struct ranking *r)
 {
     double gain = 0.0, perfect = 0.0;

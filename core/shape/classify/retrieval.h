@@ -12,17 +12,16 @@
 
 enum {
     ISO_RECALL_LEVELS = 20,   /* of the precision-recall curve: 1/20, 2/20, ... 1 */
-    ISO_E_MEASURE_FIRST = 32, /* items that are looked at */
+    ISO_E_MEASURE_FIRST = 32, /* items that the E-measure uses */
 };
 
 struct iso_retrieval {
-    int32_t n_queries; /* that count */
-    double nearest;    /* NN: share of queries whose first item is of their class */
-    double first_tier,
-        second_tier;  /* recall within the first C, 2 C items; C: how many there are */
-    double e_measure; /* 2 / (1 / precision + 1 / recall) over the first 32 items */
-    double dcg;       /* discounted cumulative gain over that of a perfect ranking */
-    double adr;       /* average dynamic recall */
+    int32_t n_queries;              /* how many queries count */
+    double nearest;                 /* NN: share of queries whose first item is of their class */
+    double first_tier, second_tier; /* recall within the first C and 2 C items; C: class size */
+    double e_measure;               /* 2 / (1 / precision + 1 / recall) over the first 32 items */
+    double dcg;                     /* discounted cumulative gain over that of a perfect ranking */
+    double adr;                     /* average dynamic recall */
     double precision[ISO_RECALL_LEVELS]; /* highest at this recall or more, mean over queries */
 };
 
@@ -35,18 +34,18 @@ struct iso_ranked {
      * those after them, as many as the wider class has, all items of the wider class are relevant.
      * NULL: the wider class is the class. */
     const int32_t *query_wider, *item_wider;
-    /* [n_queries]: the item that is the query itself, or from which the query was made, and which
-     * is left out of its row; -1: none. NULL: no query has one. */
+    /* [n_queries]: the item that is left out of the row of a query, because it is the query itself,
+     * or because the query was made from it; -1: none. NULL: no item is left out. */
     const int32_t *own;
 };
 
-/* Measures one query (nearest 0 or 1, n_queries 1 or, if it does not count, 0 and all else 0).
- * -ENOMEM. */
+/* Measures one query. If the query counts, n_queries is 1 and nearest is 0 or 1; otherwise all
+ * members are 0. -ENOMEM. */
 int iso_retrieval_query(const struct iso_ranked *ranked, int32_t query, struct iso_retrieval *out)
     __attribute__((warn_unused_result));
 
-/* The means over all queries that count. -EINVAL for an own item out of range, or
- * distances that are not numbers; -ENOMEM. */
+/* The means over all queries that count. -EINVAL for an own item out of range or distances that are
+ * NaN; -ENOMEM. */
 int iso_retrieval_measure(const struct iso_ranked *ranked, struct iso_retrieval *out)
     __attribute__((warn_unused_result));
 

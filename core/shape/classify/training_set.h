@@ -11,7 +11,7 @@ struct iso_training_set {
     int32_t *label; /* [n] */
 };
 
-/* A copy. -ENOMEM. */
+/* Copies the features and labels. -ENOMEM. */
 int iso_training_set_init(struct iso_training_set *gallery, const struct iso_labelled *training)
     __attribute__((warn_unused_result));
 
@@ -21,7 +21,8 @@ void iso_training_set_done(struct iso_training_set *gallery);
 /* Gives each part of a feature unit length; a part of zeros stays as it is. */
 void iso_training_set_normalise(const struct iso_feature_layout *layout, float *feature);
 
-/* For each class the lowest of its distances, as a score: the higher the better. */
+/* Makes scores of distances: score[c] is minus the lowest of the distances [n] to the features of
+ * class c, or -INFINITY if the class has none. */
 void iso_training_set_score(const struct iso_training_set *gallery, const double *distance,
                             double *score);
 

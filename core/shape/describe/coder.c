@@ -40,7 +40,7 @@ static int learn_principal(struct iso_shape_coder *c,
     return error;
 }
 
-/* Rows of one bag of all shapes, evenly thinned out to about LEARN_ROWS. */
+/* Copies rows of one bag of all shapes at even steps, at most LEARN_ROWS. Returns how many. */
 static int32_t gather_rows(const struct iso_shape_description *const *training, int32_t n,
                            int32_t bag, float *row)
 {

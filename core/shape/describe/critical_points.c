@@ -11,7 +11,7 @@ static bool below(const double *value, int32_t v, int32_t w)
     return value[v] < value[w] || (value[v] == value[w] && v < w);
 }
 
-/* Counts neighbours of w, and w itself, that lie above and below v. */
+/* Counts the neighbours of w, except v, that lie above and below v. */
 static void compare_ring(const struct iso_shape *shape, const double *value, int32_t v, int32_t w,
                          int32_t *above_v, int32_t *below_v)
 {

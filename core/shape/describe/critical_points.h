@@ -11,9 +11,9 @@ struct iso_critical_points {
     int32_t *vertex; /* [n], by falling |value| of the eigenfunction */
 };
 
-/* Extrema of any function of the vertices. Of neighbours with equal values the one of the lowest
- * index counts. A function without an extremum (all of them near the boundary) has n = 0. -ENOMEM.
- */
+/* Finds the extrema of any function of the vertices. Of two equal values, that of the vertex with
+ * the larger index counts as higher. n is 0 if there is no extremum away from the boundary.
+ * -ENOMEM. */
 int iso_shape_extrema(const struct iso_shape *shape, const double *function,
                       struct iso_critical_points *out) __attribute__((warn_unused_result));
 

@@ -1,5 +1,6 @@
-/* How each method of method.h describes a shape, and what the methods share. Each function fills a
- * description that is all zero; iso_shape_describe frees what a failed one leaves in it. */
+/* How each method of isotherm/shape_method.h describes a shape, and what the methods share. The
+ * functions iso_describe_ with the name of a method fill in a description that is all zero. They
+ * return 0 or -ENOMEM. iso_shape_describe frees the description after an error. */
 #ifndef ISO_CORE_SHAPE_DESCRIBE_DESCRIBE_H
 #define ISO_CORE_SHAPE_DESCRIBE_DESCRIBE_H
 
@@ -16,7 +17,7 @@ int iso_describe_si_hk_colour(const struct iso_shape *shape, struct iso_shape_de
 int iso_describe_w_hks1(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_w_hks2(const struct iso_shape *shape, struct iso_shape_description *out);
 
-/* Makes room for the given parts (zeros). -ENOMEM. */
+/* Allocates the given parts, filled with zeros. -ENOMEM. */
 int iso_describe_parts(struct iso_shape_description *out, int32_t n_parts, const int32_t *part_size)
     __attribute__((warn_unused_result));
 

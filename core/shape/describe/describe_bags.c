@@ -1,6 +1,4 @@
-/* Methods whose vertices become words: Shape Google, and those of chapter 5 for shapes with
- * colours.
- */
+/* Methods whose vertices become words: Shape Google, and those of chapter 5 for coloured shapes. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -96,7 +94,7 @@ static int describe_channels(const struct iso_shape *shape, struct iso_shape_des
     return error;
 }
 
-/* The share of a colour in one cell of the histogram, each channel split between two levels. */
+/* Adds a colour to the histogram. Each channel is divided between the two levels next to it. */
 static void add_colour(const struct iso_colour *colour, float weight, float *histogram)
 {
     int level[ISO_CHANNELS];

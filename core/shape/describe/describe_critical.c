@@ -29,13 +29,13 @@ static const double eigenvalue_weight = 3.0;
 /* The time of the heat mean signature whose minimum is the one point of 4.2.3. */
 static const double mean_time = 1.0 / 64.0;
 
-/* The working memory: heat [n][TIMES] of one point. */
+/* The working memory. */
 struct bench {
     const struct iso_shape *shape;
-    int32_t n;
-    double t[TIMES];
-    double *heat;
-    double *weight; /* [n]: share of the area over the number of points */
+    int32_t n;       /* vertices */
+    double t[TIMES]; /* the times of the heat */
+    double *heat;    /* [n][TIMES]: the heat of one point */
+    double *weight;  /* [n]: share of the area, divided by the number of points */
 };
 
 static int bench_init(struct bench *bench, const struct iso_shape *shape, double last_time)
@@ -61,7 +61,8 @@ static void share_weight(struct bench *bench, int32_t n_points)
     }
 }
 
-/* Heat of one point at each time, over its own temperature there: histograms of 0..1. */
+/* Adds the heat of one point: for each time, a histogram of the temperatures as shares, 0..1, of
+ * the temperature at the point itself. */
 static int add_temperatures(struct bench *bench, int32_t source, float *histogram)
 {
     const int error = iso_heat_from_vertex(bench->shape->pairs, source, 0, bench->t, TIMES,
@@ -131,7 +132,8 @@ static double amplitude_range(int w)
     return w == 0 ? 0.5 : 0.25;
 }
 
-/* The courses of heat of one point, without the constant that it ends in, as amplitudes. */
+/* Adds the heat of one point: a histogram of each amplitude of the courses of heat at all vertices.
+ * The constant in which the heat ends is left out. */
 static int add_amplitudes(struct bench *bench, const struct iso_fourier *fourier, int32_t source,
                           float *amplitude, float *histogram)
 {

@@ -11,7 +11,7 @@ enum {
     TD_BINS = 100,
 };
 
-/* Shape-DNA (Reuter, Wolter and Peinecke 2006): eigenvalues, over the first one. */
+/* Shape-DNA (Reuter, Wolter and Peinecke 2006): eigenvalues divided by the first one above 0. */
 int iso_describe_shape_dna(const struct iso_shape *shape, struct iso_shape_description *out)
 {
     const int32_t sizes[] = {DNA_VALUES};
@@ -28,8 +28,8 @@ int iso_describe_shape_dna(const struct iso_shape *shape, struct iso_shape_descr
 static const double td_time = 1.0 / 64.0;
 
 /* Temperature distribution (Fang, Sun, Kim and Ramani 2011; 3.4.5): the histogram of the heat mean
- * signature over the surface, from its lowest to its highest value: these lie close together, since
- * a mean over evenly spread vertices is 1 / area less what has stayed. */
+ * signature over the surface, from its lowest to its highest value. These lie close together: on
+ * evenly spread vertices the mean is 1 / area minus the heat that stays at the vertex. */
 int iso_describe_td(const struct iso_shape *shape, struct iso_shape_description *out)
 {
     const int32_t sizes[] = {TD_BINS};

@@ -13,13 +13,13 @@
 int iso_heat_signature(const struct iso_eigenpairs *pairs, int32_t first, const double *t,
                        int n_times, double *out) __attribute__((warn_unused_result));
 
-/* Heat mean signature (Fang, Sun, Kim and Ramani 2011; 3.39): the mean, over all other vertices, of
- * the heat that they have received from the vertex by time t; [n]. -ENOMEM. */
+/* Heat mean signature (Fang, Sun, Kim and Ramani 2011; 3.39): the heat that all other vertices have
+ * received from a vertex by time t, divided by the number of vertices; out is [n]. -ENOMEM. */
 int iso_heat_mean_signature(const struct iso_eigenpairs *pairs, double t, double *out)
     __attribute__((warn_unused_result));
 
-/* Heat everywhere after unit heat at a vertex, pairs from `first` on: out is [n][n_times]. -ENOMEM.
- */
+/* The heat at every vertex after unit heat was released at one vertex, from the pairs from `first`
+ * on: out is [n][n_times]. -ENOMEM. */
 int iso_heat_from_vertex(const struct iso_eigenpairs *pairs, int32_t vertex, int32_t first,
                          const double *t, int n_times, double *out)
     __attribute__((warn_unused_result));

@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The variance, relative to the largest, below which a component is only rounding noise: values are
- * floats. */
+/* A component whose variance is below this share of the largest one is only rounding noise, because
+ * values are floats. */
 static const double least_variance = 1e-10;
 
 static int fill_centred(const float *const *vector, int32_t n, struct iso_principal *p,
@@ -30,7 +30,8 @@ static int fill_centred(const float *const *vector, int32_t n, struct iso_princi
     return 0;
 }
 
-/* Components from the eigenvectors of the products, the last being the largest. */
+/* Makes the components from the eigenvectors of the matrix of products, whose last eigenvalue is
+ * the largest. */
 static void combine(const double *centred, const double *eigenvector, const double *value,
                     int32_t n, double *sum, struct iso_principal *p)
 {

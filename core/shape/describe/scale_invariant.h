@@ -3,6 +3,8 @@
  * A shape scaled by beta has h'(tau) = beta^-2 h(tau - 2 log_alpha beta): h shifted and multiplied.
  * There are two ways to remove both:
  *
+ *  - SI-HK (Abdelrahman 2013, 4.3-4.6): amplitudes of the Fourier transform of h itself, divided by
+ *    their sum. It needs no logarithm and no derivative, so that noise is not amplified.
  *  - SI-HKS (Bronstein and Kokkinos, CVPR 2010): amplitudes of the Fourier transform of the
  *    derivative of log h.
  *
@@ -21,25 +23,25 @@
 
 #include <stdint.h>
 
-/* Discrete Fourier transforms of real courses of n samples, by the matrix of cosines and sines of
- * the few frequencies that are wanted. */
+/* Discrete Fourier transforms of real courses of n samples, by a matrix of cosines and sines. */
 struct iso_fourier;
 
-/* Frequencies 0..n / 2 are computed for the sum, the first n_kept kept. -EINVAL (n < 4, n_kept
- * outside 1..n / 2), -ENOMEM. Read-only once made: for any number of threads. */
+/* Makes the matrix for courses of n samples, of whose amplitudes the first n_kept are wanted. Any
+ * number of threads may use it at once. -EINVAL (n < 4, n_kept outside 1..n / 2), -ENOMEM. */
 int iso_fourier_new(int n, int n_kept, struct iso_fourier **out)
     __attribute__((warn_unused_result));
 
 /* Frees it and what it holds. NULL is accepted. */
 void iso_fourier_free(struct iso_fourier *fourier);
 
-/* Amplitudes of SI-HK for n_courses courses of n samples: out is [n_courses][n_kept]. A course of
- * zeros has zeros. -ENOMEM. */
+/* Amplitudes of SI-HK for n_courses courses of n samples: out is [n_courses][n_kept]. They are
+ * divided by the sum over all frequencies 0..n / 2. A course of zeros has zeros. -ENOMEM. */
 int iso_si_hk(const struct iso_fourier *fourier, const double *course, int32_t n_courses,
               float *out) __attribute__((warn_unused_result));
 
-/* Amplitudes of SI-HKS. Samples must be above 0; others count as the smallest one above 0. The
- * course of differences is one shorter: make `fourier` for n - 1 samples, `course` has n. */
+/* Amplitudes of SI-HKS: out is [n_courses][n_kept]. Samples that are not above 0 count as the
+ * smallest one of their course that is. The courses have one sample more than `fourier` was made
+ * for, because the differences of a course are one fewer than its samples. -ENOMEM. */
 int iso_si_hks(const struct iso_fourier *fourier, const double *course, int32_t n_courses,
                float *out) __attribute__((warn_unused_result));
 

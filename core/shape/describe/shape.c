@@ -24,7 +24,7 @@ static bool has_area(const struct iso_mesh *mesh, int32_t t)
     return longest > 0.0 && iso_mesh_triangle_area(mesh, t) >= least_roundness * longest;
 }
 
-/* The root vertex of the component of v. It shortens the path to the root as it follows it. */
+/* The root vertex of the component of v. Shortens the path to the root on the way. */
 static int32_t root_of(int32_t *parent, int32_t v)
 {
     while (parent[v] != v) {
@@ -120,7 +120,7 @@ static int take_part(const struct iso_mesh *mesh, const struct iso_colour *colou
     return error;
 }
 
-/* A third of the triangles around each vertex, and the sum. */
+/* Measures the area of the triangles: a third of it counts for each of their vertices. */
 static int measure_area(struct iso_shape *shape)
 {
     const struct iso_mesh *mesh = shape->mesh;

@@ -7,7 +7,7 @@
 
 enum { ROUNDS_MAX = 40 };
 
-/* Soft assignment: exp(-d^2 / (2 sigma^2)) with sigma^2 so many times the spread. */
+/* Soft assignment: exp(-d^2 / (2 sigma^2)), where sigma^2 is `softness` times the spread. */
 static const double softness = 1.0;
 
 /* Numbers in 0..1 (MMIX's linear congruential generator). */
@@ -26,8 +26,8 @@ static float square_distance(const float *a, const float *b, int32_t n)
     return sum;
 }
 
-/* Words far from each other: each is drawn with a probability by the square of its distance from
- * those drawn before (k-means++). */
+/* Chooses first words that are far from each other: each row is drawn with a probability
+ * proportional to the square of its distance from those drawn before (k-means++). */
 static void start_words(const float *row, int32_t n, uint64_t seed, float *nearest,
                         struct iso_vocabulary *v)
 {
