@@ -27,7 +27,7 @@ static enum cli_exit start(struct cli_daemon *daemon, const struct cli_action *a
     return exit;
 }
 
-/* The result of the action matters; a fault of releasing the camera would only hide it. */
+/* Ignores faults: a fault of stopping or releasing would only hide the result of the action. */
 static void finish(struct cli_daemon *daemon, const char *method)
 {
     struct cli_fault ignored;

@@ -1,6 +1,6 @@
-/* An action in front of the camera (enrol, verify, identify): it claims the daemon's sensor, starts
- * the action, passes on the status signals up to the last one, and releases everything in every
- * case. */
+/* An action in front of the camera (enrol, verify, identify). It claims the daemon's sensor, starts
+ * the action, and passes on the status signals up to the last one. In every case it stops the
+ * action and releases the sensor. */
 #ifndef CLI_CLIENT_ACTION_H
 #define CLI_CLIENT_ACTION_H
 
@@ -11,21 +11,21 @@
 
 struct cli_action {
     const char *start, *stop, *signal; /* names of firmware/contract/contract.h */
-    /* Appends the arguments of `start`; 0 or a negative errno. NULL if there are none. */
+    /* Appends the arguments of `start`. Returns 0 or more, or a negative errno. NULL: none. */
     int (*append)(sd_bus_message *call, const void *context);
-    /* Takes the answer to `start`; NULL if the answer is empty. */
+    /* Reads the answer to `start`. NULL: the answer is empty. */
     void (*answered)(sd_bus_message *reply, void *context);
-    /* Called when the action has started: the time to speak to the person in front of the camera.
-     */
+    /* Called when the action has started, to tell the person in front of the camera what to do. */
     void (*started)(void *context);
-    /* Takes a status signal; true if it is the last one, or cannot be read. */
+    /* Reads a status signal. Returns true if it is the last one or cannot be read. */
     bool (*status)(sd_bus_message *signal, void *context);
-    void *context;
-    double timeout_s;
+    void *context;    /* passed to these functions */
+    double timeout_s; /* longest wait for the last status; 0: no limit */
 };
 
-/* CLI_EXIT_OK: the last status has come. CLI_EXIT_TIMED_OUT and CLI_EXIT_INTERRUPTED: it has not,
- * fault->text is empty. Else a fault of cli_daemon_send() or cli_daemon_wait(). */
+/* Runs the action. CLI_EXIT_OK: the last status has come. CLI_EXIT_TIMED_OUT or
+ * CLI_EXIT_INTERRUPTED with an empty fault->text: it has not. Other results are faults of
+ * cli_daemon_send() or cli_daemon_wait(). */
 enum cli_exit cli_action_run(struct cli_daemon *daemon, const struct cli_action *action,
                              struct cli_fault *fault) __attribute__((warn_unused_result));
 

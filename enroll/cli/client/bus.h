@@ -11,8 +11,8 @@ struct cli_bus {
     bool session;
 };
 
-/* A new connection, without waiting for the bus to answer. A negative errno; *out stays untouched
- * then. */
+/* Makes a connection, without waiting for the bus to answer. The caller unreferences *out. Returns
+ * 0 or more, or a negative errno; then *out stays as it was. */
 int cli_bus_connect(const struct cli_bus *bus, sd_bus **out) __attribute__((warn_unused_result));
 
 #endif

@@ -16,7 +16,7 @@
 
 enum {
     CALL_TIMEOUT_US = 10 * 1000 * 1000,
-    SILENCE_US = 10 * 60 * 1000 * 1000, /* how long a call may give no signal and no answer */
+    SILENCE_US = 10 * 60 * 1000 * 1000, /* the longest wait for a signal or an answer of a call */
 };
 
 struct cli_daemon {
@@ -87,8 +87,8 @@ enum cli_exit cli_daemon_open(const struct cli_bus *bus, struct cli_daemon **out
     }
     r = cli_bus_connect(bus, &daemon->bus);
     if (r >= 0) {
-        r = sd_bus_get_unique_name(daemon->bus, &unique);
         /* This call waits for the handshake. */
+        r = sd_bus_get_unique_name(daemon->bus, &unique);
     }
     if (r >= 0) {
         r = sd_bus_set_method_call_timeout(daemon->bus, CALL_TIMEOUT_US);
@@ -241,8 +241,9 @@ enum cli_exit cli_daemon_subscribe(struct cli_daemon *daemon, const char *member
     return exit;
 }
 
-/* This is a handler with an event descriptor, and not a blocked signal with a signalfd. The threads
- * of a library, such as a BLAS, do not block the signal, so it would end the program. */
+/* A signal handler writes to this event descriptor. A signalfd would not work: it needs a blocked
+ * signal, but the threads of a library, such as a BLAS, do not block it, so that the signal would
+ * end the program. */
 static int interrupt_fd = -1;
 
 static void handle_interrupt(int number)
@@ -301,8 +302,8 @@ static int on_reply(sd_bus_message *reply, void *context, sd_bus_error *error)
     return 0;
 }
 
-/* Dispatches messages until the reply has come, or nothing has come for SILENCE_US. If the daemon
- * has gone, the bus itself replies. */
+/* Dispatches messages until the reply has come, or until no signal has come for SILENCE_US. If the
+ * daemon has gone away, the bus itself replies. */
 static int await_reply(struct cli_daemon *daemon, sd_bus_message **reply)
 {
     uint64_t heard = daemon->heard, deadline_us = now_us() + SILENCE_US;

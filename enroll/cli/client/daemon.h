@@ -1,5 +1,5 @@
-/* The client's side of the daemon: one connection, calls with their faults in plain words, and a
- * wait for signals that a person can interrupt. A connection is used by one thread. */
+/* The connection of a client to the daemon: calls whose faults are plain texts, and a wait for
+ * signals that a person can interrupt. Only one thread may use a connection. */
 #ifndef CLI_CLIENT_DAEMON_H
 #define CLI_CLIENT_DAEMON_H
 
@@ -11,25 +11,27 @@
 
 struct cli_daemon;
 
-/* Connects to the bus; the daemon need not be on it. CLI_EXIT_FAULT "no-bus" if the bus cannot be
+/* Connects to the bus. The daemon need not be on it. CLI_EXIT_FAULT "no-bus" if the bus cannot be
  * reached. */
 enum cli_exit cli_daemon_open(const struct cli_bus *bus, struct cli_daemon **out,
                               struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* The daemon itself releases what this connection has claimed. NULL is fine. */
+/* Closes the connection. The daemon then releases what this connection has claimed. NULL is
+ * accepted. */
 void cli_daemon_close(struct cli_daemon *daemon);
 
-/* A call of a method of the daemon; arguments are appended with sd_bus_message_append(). Never
- * NULL, except for want of memory (CLI_EXIT_FAULT). */
+/* Makes a call of a method of the daemon, to which the caller appends arguments with
+ * sd_bus_message_append(). cli_daemon_send() takes it over. CLI_EXIT_FAULT "internal" if it cannot
+ * be made. */
 enum cli_exit cli_daemon_message(struct cli_daemon *daemon, const char *method,
                                  sd_bus_message **out, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Sends a call and takes the reference to it. *reply (NULL if it is of no interest) is the
- * caller's to unreference. Faults of the daemon are translated:
+/* Sends a call, releases it and waits for the reply. The caller unreferences *reply; `reply` may be
+ * NULL. Errors of the daemon are translated to faults:
  *   CLI_EXIT_USAGE      invalid-name, invalid-argument
  *   CLI_EXIT_NOT_FOUND  no-such-person
- *   CLI_EXIT_NO         access-denied
+ *   CLI_EXIT_NO         access-denied, name-in-use, locked-out
  *   CLI_EXIT_TIMED_OUT  no-reply within 10 s
  *   CLI_EXIT_FAULT      no-daemon, already-in-use, gallery-full, device-fault, ... */
 enum cli_exit cli_daemon_send(struct cli_daemon *daemon, sd_bus_message *call,
@@ -40,10 +42,11 @@ enum cli_exit cli_daemon_send(struct cli_daemon *daemon, sd_bus_message *call,
 enum cli_exit cli_daemon_call(struct cli_daemon *daemon, const char *method, sd_bus_message **reply,
                               struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* Translates a reply that could not be read (a negative errno of sd_bus_message_read()). */
+/* Makes the fault "bad-reply" of a reply that could not be read. `error` is the negative errno of
+ * sd_bus_message_read(). Returns CLI_EXIT_FAULT. */
 enum cli_exit cli_daemon_bad_reply(int error, const char *method, struct cli_fault *fault);
 
-/* Whether a daemon owns the name now. */
+/* Sets *has to whether a daemon owns the name now. Faults of cli_daemon_send(). */
 enum cli_exit cli_daemon_has_daemon(struct cli_daemon *daemon, bool *has, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -57,10 +60,10 @@ enum cli_exit cli_daemon_subscribe(struct cli_daemon *daemon, const char *member
                                    cli_daemon_signal_fn handler, void *context,
                                    struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* As cli_daemon_send, for a call that may take long and reports its progress by signals. The
- * handler of the subscription is called for the signals; its result is ignored. The daemon may be
- * silent for ten minutes: after it has sealed all records, it writes them to the disk as one
- * transaction and sends no signals meanwhile. */
+/* The same as cli_daemon_send, for a call that may take long and reports its progress by signals.
+ * The handler of the subscription is called for the signals; its result is ignored. The daemon may
+ * send no signal for ten minutes: after it has sealed all records, it writes them to the disk as
+ * one transaction. */
 enum cli_exit cli_daemon_send_and_listen(struct cli_daemon *daemon, sd_bus_message *call,
                                          sd_bus_message **reply, struct cli_fault *fault)
     __attribute__((warn_unused_result));
@@ -69,10 +72,10 @@ enum cli_exit cli_daemon_send_and_listen(struct cli_daemon *daemon, sd_bus_messa
 enum cli_exit cli_daemon_catch_interrupt(struct cli_daemon *daemon, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Dispatches signals until the handler ends the wait (CLI_EXIT_OK), for at most timeout_s seconds
- * (CLI_EXIT_TIMED_OUT; nothing is said in *fault), or until the person interrupts
- * (CLI_EXIT_INTERRUPTED, likewise) or the daemon or the bus goes away (CLI_EXIT_FAULT
- * "daemon-gone"). A timeout_s of 0 is no limit. */
+/* Dispatches signals until one of these happens: the handler ends the wait (CLI_EXIT_OK), timeout_s
+ * seconds have passed (CLI_EXIT_TIMED_OUT), the person interrupts (CLI_EXIT_INTERRUPTED), or the
+ * daemon or the bus goes away (CLI_EXIT_FAULT "daemon-gone"). *fault is filled in only for the last
+ * one. A timeout_s of 0 is no limit. */
 enum cli_exit cli_daemon_wait(struct cli_daemon *daemon, double timeout_s, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -5,7 +5,7 @@
 
 #include "firmware/contract/contract.h"
 
-/* `text` is NULL if the text of the daemon itself is shown. */
+/* If `text` is NULL, the text of the daemon itself is shown. */
 static const struct translation {
     const char *name;
     enum cli_exit exit;

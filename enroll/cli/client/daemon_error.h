@@ -6,8 +6,8 @@
 
 #include "enroll/cli/client/fault.h"
 
-/* Translates a failed call: `error` as filled in by sd_bus_call() (it may be empty), `result` its
- * negative errno, `method` what was called. See cli_daemon_send() for the outcomes. */
+/* Makes a fault of a failed call of `method`. sd_bus_call() has filled in `error`, which may be
+ * empty, and has returned `result`, a negative errno. cli_daemon_send() lists the faults. */
 enum cli_exit cli_daemon_error(const sd_bus_error *error, int result, const char *method,
                                struct cli_fault *fault);
 

@@ -17,7 +17,7 @@ enum cli_exit {
 
 struct cli_fault {
     char code[32];  /* "no-daemon", "already-in-use", ...; the "code" of the JSON error */
-    char text[256]; /* no newline; "" if nothing was said */
+    char text[256]; /* one line without a newline; "" if there is no fault */
 };
 
 /* Fills in the fault and returns `exit`, so that a caller can `return cli_fault_set(...)`. The code

@@ -5,7 +5,7 @@
 
 #include "firmware/contract/contract.h"
 
-/* Converts the value of a variant to JSON. A type that no status has gives -EBADMSG. */
+/* Converts the value of a variant to JSON. -EBADMSG for a type that no status has. */
 static int read_value(sd_bus_message *reply, char type, json_t **out)
 {
     union {

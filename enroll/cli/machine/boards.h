@@ -19,7 +19,7 @@ enum { CLI_BOARDS_MAX = 32 };
 struct cli_board {
     char name[48];
     char title[128]; /* "" if board.json is missing or has no title */
-    bool here;       /* this machine is such a board */
+    bool here;       /* this board was recognised */
 };
 
 struct cli_boards {
@@ -27,8 +27,8 @@ struct cli_boards {
     struct cli_board items[CLI_BOARDS_MAX]; /* by name */
 };
 
-/* Lists the boards by name. The result is CLI_EXIT_NOT_FOUND if no board is installed. A board.json
- * that cannot be parsed is ignored. */
+/* Lists the boards, sorted by name. CLI_EXIT_NOT_FOUND "no-board" if no board is installed. A
+ * board.json that cannot be parsed is ignored. */
 enum cli_exit cli_boards_find(const struct cli_setup_places *places, struct cli_boards *out,
                               struct cli_fault *fault) __attribute__((warn_unused_result));
 

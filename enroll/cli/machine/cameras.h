@@ -16,11 +16,12 @@ struct cli_cameras {
     char paths[CLI_CAMERAS_MAX][CLI_DEVICE_PATH_SIZE]; /* by name */
 };
 
-/* There may be none. */
+/* Lists the descriptions, sorted by name. There may be none. */
 void cli_cameras_list(const struct cli_setup_places *places, struct cli_cameras *out);
 
-/* The description of the camera with this USB id, such as "8086:0b07": a file that contains the id,
- * or the file of a camera that is known to have it. NULL if there is none. */
+/* The path of the description of the camera with this USB id, such as "8086:0b07": a file that
+ * contains the id, or the file with the name of a camera that is known to have it. NULL if there is
+ * none. It belongs to `cameras`. */
 const char *cli_cameras_find(const struct cli_cameras *cameras, const char *usb_id);
 
 #endif

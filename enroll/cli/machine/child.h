@@ -12,13 +12,13 @@ struct cli_child {
     char *err; /* standard error; the caller frees it */
 };
 
-/* Runs argv[0], a path, with standard input empty. Of each stream the first 256 KiB are kept.
- * CLI_EXIT_FAULT the program cannot be run, or it has not ended after 30 seconds (it is killed
- * then); CLI_EXIT_INTERRUPTED (see interrupt.h), likewise. */
+/* Runs argv[0], a path, with empty standard input. The first 256 KiB of each stream are kept.
+ * CLI_EXIT_FAULT if the program cannot be run or has not ended after 30 seconds.
+ * CLI_EXIT_INTERRUPTED after an interrupt (interrupt.h). In the last two cases it is killed. */
 enum cli_exit cli_child_run(const char *const argv[], struct cli_child *out,
                             struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* An all-zero one is fine. */
+/* Frees the texts. An all-zero child is accepted. */
 void cli_child_done(struct cli_child *child);
 
 #endif

@@ -24,20 +24,20 @@ struct cli_devices {
     char fault[256]; /* of the last driver that could not list cameras; "": there is none */
 };
 
-/* Runs the daemon's program. CLI_EXIT_FAULT it cannot be run or fails; CLI_EXIT_INTERRUPTED. It is
- * not a fault if there are no devices. */
+/* Runs the daemon's program to list the cameras. CLI_EXIT_FAULT if it cannot be run or fails;
+ * CLI_EXIT_INTERRUPTED. It is not a fault if there are no devices. */
 enum cli_exit cli_devices_find(const struct cli_setup_places *places, struct cli_devices *out,
                                struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* Parses the lines of `isothermd --list-devices`; other lines are ignored. */
+/* Parses the lines of `isothermd --list-devices` and appends the devices. Others are ignored. */
 void cli_devices_parse(const char *lines, struct cli_devices *out);
 
-/* The USB id of the camera behind a video node (or a link to one), such as "8086:0b07"; "" if it is
- * not a USB device. */
+/* Writes the USB id of the camera of a video node (or of a link to one), such as "8086:0b07"; "" if
+ * it is not a USB device. */
 void cli_device_usb_id(const struct cli_setup_places *places, const char *node, char out[16]);
 
-/* A link to the node in /dev/v4l/by-id, else in /dev/v4l/by-path; the node itself if there is none.
- */
+/* Writes the path of a link to the node in /dev/v4l/by-id, else in /dev/v4l/by-path; if there is
+ * none, the node itself. */
 void cli_device_lasting_name(const struct cli_setup_places *places, const char *node,
                              char out[CLI_DEVICE_PATH_SIZE]);
 

@@ -7,10 +7,10 @@
 /* From now on both signals are recorded instead of ending the program. */
 void cli_interrupt_catch(void);
 
-/* Whether one of them has come since then. Waits check this a few times a second. */
+/* Whether one of these signals has come since then. Waits check this a few times a second. */
 bool cli_interrupted(void);
 
-/* Resets this, for work that must be done after an interrupt. */
+/* Forgets a signal that has come, so that the work after an interrupt can wait again. */
 void cli_interrupt_forget(void);
 
 #endif

@@ -86,7 +86,8 @@ enum cli_exit cli_new_file_write(const char *path, const char *text, struct cli_
     return CLI_EXIT_OK;
 }
 
-/* Gives the old file its second name. Returns 0 also if there is no old file. */
+/* Links the old file to the name of the backup. Returns 0, also if there is no old file, or an
+ * errno. */
 static int keep_old(struct cli_new_file *file)
 {
     const time_t now = time(NULL);

@@ -14,13 +14,13 @@ struct cli_setup_places {
     const char *daemon;     /* the program isothermd */
     const char *sys;        /* "/sys": the connected devices and the kind of machine */
     const char *dev;        /* "/dev": names of cameras that do not change */
-    const char *unit;       /* of the service manager */
+    const char *unit;       /* the name of the daemon's unit */
     struct cli_bus manager; /* the bus of the service manager */
-    bool root;              /* only root may write */
-    int daemon_wait_s;      /* for the daemon to appear on the bus after its unit is active */
+    bool root;              /* only root may write the configuration */
+    int daemon_wait_s;      /* longest wait for the daemon on the bus, once its unit is active */
 };
 
-/* Those of the installed program. */
+/* The paths of the installed program. */
 extern const struct cli_setup_places cli_setup_installed;
 
 #endif

@@ -7,15 +7,15 @@
 
 struct cli_service;
 
-/* Connects to the service manager and notes whether the unit is enabled and active. CLI_EXIT_FAULT
- * "no-manager" there is no service manager on this bus, "no-unit" it does not know the unit. `unit`
- * outlives the object. */
+/* Connects to the service manager and records whether the unit is enabled and active. `unit` must
+ * outlive *out. CLI_EXIT_FAULT "no-manager" if there is no service manager on this bus, "no-unit"
+ * if it does not know the unit. */
 enum cli_exit cli_service_open(const struct cli_bus *bus, const char *unit,
                                struct cli_service **out, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Enables the unit, starts or restarts it, and waits until it has started. CLI_EXIT_FAULT
- * "no-start" if it did not start within 100 s; CLI_EXIT_INTERRUPTED. */
+ * "no-start" if it fails or has not started after 130 s; CLI_EXIT_INTERRUPTED. */
 enum cli_exit cli_service_start(struct cli_service *service, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -24,7 +24,7 @@ enum cli_exit cli_service_start(struct cli_service *service, struct cli_fault *f
 enum cli_exit cli_service_undo(struct cli_service *service, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
-/* NULL is fine. */
+/* Closes the connection and frees the object. NULL is accepted. */
 void cli_service_close(struct cli_service *service);
 
 #endif
