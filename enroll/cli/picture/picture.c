@@ -14,7 +14,7 @@ enum { PICTURE_BYTES_MAX = 1 << 20 };
 
 /* ---- receiving ---- */
 
-/* The daemon may have moved the offset of the file, so reading begins at the start. */
+/* Reads the whole file from its start, because the daemon may have moved the offset. */
 static int read_whole(int fd, uint8_t **png, size_t *size)
 {
     struct stat status;
@@ -93,7 +93,7 @@ static int write_whole(int fd, const uint8_t *png, size_t size)
     return (size_t)written < size ? ENOSPC : 0;
 }
 
-/* A file that existed before may be readable for others. */
+/* The mode is set explicitly, because a file that existed before may be readable for others. */
 enum cli_exit cli_picture_save(const char *path, const uint8_t *png, size_t size,
                                struct cli_fault *fault)
 {

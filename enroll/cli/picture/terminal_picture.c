@@ -61,7 +61,7 @@ int cli_half_blocks_print(const struct cli_pixels *picture, int columns, int row
 
 /* ---- sixels ---- */
 
-/* Luma by Rec. 709, as a number of a shade. */
+/* The number of the shade, 0..SHADES - 1, for the luma of a pixel (Rec. 709). */
 static int shade_of(const uint8_t *rgb)
 {
     return (2126 * rgb[0] + 7152 * rgb[1] + 722 * rgb[2]) / 10000 * SHADES / 256;

@@ -16,8 +16,9 @@ int cli_half_blocks_print(const struct cli_pixels *picture, int columns, int row
 /* Writes the picture as sixels, in its own size, in 64 shades of grey. */
 void cli_sixel_print(const struct cli_pixels *picture, FILE *out);
 
-/* Asks the terminal for its attributes (DA1, "ESC [ c") and waits at most 200 ms for the answer.
- * Text that is typed meanwhile is lost. False if `in` or `out` is not a terminal. */
+/* Asks the terminal for its attributes (DA1, "ESC [ c"), and waits at most 200 ms for each
+ * character of the answer. Returns whether the terminal supports sixels; false if `in` or `out` is
+ * not a terminal. Text that is typed meanwhile is lost. */
 bool cli_terminal_has_sixels(int in, int out);
 
 /* Writes the picture in the best way that the terminal supports. Writes nothing if `out` or `in` is

@@ -36,7 +36,8 @@ static bool set(struct cli_candidate *candidate, const char *key, const char *va
     return cli_sensor_word_set(&candidate->sensor, key, value, &fault) == CLI_EXIT_OK;
 }
 
-/* Whether the board's udev rules have given the nodes of the camera special names. */
+/* Whether the udev rules of the board have given the depth node of the camera the name
+ * isotherm-depth. Writes this name, and that of the infrared node, or "" if it does not exist. */
 static bool has_own_names(const struct cli_setup_places *places, const char *node,
                           char depth[CLI_DEVICE_PATH_SIZE], char infrared[CLI_DEVICE_PATH_SIZE])
 {
@@ -73,7 +74,8 @@ static void add_video_node(const struct cli_setup_places *places, const struct c
     (void)snprintf(candidate->text, sizeof candidate->text, "%s (%s)", device->label, device->id);
 }
 
-/* A single camera is configured as the first one found, because its URI changes with the port. */
+/* Adds a camera of OpenNI2. If it is the only one, its URI is not configured, because the URI
+ * changes with the port: the driver then takes the first camera. */
 static void add_openni2(const struct cli_device *device, bool only, struct cli_candidates *out)
 {
     struct cli_candidate *candidate = add(out, device->sensor);

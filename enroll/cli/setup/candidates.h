@@ -15,8 +15,9 @@ struct cli_candidates {
     } items[CLI_CANDIDATES_MAX];
 };
 
-/* Depth cameras of the kernel (pixel format Z16) and of OpenNI2; and the sensor of the board's own
- * file, if that is a pair of cameras and two or more cameras are found for its driver. */
+/* Lists the depth cameras of the kernel (pixel format Z16) and of OpenNI2. The sensor of the
+ * board's own file is added if it is a pair of cameras and two or more cameras are found for its
+ * driver. */
 void cli_candidates_find(const struct cli_setup_places *places, const struct cli_devices *devices,
                          const char *board_text, struct cli_candidates *out);
 

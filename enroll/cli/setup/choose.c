@@ -111,7 +111,8 @@ static enum cli_exit read_board(const struct cli_setup_places *places,
 
 /* ---- the sensor ---- */
 
-/* Asks for an entry of the list that follows the cameras. */
+/* Asks for the details of an entry after the cameras: the folder of a recording if `stored`, else
+ * any sensor. */
 static enum cli_exit ask_other(const struct cli_dialogue *dialogue, bool stored,
                                struct cli_sensor_word *out, struct cli_fault *fault)
 {

@@ -73,6 +73,7 @@ static void write_line(struct line line, FILE *out)
     fprintf(out, "%.*s\n", (int)line.length, line.text);
 }
 
+/* Whether a section of the old file is kept. */
 static bool is_old_own(const char *name)
 {
     return strcmp(name, "sensor") != 0 && strcmp(name, "door") != 0;

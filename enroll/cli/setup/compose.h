@@ -2,8 +2,9 @@
  *
  * [door], and the lines before the first section, come from the board. If the board's sensor has
  * the same back end, [sensor] comes from the board, too, and the options of the sensor's word are
- * added; else it consists only of the word. All other sections of the old file stay as they are.
- * The same input gives the same text. */
+ * added or replaced. Otherwise [sensor] is made of the word alone. All other sections of the old
+ * file stay as they are; the board's file gives those that the old file does not have. The same
+ * input gives the same text. */
 #ifndef CLI_SETUP_COMPOSE_H
 #define CLI_SETUP_COMPOSE_H
 
@@ -18,11 +19,11 @@ struct cli_composition {
     const char *old_text; /* NULL: there was no file */
 };
 
-/* The text, which the caller frees; NULL if there is no memory. */
+/* Composes the text, which the caller frees. NULL if there is no memory. */
 char *cli_compose(const struct cli_composition *composition);
 
-/* The value of a key in a section of a configuration; false if it is not set there. It is cut to
- * fit. */
+/* Finds the value of a key in a section of a configuration. It is cut to fit. Returns false if the
+ * key is not set there. */
 bool cli_compose_find(const char *text, const char *section, const char *key, char *out,
                       size_t size);
 

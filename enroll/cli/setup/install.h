@@ -13,9 +13,9 @@ enum cli_exit cli_setup_check(const struct cli_setup_places *places, const char 
                               const char *text, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Checks and replaces the file, and starts the service. If `text` is NULL, the file is right, and
- * only the service is restarted. `backup` becomes the name of the old file, or "" if there is none.
- * After a fault or an interrupt, file and service are restored, and the fault says so. */
+/* Checks and replaces the file, and starts the service. If `text` is NULL, the file stays as it is,
+ * and only the service is restarted. `backup` receives the name of the old file, or "" if there is
+ * none. After a fault or an interrupt, file and service are restored, and the fault says so. */
 enum cli_exit cli_setup_install(const struct cli_setup_places *places,
                                 const struct cli_bus *daemon_bus, const char *text,
                                 char backup[PATH_MAX], struct cli_fault *fault)

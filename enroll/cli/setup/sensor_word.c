@@ -73,7 +73,7 @@ const char *cli_sensor_word_get(const struct cli_sensor_word *word, const char *
     return NULL;
 }
 
-/* Returns the key that takes the place of a back end. */
+/* The key of [sensor] that is set to the place. */
 static const char *key_of_place(const char *backend, const char *place)
 {
     const size_t length = strlen(place);

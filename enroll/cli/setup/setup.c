@@ -14,7 +14,7 @@
 #include "enroll/cli/setup/show.h"
 #include "enroll/cli/text/report.h"
 
-/* The place where isothermd finds the file of a dry run. */
+/* The file of a dry run is written beside this path, where isothermd can read it. */
 static const char dry_place[] = "/tmp/isotherm.conf";
 
 struct plan {

@@ -22,10 +22,11 @@ struct cli_setup_wish {
     struct cli_bus bus; /* where the daemon will be */
 };
 
-/* CLI_EXIT_OK: the file is in place and the daemon runs, whatever `doctor` finds. Else the fault
- * says what failed, and nothing has changed. CLI_EXIT_NO the person answered no, or is not root;
- * CLI_EXIT_USAGE an option is missing and cannot be asked for, or the daemon refuses the file;
- * CLI_EXIT_NOT_FOUND no such board; CLI_EXIT_INTERRUPTED; CLI_EXIT_FAULT. */
+/* Runs the setup. CLI_EXIT_OK: the file is in place and the daemon runs, whatever `doctor` finds.
+ * Otherwise the fault says what failed, and the old state is restored. CLI_EXIT_NO if the person
+ * answered no or is not root; CLI_EXIT_USAGE if an option is missing and cannot be asked for, or if
+ * the daemon refuses the file; CLI_EXIT_NOT_FOUND if there is no such board; CLI_EXIT_INTERRUPTED;
+ * CLI_EXIT_FAULT. */
 enum cli_exit cli_setup_run(const struct cli_setup_places *places,
                             const struct cli_setup_wish *wish, const struct cli_dialogue *dialogue,
                             struct cli_fault *fault) __attribute__((warn_unused_result));

@@ -16,9 +16,9 @@ struct png {
     size_t size;
 };
 
-/* Whether a later attempt may succeed: another program has the camera, or the daemon is not on the
- * bus yet. A fault of the camera is final, because the daemon itself has waited for a frame, and
- * writes a record for each attempt. */
+/* Whether a later attempt may succeed: if another program has the camera, or if the daemon is not
+ * on the bus yet. After a fault of the camera there is no other attempt, because the daemon itself
+ * has waited for a frame, and it writes a record for each attempt. */
 static bool may_pass(const struct cli_fault *fault)
 {
     return strcmp(fault->code, "already-in-use") == 0 || strcmp(fault->code, "no-daemon") == 0;
@@ -41,7 +41,7 @@ static enum cli_exit fetch(const struct cli_bus *bus, struct png *out, struct cl
     return exit;
 }
 
-/* The text from the daemon, without the words with which the line begins anyway. */
+/* The text of the fault without "no picture: ", because the printed line says this already. */
 static const char *reason_of(const struct cli_fault *fault)
 {
     static const char prefix[] = "no picture: ";

@@ -12,7 +12,8 @@
  * on dialogue->out and returns false; that is no failure of the setup. */
 bool cli_setup_show_picture(const struct cli_setup_wish *wish, const struct cli_dialogue *dialogue);
 
-/* Prints the findings, unless wish->json. */
+/* Examines the appliance, as `isotherm doctor` does, and prints the findings, unless wish->json.
+ * *out receives them. */
 void cli_setup_show_diagnosis(const struct cli_setup_wish *wish,
                               const struct cli_dialogue *dialogue, struct cli_diagnosis *out);
 
