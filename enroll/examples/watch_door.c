@@ -45,7 +45,7 @@ static int call(sd_bus *bus, const char *method, sd_bus_message **reply)
     return error;
 }
 
-/* Prints one value of the state if it is one of the wanted texts and numbers. */
+/* Reads one value of the state, and prints it if its key is one of the wanted ones. */
 static int print_value(sd_bus_message *reply, const char *key)
 {
     static const char *const wanted[] = {"version", "sensor-state", "door-state", "people"};

@@ -89,8 +89,8 @@ static enum cli_exit unknown_command(struct cli_fault *fault, const char *word)
                  : usage_fault(fault, "unknown command", word);
 }
 
-/* An example of a good value, by the name of the argument. It follows the complaint about a bad
- * value. */
+/* An example of a good value, by the name of the argument. It is printed after the fault of a bad
+ * value; "" if there is none. */
 static const char *example_of(const char *argument)
 {
     if (strcmp(argument, "T") == 0) {
@@ -99,8 +99,8 @@ static const char *example_of(const char *argument)
     return strcmp(argument, "D") == 0 ? "; a day looks like 2026-12-31, today or yesterday" : "";
 }
 
-/* Reads the options, and notes in *given which were there (one bit for each option of the
- * table). */
+/* Reads the options, and marks in *given which ones are on the command line, with one bit for each
+ * option of the table. */
 static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *out,
                                    uint64_t *given, struct cli_fault *fault)
 {
@@ -128,7 +128,8 @@ static enum cli_exit parse_options(int argc, char **argv, struct cli_arguments *
     return CLI_EXIT_OK;
 }
 
-/* Writes a command's fixed words, "on|off", as text: "on or off". */
+/* Reports that a word is missing after `after`. A command with fixed words, such as "on|off", lists
+ * them as text: "on or off". */
 static enum cli_exit missing_word(const struct cli_command *command, const char *after,
                                   struct cli_fault *fault)
 {
@@ -183,7 +184,7 @@ static enum cli_exit read_from(struct cli_arguments *out, struct cli_fault *faul
                          example_of(out->verb == CLI_LOG ? "N" : "T"));
 }
 
-/* Notes which limits were given, and checks that they go together. */
+/* Checks that the limits on the command line can be combined. --none sets both. */
 static enum cli_exit check_limits(struct cli_arguments *arguments, struct cli_fault *fault)
 {
     const bool enrols = arguments->verb == CLI_ENROLL;
@@ -237,7 +238,7 @@ enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *o
     exit = parse_options(argc, argv, out, &given, fault);
     int n_words = argc - optind;
     char **words = argv + optind;
-    if (!exit && n_words > 0 && strcmp(words[0], "help") == 0) { /* help, as the option */
+    if (!exit && n_words > 0 && strcmp(words[0], "help") == 0) { /* the same as --help */
         out->help = true;
         n_words--;
         words++;

@@ -29,50 +29,50 @@ enum cli_verb {
     CLI_LOCKOUT,
     CLI_SETUP,
     CLI_DOOR,
-    CLI_VERBS /* none given */
+    CLI_VERBS /* how many there are; as a verb: no command was given */
 };
 
 enum { CLI_PEOPLE_MAX = 64 };
 
 struct cli_arguments {
     enum cli_verb verb;
-    const char *person; /* for the commands that take a NAME */
-    const char *word;   /* what stands behind the command, a NAME or other; NULL: nothing */
-    const char *name;   /* rename: the new one */
+    const char *person; /* the same as word, for the commands that take a NAME */
+    const char *word;   /* the word after the command, a NAME or another one; NULL: there is none */
+    const char *name;   /* rename: the new name */
     bool help, version, json;
     struct cli_bus bus;
-    double timeout_s;                      /* 0: the command's own */
+    double timeout_s;                      /* 0: the default of the command */
     bool allow_duplicate;                  /* enroll */
-    bool names_from, names_until;          /* enroll, validity: these limits are given */
-    int64_t valid_from_s, valid_until_s;   /* ... since 1970, 0: no limit */
-    bool expired;                          /* ... an end in the past is accepted */
-    bool none;                             /* validity: neither limit */
+    bool names_from, names_until;          /* enroll, validity: which limits are given */
+    int64_t valid_from_s, valid_until_s;   /* these limits, since 1970; 0: no limit */
+    bool expired;                          /* enroll, validity: an end in the past is accepted */
+    bool none;                             /* validity: remove both limits */
     const char *from_text;                 /* log, validity: --from as it was typed */
     uint64_t from;                         /* log: a sequence number; 0: not given */
-    unsigned count;                        /* log: records at most; 0: not given */
+    unsigned count;                        /* log: the most records; 0: not given */
     bool follow;                           /* log */
-    int64_t day_begins_s, day_ends_s;      /* log: that day, without its end; 0: every day */
+    int64_t day_begins_s, day_ends_s;      /* log: the day, without its end; 0: every day */
     const char *events;                    /* log: "visit,door"; NULL: all */
     bool csv, full;                        /* log */
     const char *head;                      /* log verify: of an earlier report; NULL: not given */
     const char *address, *passphrase_file; /* export, import; NULL: not given */
-    const char *people[CLI_PEOPLE_MAX];    /* export, log: these; none: all */
+    const char *people[CLI_PEOPLE_MAX];    /* export, log: only these; none: all */
     size_t n_people;
     bool replace;               /* import */
     const char *picture;        /* aim, setup: the file to write; NULL: not given */
     const char *sensor, *board; /* setup; NULL: not given */
-    bool yes;                   /* setup, door test: without a question */
+    bool yes;                   /* setup, door test: ask nothing */
     bool dry_run;               /* setup */
 };
 
-/* Reads argv, options and words in any order. The texts of *out point into argv. With --help or
+/* Reads argv: options and words in any order. The texts of *out point into argv. With --help or
  * --version nothing else is required. CLI_EXIT_USAGE if something is wrong: an unknown command or
  * option, an option of another command, or a missing, superfluous or bad value. out->json is
  * correct even then, so that the fault can be printed in the requested form. */
 enum cli_exit cli_arguments_parse(int argc, char **argv, struct cli_arguments *out,
                                   struct cli_fault *fault) __attribute__((warn_unused_result));
 
-/* The help of a command, or with CLI_VERBS that of the program. */
+/* Prints the help of a command, or for CLI_VERBS that of the program. */
 void cli_arguments_help(enum cli_verb verb, FILE *out);
 
 #endif

@@ -6,12 +6,13 @@
 
 #include "enroll/cli/client/fault.h"
 
-/* The events that the daemon records, one by one from index 0 on, and then NULL. `context` is not
- * used; it makes this an iso_words_fn. */
+/* The name of an event that the daemon records, by its index; NULL after the last one. `context` is
+ * not used; with it this function is an iso_words_fn. */
 const char *cli_log_event(size_t index, const void *context);
 
-/* Whether every word of a list, "visit,door", is such an event; NULL is no list and fine.
- * CLI_EXIT_USAGE "usage" names the first that is not, and the event that may be meant. */
+/* Checks that every word of a list such as "visit,door" is an event. NULL, for no list, is
+ * accepted. CLI_EXIT_USAGE "usage" if a word is not: the fault names it, and the event that may be
+ * meant. */
 enum cli_exit cli_log_events_check(const char *list, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -7,9 +7,9 @@
 #include "enroll/cli/arguments/arguments.h"
 #include "enroll/cli/arguments/option_table.h"
 
-/* Stores one option. `value` is its text, or NULL for an option that takes none. False if the value
- * is bad. --json and --from are not complete after that: cli_arguments_parse looks for --json
- * before all other options, and the meaning of --from depends on the command. */
+/* Stores one option. `value` is its text, or NULL for an option that takes none. Returns false if
+ * the value is bad. It stores nothing for --json, which cli_arguments_parse has found before, and
+ * only the text for --from, whose meaning depends on the command. */
 bool cli_option_store(struct cli_arguments *out, enum cli_option_id id, const char *value)
     __attribute__((warn_unused_result));
 

@@ -20,7 +20,7 @@ static const double silence_s = 2;
 
 struct aim {
     bool json;
-    bool rewrite;     /* the output is a terminal, which shows only two lines */
+    bool rewrite;     /* the output is a terminal, on which two lines are overwritten */
     char hint[32];    /* the word whose hint was printed last */
     uint64_t n_views; /* number of views that have come */
     int error;        /* a signal could not be read, or the output could not be written */

@@ -1,4 +1,4 @@
-/* door test: the relay clicks once, so that the installer can hear and see that it is wired. */
+/* door test: switches the relay once, so that the installer can hear and see that it is wired. */
 #include "enroll/cli/commands/commands.h"
 
 #include <string.h>

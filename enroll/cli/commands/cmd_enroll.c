@@ -22,7 +22,7 @@ struct enrolment {
     unsigned stage, stages;
     double quality;
     struct cli_known known;              /* the enrolled person who has the name already */
-    char refused[256];                   /* the error of the disk; "" if there was none */
+    char refused[256];                   /* why the disk did not store it; "" if it did */
     char duplicate[CLI_KNOWN_NAME_SIZE]; /* name under which the face is known; "": unknown */
     struct iso_progress *progress;       /* on stderr, for each stage */
     char what[WHAT_SIZE];                /* text of the progress */
@@ -56,7 +56,7 @@ static void on_answered(sd_bus_message *reply, void *context)
     cli_known_read(reply, &enrolment->known);
 }
 
-/* The name as it is spelt in the gallery if the person is there already. */
+/* The name of the person, as it is spelt in the gallery if it is there already. */
 static const char *name_of(const struct enrolment *enrolment)
 {
     return enrolment->known.person[0] ? enrolment->known.person : enrolment->arguments->person;

@@ -1,4 +1,4 @@
-/* lockdown and lockout: decide whether anybody is let in at all. */
+/* lockdown and lockout: switch the lockdown on or off, and end a lock-out. */
 #include "enroll/cli/commands/commands.h"
 
 #include <string.h>

@@ -7,7 +7,8 @@
 #include "enroll/cli/text/log_record.h"
 #include "enroll/cli/text/report.h"
 
-/* With a day, all records of the day are wanted, up to the limit of one command. */
+/* The most records if there is no --count. With --day these are all records of the day, up to the
+ * largest --count. */
 enum { DEFAULT_COUNT = 20, DAY_COUNT = 100000 };
 
 /* The interval at which --follow looks for records that no signal announces. */

@@ -1,4 +1,4 @@
-/* list and remove: for the people of the gallery. */
+/* list and remove: list the people of the gallery, and delete one of them. */
 #include "enroll/cli/commands/commands.h"
 
 #include <errno.h>
@@ -50,7 +50,8 @@ static enum cli_exit list_json(sd_bus_message *reply, struct cli_fault *fault)
     return cli_report_json(json_pack("{s:o}", "people", people));
 }
 
-/* The width of the column of names: the longest name, but at least 24. */
+/* Measures the width of the column of names: that of the longest name, but at least 24. Then goes
+ * back to the first person of the reply. */
 static int measure_names(sd_bus_message *reply, size_t *columns)
 {
     struct person person;

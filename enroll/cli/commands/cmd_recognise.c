@@ -1,4 +1,4 @@
-/* identify and verify: two questions with the same course. */
+/* identify and verify: two commands with the same steps. */
 #include "enroll/cli/commands/commands.h"
 
 #include <math.h>

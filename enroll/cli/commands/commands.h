@@ -1,5 +1,5 @@
-/* The commands. Each prints its result on stdout, remarks on stderr, and returns the exit code of
- * the program; with *fault filled in where it could not do its work. */
+/* The commands. Each prints its result on stdout and remarks on stderr, and returns the exit code
+ * of the program. If a command could not do its work, it fills in *fault. */
 #ifndef CLI_COMMANDS_COMMANDS_H
 #define CLI_COMMANDS_COMMANDS_H
 
@@ -42,10 +42,10 @@ enum cli_exit cli_lockout(struct cli_daemon *daemon, const struct cli_arguments 
 enum cli_exit cli_door_test(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                             struct cli_fault *fault);
 
-/* Opens the bus itself: a bus that cannot be reached is one of its findings. */
+/* Opens the bus itself, because a bus that cannot be reached is one of its findings. */
 enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault *fault);
 
-/* Needs no daemon: it starts one. */
+/* Needs no connection to the daemon, because it starts the daemon. */
 enum cli_exit cli_setup(const struct cli_arguments *arguments, struct cli_fault *fault);
 
 #endif

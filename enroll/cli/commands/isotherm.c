@@ -45,7 +45,7 @@ int main(int argc, char **argv)
     } else if (exit == CLI_EXIT_OK && arguments.help) {
         cli_arguments_help(arguments.verb, stdout);
     } else if (exit == CLI_EXIT_OK) {
-        /* Line by line, because somebody reads hints and new records as they come. */
+        /* Writes line by line, because people read hints and new records as they come. */
         setvbuf(stdout, NULL, _IOLBF, 0);
         exit = run(&arguments, &fault);
         cli_explain_no_daemon(&arguments.bus, exit, &fault);

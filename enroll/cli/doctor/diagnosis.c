@@ -58,8 +58,8 @@ static void judge_version(struct cli_diagnosis *diagnosis, const json_t *state)
     cli_diagnosis_add(diagnosis, "version", CLI_CHECK_ODD, ISO_FAULT_VERSION_DIFFERS, found);
 }
 
-/* The sensor runs, but its driver may know why it gives no frames. An older daemon does not report
- * this. */
+/* Judges a sensor that runs. Its driver may report why frames do not arrive. An older daemon does
+ * not have this key. */
 static void judge_running_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *health = cli_state_text(state, "sensor-health");
@@ -92,7 +92,7 @@ static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
                       word ? code_of(state, "sensor-fault-code") : ISO_FAULT_NO_STATUS, found);
 }
 
-/* A text from the daemon with its code. If both are empty, all is well and there is no finding. */
+/* A text from the daemon with its code. If both are empty, there is no finding. */
 struct told {
     const char *subject, *text, *code; /* the keys in the status */
     enum cli_check with_code, without_code;
@@ -111,7 +111,7 @@ static void judge_told(struct cli_diagnosis *diagnosis, const json_t *state,
     }
 }
 
-/* A door that refuses everybody is out of service. */
+/* Judges whether the door is in service: under lockdown or locked out it admits nobody. */
 static void judge_service(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const json_int_t left_ms = cli_state_number(state, "lockout-ms", 0);

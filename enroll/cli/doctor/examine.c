@@ -4,8 +4,9 @@
 #include "enroll/cli/doctor/configured.h"
 #include "firmware/contract/contract.h"
 
-/* Finds out whether the bus lets this user command the daemon. Release() without a claim changes
- * nothing, and the daemon refuses it. If the call reaches the daemon, the user may. */
+/* Finds out whether the bus lets this user command the daemon, by calling Release(). Without a
+ * claim the daemon refuses this call, which then changes nothing. If the call reaches the daemon,
+ * the user may command it. */
 static void check_permission(struct cli_daemon *daemon, struct cli_diagnosis *diagnosis)
 {
     struct cli_fault fault = {0};

@@ -4,8 +4,8 @@
 
 #include "core/base/fault_code.h"
 
-/* One line that says how to correct the fault. NULL outside the range, and for ISO_FAULT_NONE, a
- * fault of which only the sentence is known. A constant. */
+/* One line that says how to correct the fault, a constant. NULL outside the range and for
+ * ISO_FAULT_NONE. */
 const char *cli_remedy(enum iso_fault_code code);
 
 #endif

@@ -14,11 +14,13 @@ struct cli_known {
     uint32_t templates;
 };
 
-/* Reads the answer to EnrollStart; members that an older daemon does not send stay unknown. */
+/* Reads the answer to EnrollStart. Members that an older daemon does not send are 0 or "". If the
+ * answer cannot be read, *out stays as it was. */
 void cli_known_read(sd_bus_message *reply, struct cli_known *out);
 
-/* Prints that the name is in use and that an enrolment adds to it; and that the door no longer
- * opens to the person, if that is so at now_s. Prints nothing if nobody has the name. */
+/* Prints that the name is in use and that the enrolment adds templates to this person. If the
+ * person's validity has ended at now_s, prints that the door no longer opens. Prints nothing if
+ * nobody has the name. */
 void cli_known_say(const struct cli_known *known, int64_t now_s, FILE *out);
 
 #endif

@@ -14,8 +14,8 @@
 enum { TRIES = 60 };
 static const double refused_wait_s = 0.25;
 
-/* A clock may be set back. The search therefore continues with records that are older than the day
- * by at most this time. */
+/* A clock may have been set back. The search therefore goes on until records are older than the day
+ * by this time. */
 static const int64_t clock_set_back_s = 7 * 86400;
 
 /* Makes a single call. */
@@ -36,7 +36,8 @@ static enum cli_exit ask_for_records(struct cli_daemon *daemon, uint64_t from, u
     return cli_daemon_send(daemon, call, reply, fault);
 }
 
-/* Repeats the call until the daemon answers or the user interrupts. */
+/* Makes the call, and repeats it while the daemon refuses it because of too many calls: at most
+ * TRIES times, or until the user interrupts. */
 static enum cli_exit ask_patiently(struct cli_daemon *daemon, uint64_t from, unsigned max,
                                    sd_bus_message **reply, struct cli_fault *fault)
 {
@@ -73,9 +74,9 @@ static enum cli_exit read_batch(struct cli_daemon *daemon, uint64_t from, unsign
     return r < 0 ? cli_daemon_bad_reply(r, ISO_CONTRACT_READ_LOG, fault) : CLI_EXIT_OK;
 }
 
-/* Reads at most `max` records from number *from on, and keeps the matching ones. Then *from is the
- * next number, and *n_read is the number of records read. Records that the log has dropped are
- * skipped. */
+/* Reads at most `max` records from number *from on, and appends the matching ones. Then *from is
+ * the number after the last one, and *n_read is the number of records read. Records that the log no
+ * longer has are skipped. */
 static enum cli_exit read_matching(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                    uint64_t *from, unsigned max, json_t *records, size_t *n_read,
                                    struct cli_fault *fault)
@@ -126,7 +127,7 @@ static enum cli_exit read_forwards(struct cli_daemon *daemon, const struct cli_a
     return CLI_EXIT_OK;
 }
 
-/* Whether this record and all before it are too old for the requested day. */
+/* Whether this record, and therefore all before it, are too old for the requested day. */
 static bool is_before_the_day(const json_t *record, const struct cli_arguments *arguments)
 {
     return record && arguments->day_ends_s &&

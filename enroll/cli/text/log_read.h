@@ -11,16 +11,17 @@
 /* The most records of one answer (firmware/contract/contract.h). */
 enum { CLI_LOG_BATCH = 1000 };
 
-/* Appends the records that match `arguments` (enroll/cli/text/log_record.h) to `records`: `count`
- * at most of those from number *from on, or with *from 0 the last `count`. *from is then the number
- * of the next record. Records that are written meanwhile are not included: at a busy door this
- * would not end. CLI_EXIT_NOT_FOUND "no-such-record": the log ends before *from.
- * Faults of cli_daemon_send(), "bad-reply". */
+/* Appends at most `count` records that match `arguments` (enroll/cli/text/log_record.h) to
+ * `records`: the first ones from number *from on, or the last ones of the log if *from is 0. Then
+ * *from is the number of the record to read next. Records that are written during the call are not
+ * included, because at a busy door it would not end. CLI_EXIT_NOT_FOUND "no-such-record" if the log
+ * ends before *from. Other faults are those of cli_daemon_send() and "bad-reply". */
 enum cli_exit cli_log_read(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                            size_t count, uint64_t *from, json_t *records, struct cli_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The same for the records from number *from on that exist now, one batch at most. */
+/* Appends the matching records among those that now exist from number *from on, from one batch at
+ * most. *from and the faults are as for cli_log_read(). */
 enum cli_exit cli_log_read_new(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                                uint64_t *from, json_t *records, struct cli_fault *fault)
     __attribute__((warn_unused_result));

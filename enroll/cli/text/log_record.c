@@ -12,7 +12,7 @@ enum { VALUE_SIZE = 1024 };
 
 enum form {
     FORM_AS_IT_IS,
-    FORM_SCORE,   /* shown to people with two digits */
+    FORM_SCORE,   /* shown with two digits, except in a full record */
     FORM_PROGRAM, /* shown only in a full record */
 };
 
@@ -67,7 +67,8 @@ static bool has_word(const char *list, const char *word)
     return false;
 }
 
-/* Whether the record is about one of these people. The record of a renamed person has two names. */
+/* Whether the record is about one of these people, or n is 0. The record of a renamed person has
+ * two names. */
 static bool is_about(const json_t *record, const char *const *people, size_t n)
 {
     const char *event = text_of(record, "event"), *person = text_of(record, "person");

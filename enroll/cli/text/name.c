@@ -28,7 +28,7 @@ bool cli_name_is_same(const char *a, const char *b)
     return same;
 }
 
-/* Escapes a character as a shell such as bash reads it. */
+/* Prints a character. Invisible ones are escaped in the way that shells such as bash understand. */
 static void print_character(FILE *out, ucs4_t c, const uint8_t *bytes, size_t length)
 {
     if (c == '\'' || c == '\\') {

@@ -32,7 +32,7 @@ static enum cli_exit read_file(const char *file, char line[LONGEST], struct cli_
         return cli_fault_set(fault, errno == ENOENT ? CLI_EXIT_NOT_FOUND : CLI_EXIT_FAULT,
                              "passphrase", "%s: %s", file, strerror(errno));
     }
-    setvbuf(in, NULL, _IONBF, 0); /* without a buffer that would keep a copy */
+    setvbuf(in, NULL, _IONBF, 0); /* a buffer would keep a copy of the passphrase */
     const enum cli_exit exit = read_line(in, line, fault);
     (void)fclose(in);
     return exit;

@@ -10,10 +10,12 @@
 
 enum { CLI_KEY_BYTES = 32, CLI_SALT_BYTES = 16 };
 
-/* Takes the first line of `file`, or (NULL) asks at the terminal without echo, twice if `fresh`, or
- * reads a line from stdin if that is none; and makes it into a key by Argon2id, which takes about a
- * second. A fresh one has at least 12 bytes. CLI_EXIT_USAGE it is empty, too short or not the same
- * twice; CLI_EXIT_NOT_FOUND, CLI_EXIT_FAULT. */
+/* Reads a passphrase and derives a key from it by Argon2id, which takes about a second. The
+ * passphrase is the first line of `file`. If `file` is NULL, it is asked for at the terminal
+ * without echo, twice if `fresh`; if standard input is not a terminal, its next line is read. A
+ * fresh passphrase must have at least 12 bytes. CLI_EXIT_USAGE if the passphrase is empty, too
+ * short, too long, or not the same twice; CLI_EXIT_NOT_FOUND if there is no such file;
+ * CLI_EXIT_FAULT. */
 enum cli_exit cli_passphrase_key(const char *file, bool fresh, const uint8_t salt[CLI_SALT_BYTES],
                                  uint8_t key[CLI_KEY_BYTES], struct cli_fault *fault)
     __attribute__((warn_unused_result));

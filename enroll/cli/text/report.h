@@ -12,6 +12,7 @@
  * NULL or if there is no memory. main() checks whether all output was written. */
 enum cli_exit cli_report_json(json_t *document);
 
+/* Prints a fault: its text on stderr, or with `json` a document on stdout. */
 void cli_report_fault(const struct cli_fault *fault, enum cli_exit exit, bool json);
 
 #endif
