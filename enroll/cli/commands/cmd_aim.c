@@ -154,7 +154,7 @@ static enum cli_exit watch_views(struct cli_daemon *daemon, const struct cli_arg
         return cli_daemon_bad_reply(aim->error, ISO_CONTRACT_VIEW, fault);
     }
     if (exit == CLI_EXIT_OK) {
-        return cli_fault_set(fault, CLI_EXIT_FAULT, "output", "cannot write what is seen");
+        return cli_fault_set(fault, CLI_EXIT_FAULT, "output", "cannot write the output");
     }
     return exit == CLI_EXIT_INTERRUPTED || (exit == CLI_EXIT_TIMED_OUT && !fault->text[0])
                ? CLI_EXIT_OK

@@ -55,6 +55,6 @@ enum cli_exit cli_lockout(struct cli_daemon *daemon, const struct cli_arguments 
     if (arguments->json) {
         return cli_report_json(json_pack("{s:b}", "cleared", 1));
     }
-    puts("Failures are forgotten.");
+    puts("The lock-out is cleared, and its counts are reset.");
     return CLI_EXIT_OK;
 }

@@ -54,7 +54,7 @@ static void judge_version(struct cli_diagnosis *diagnosis, const json_t *state)
         return;
     }
     (void)snprintf(found, sizeof found, "%.64s, this client: " ISOTHERM_VERSION,
-                   version ? version : "not told");
+                   version ? version : "not reported");
     cli_diagnosis_add(diagnosis, "version", CLI_CHECK_ODD, ISO_FAULT_VERSION_DIFFERS, found);
 }
 
@@ -86,7 +86,7 @@ static void judge_sensor(struct cli_diagnosis *diagnosis, const json_t *state)
         judge_running_sensor(diagnosis, state);
         return;
     }
-    (void)snprintf(found, sizeof found, "%s%s%s", word ? word : "not told",
+    (void)snprintf(found, sizeof found, "%s%s%s", word ? word : "not reported",
                    cause && *cause ? ": " : "", cause ? cause : "");
     cli_diagnosis_add(diagnosis, "sensor", CLI_CHECK_BAD,
                       word ? code_of(state, "sensor-fault-code") : ISO_FAULT_NO_STATUS, found);
@@ -151,7 +151,7 @@ static void judge_door(struct cli_diagnosis *diagnosis, const json_t *state)
         }
     }
     cli_diagnosis_add(diagnosis, "door", CLI_CHECK_BAD, ISO_FAULT_NO_STATUS,
-                      word ? word : "not told");
+                      word ? word : "not reported");
 }
 
 static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
@@ -162,7 +162,7 @@ static void judge_lines(struct cli_diagnosis *diagnosis, const json_t *state)
     char found[256];
 
     if (!back_end || !fault) {
-        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_BAD, ISO_FAULT_NO_STATUS, "not told");
+        cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_BAD, ISO_FAULT_NO_STATUS, "not reported");
     } else if (*fault) {
         cli_diagnosis_add(diagnosis, "lines", CLI_CHECK_BAD, code_of(state, "door-fault-code"),
                           fault);
@@ -204,7 +204,7 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
     char found[128];
 
     if (people < 0) {
-        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_BAD, ISO_FAULT_NO_STATUS, "not told");
+        cli_diagnosis_add(diagnosis, "gallery", CLI_CHECK_BAD, ISO_FAULT_NO_STATUS, "not reported");
         return;
     }
     (void)snprintf(found, sizeof found,

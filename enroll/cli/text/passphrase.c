@@ -63,7 +63,7 @@ static enum cli_exit ask(bool fresh, char line[LONGEST], struct cli_fault *fault
     if (!exit && fresh && isatty(STDIN_FILENO)) {
         exit = ask_once("Once more: ", again, fault);
         if (!exit && strcmp(line, again) != 0) {
-            exit = cli_fault_set(fault, CLI_EXIT_USAGE, "passphrase", "this was another one");
+            exit = cli_fault_set(fault, CLI_EXIT_USAGE, "passphrase", "the two passphrases differ");
         }
         sodium_memzero(again, sizeof again);
     }
@@ -73,8 +73,8 @@ static enum cli_exit ask(bool fresh, char line[LONGEST], struct cli_fault *fault
 static enum cli_exit derive(const char *line, const uint8_t salt[CLI_SALT_BYTES],
                             uint8_t key[CLI_KEY_BYTES], struct cli_fault *fault)
 {
-    struct iso_progress *progress = iso_progress_start(stderr, "isotherm",
-                                                       "making the key of the passphrase", 0, NULL);
+    struct iso_progress *progress = iso_progress_start(
+        stderr, "isotherm", "deriving the key from the passphrase", 0, NULL);
     const int failed = crypto_pwhash(key, CLI_KEY_BYTES, line, strlen(line), salt,
                                      ISO_CONTRACT_PEOPLE_PASSES, ISO_CONTRACT_PEOPLE_MEMORY_BYTES,
                                      crypto_pwhash_ALG_ARGON2ID13);
