@@ -273,11 +273,6 @@ void usb_camera_free(struct usb_camera *camera)
     }
 }
 
-size_t usb_camera_picture_bytes(const struct usb_camera *camera, int stream)
-{
-    return camera->streams[stream].bytes;
-}
-
 int usb_camera_plug(struct usb_camera *camera, bool in, struct iso_fault *fault)
 {
     const struct usbip_device device = {camera, control, fill};

@@ -5,7 +5,6 @@
 #define TESTS_VM_USB_USB_CAMERA_H
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 #include "core/base/fault.h"
@@ -34,9 +33,6 @@ struct usb_camera;
 int usb_camera_new(const struct usb_camera_options *options, struct usb_camera **out,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
 void usb_camera_free(struct usb_camera *camera);
-
-/* The size of a picture in bytes. */
-size_t usb_camera_picture_bytes(const struct usb_camera *camera, int stream);
 
 /* Plugs the cable in, or unplugs it, which cannot fail. The nodes appear and disappear a little
  * later: see usb_camera_node. */
