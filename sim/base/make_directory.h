@@ -9,7 +9,8 @@
 int sim_make_directory(const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Creates a directory that must not exist yet, so that old and new results are never mixed. */
+/* Creates a directory that must not exist yet (-EEXIST), so that old and new results are never
+ * mixed. */
 int sim_make_new_directory(const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

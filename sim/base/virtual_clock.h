@@ -1,5 +1,5 @@
-/* A clock that stands still until it is advanced. Hours of an appliance pass in seconds, and two
- * equal runs give identical results. */
+/* A clock that only sim_virtual_clock_advance moves. Hours of an appliance are simulated in
+ * seconds, and two equal runs give identical results. */
 #ifndef SIM_BASE_VIRTUAL_CLOCK_H
 #define SIM_BASE_VIRTUAL_CLOCK_H
 

@@ -75,7 +75,7 @@ static int call_get_status(struct sim_door_watch *watch, sd_bus_message **reply,
 }
 
 /* Moves to the value of this key in the dictionary. Returns 1 if the reply is positioned there,
- * 0 if the key is missing. */
+ * 0 if the key is missing, or the negative errno of the bus. */
 static int find_key(sd_bus_message *reply, const char *key, const char *type)
 {
     const char *name;
@@ -93,7 +93,8 @@ static int find_key(sd_bus_message *reply, const char *key, const char *type)
     return r;
 }
 
-/* Reads one value of GetStatus. */
+/* Reads one value of GetStatus. The caller unrefs *reply, also after an error; a text in *value is
+ * a part of the reply. */
 static int get_status(struct sim_door_watch *watch, const char *key, char type,
                       sd_bus_message **reply, void *value, struct iso_fault *fault)
 {
@@ -105,7 +106,8 @@ static int get_status(struct sim_door_watch *watch, const char *key, char type,
     r = find_key(*reply, key, (char[]){type, '\0'});
     r = r <= 0 ? r : sd_bus_message_read_basic(*reply, type, value);
     if (r <= 0) {
-        return iso_fault_set(fault, -EBADMSG, "%s: GetStatus tells no %s", ISO_CONTRACT_NAME, key);
+        return iso_fault_set(fault, -EBADMSG, "%s: GetStatus has no valid %s", ISO_CONTRACT_NAME,
+                             key);
     }
     return 0;
 }

@@ -23,14 +23,16 @@ struct sim_door_verdict {
 
 struct sim_door_watch;
 
-/* Connects to the bus at `address`. -ENOENT if no daemon is on the bus, or the errno of the bus. */
+/* Connects to the bus at `address` and asks for the state of the lock. -ENOENT if no daemon is on
+ * the bus, -ENOMEM, or the errno of the bus. */
 int sim_door_watch_open(const char *address, struct sim_door_watch **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* NULL is allowed. */
+/* Disconnects and frees the watch. NULL is allowed. */
 void sim_door_watch_close(struct sim_door_watch *watch);
 
-/* Waits for signals for `duration_ms`; returns early after each signal. Errors of the bus. */
+/* Takes one message that has arrived. If there is none, waits for one for at most `duration_ms`;
+ * the next call takes it. Errors of the bus. */
 int sim_door_watch_step(struct sim_door_watch *watch, int64_t duration_ms, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -1,6 +1,6 @@
 /* The error rates that matter to the owner of a door, for each security level: the share of
  * visits in which enrolled people are refused, and in which strangers, or strangers who look
- * alike, are admitted. */
+ * like enrolled people, are admitted. */
 #ifndef SIM_DOOR_LEVEL_REPORT_H
 #define SIM_DOOR_LEVEL_REPORT_H
 
@@ -20,7 +20,7 @@ struct sim_level_counts {
     struct sim_rate
         refused; /* enrolled people who are not admitted, or admitted under another name */
     struct sim_rate strangers; /* admitted strangers */
-    struct sim_rate alike;     /* admitted strangers who look alike */
+    struct sim_rate alike;     /* admitted strangers who look like enrolled people */
 };
 
 /* Adds the visits of one corpus at one level. From SIM_CROWD_ALIKE only the strangers count. */

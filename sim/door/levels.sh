@@ -1,9 +1,9 @@
 #!/bin/sh
 # Measures the security levels for the README's table with `isotherm-sim levels`: a thousand visits each of enrolled people, of strangers
 # and of strangers who look alike. There are five groups of 100 enrolled people with 200 visits of enrolled people and 200 of strangers,
-# and five groups of 100 people who look alike (preset hard) with 200 visits of strangers. No parameter was chosen on these seeds; the
-# rules of the decision were chosen on the seeds 1501 and 1601.
-# SCRATCH keeps the corpora (4 GB), which are rendered only if they are missing, and the results (SCRATCH/levels, which is made anew).
+# and five groups of 100 enrolled people with 200 visits of strangers who look like them (preset hard). No parameter was chosen on these
+# seeds; the rules of the decision were chosen on the seeds 1501 and 1601.
+# SCRATCH keeps the corpora (4 GB), which are rendered only if they are missing, and the results (SCRATCH/levels, which is deleted first).
 # It takes 50 minutes of one x86 core, 35 of them for rendering.
 # usage: levels.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY SCRATCH
 set -eu
@@ -14,7 +14,7 @@ mkdir -p "$scratch"
 render() {
     corpus=$scratch/$1-$2
     if [ ! -e "$corpus/manifest.csv" ]; then
-        rm -rf "${corpus:?}" # what an interrupted run has left
+        rm -rf "${corpus:?}" # remains of an interrupted run
         "$sim" generate --ict "$ict" --preset "$1" --seed "$2" --people 100 --probes "$3" --strangers 200 \
             --frames-per-visit 7 --out "$corpus"
     fi

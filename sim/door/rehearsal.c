@@ -13,9 +13,10 @@
 #include "sim/door/slot.h"
 #include "sim/door/visit_picture.h"
 
-/* Greatest step of the clock, as in a daemon. */
+/* Greatest step of the clock. */
 static const int64_t step_ns = 20 * ISO_NS_PER_MS;
-/* Time limits of an enrolment and of a visit, by the virtual clock. */
+/* Time limit of an enrolment, of a visit, and of the wait for locked doors, by the virtual clock.
+ */
 static const int64_t limit_ns = 30 * ISO_NS_PER_S;
 
 /* One run. The doors are side by side, and all of them see each visitor at the same time. */
@@ -82,7 +83,8 @@ static int open_doors(struct rehearsal *r)
     return error;
 }
 
-/* Runs the work that is due now, then advances the clock to the next due time. */
+/* Runs the work that is due now, then advances the clock to the next due time, by at most step_ns.
+ */
 static void step_doors(struct rehearsal *r)
 {
     int64_t next_ns = r->clock.now_ns + step_ns;
@@ -196,8 +198,9 @@ static int await_verdicts(struct rehearsal *r, const struct sim_corpus_row *row,
         step_doors(r);
     }
     if (!error) {
+        /* A verdict that comes during this wait still counts. */
         error = clear_doors(r);
-    } /* time in which a late verdict still counts */
+    }
     for (size_t i = 0; i < r->n_doors; i++) {
         const struct sim_rehearsal_door *door = &r->doors[i];
         *out[i] = (struct sim_visit){

@@ -17,7 +17,7 @@ struct sim_rehearsal_options {
     const char *state;           /* an empty directory for gallery, log and the sensor's slot */
     const char *model, *metric;  /* files */
     double threshold;            /* decision.threshold; NaN: that of the level */
-    const enum iso_level *level; /* decision.level; NULL: the configuration's own */
+    const enum iso_level *level; /* decision.level; NULL: the configuration's default */
     bool all_levels;             /* run SIM_LEVELS doors side by side, one for each level */
     bool allow_duplicate;        /* also enrol people who look like enrolled ones */
     size_t *not_enrolled; /* NULL: it is an error if a person cannot be enrolled; otherwise counts
@@ -37,8 +37,8 @@ struct sim_rehearsal_options {
  * of the levels. Each door has a folder in `state` with the name of its level.
  *
  * Errors of iso_components_open, the appliance and the slot; -ENOMSG if a person cannot be
- * enrolled; -ENOENT if the recording `visit` is in none of the rows that are not enrolments;
- * errors of drawing the picture. */
+ * enrolled; -ETIMEDOUT if a door does not lock again; -ENOENT if no row other than an enrolment
+ * has the recording `visit`; errors of drawing the picture. */
 int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_corpus *corpus,
                  sim_visit_listener *listener, void *context, struct sim_visit *visits,
                  size_t *n_visits, struct iso_fault *fault) __attribute__((warn_unused_result));

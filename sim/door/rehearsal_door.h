@@ -43,7 +43,8 @@ int sim_rehearsal_door_open(struct sim_rehearsal_door *door,
                             struct sim_trace *trace, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Closes it and frees it. NULL is accepted. */
+/* Stops the appliance and frees everything that the door holds, but not the struct itself. A door
+ * that is all zero is accepted. */
 void sim_rehearsal_door_close(struct sim_rehearsal_door *door);
 
 /* Claims the camera and begins to enrol a person. Errors of the appliance. Release the claim

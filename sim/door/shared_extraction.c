@@ -97,7 +97,7 @@ static void close_nothing(void *self)
     (void)self;
 }
 
-/* This is about the frame extracted last, so it goes to the pipeline that extracted it. */
+/* Only the pipeline that extracted the last frame can answer this. */
 static enum iso_face_seen seen(const void *self)
 {
     const struct iso_pipeline *extractor =

@@ -9,7 +9,7 @@
 
 #include "firmware/recognise/pipeline.h"
 
-/* The frame that was extracted last. All zero at first; biometric. */
+/* The frame that was extracted last, and its result. All zero at first. Holds biometric data. */
 struct sim_shared_extraction {
     struct iso_pipeline extractor; /* the pipeline whose extractor is used; borrowed */
     struct iso_frame *frame;       /* a copy; NULL before the first frame */
@@ -19,8 +19,9 @@ struct sim_shared_extraction {
 /* One appliance's pipeline. */
 struct sim_shared_pipeline {
     struct sim_shared_extraction *shared;
-    struct iso_pipeline own;     /* searches the gallery and describes itself; borrowed */
-    struct iso_pipeline_ops ops; /* has an OPTIONAL operation only if `own` has it */
+    struct iso_pipeline own;     /* does everything except the extraction; borrowed */
+    struct iso_pipeline_ops ops; /* has an OPTIONAL operation only if `own` has it; `seen` only if
+                                    the shared extractor has it */
 };
 
 /* The pipeline of the next appliance. All appliances use the first one's extractor. All
@@ -29,7 +30,7 @@ struct iso_pipeline sim_shared_pipeline_join(struct sim_shared_extraction *share
                                              const struct iso_pipeline *own,
                                              struct sim_shared_pipeline *pipeline);
 
-/* Wipes the frame. An all-zero struct is allowed. */
+/* Frees the frame and wipes its template. An all-zero struct is allowed. */
 void sim_shared_extraction_done(struct sim_shared_extraction *shared);
 
 #endif

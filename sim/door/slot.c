@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* 1 if the path is a link, 0 if it does not exist. */
+/* 1 if the path is a link, 0 if it does not exist, -EINVAL if it is something else. */
 static int look(const char *slot, struct iso_fault *fault)
 {
     struct stat info;

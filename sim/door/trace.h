@@ -1,5 +1,6 @@
 /* The result of each frame of one visit, for a picture of the visit. A wrapper pipeline passes
- * every call on to the appliance's own pipeline and records the results. */
+ * extraction, search, metric, algorithm and model on to the appliance's own pipeline and records
+ * the results. It has none of the other OPTIONAL operations. */
 #ifndef SIM_DOOR_TRACE_H
 #define SIM_DOOR_TRACE_H
 
@@ -42,17 +43,17 @@ struct sim_trace {
  * closed. */
 struct iso_pipeline sim_trace_pipeline(struct sim_trace *trace, const struct iso_pipeline *inner);
 
-/* Starts to record frames. */
+/* Starts to record frames. A trace records one visit. */
 void sim_trace_begin(struct sim_trace *trace, int64_t now_ns);
 
-/* Records the time of the verdict. */
+/* Records the time of the first verdict. Later frames are not recorded. */
 void sim_trace_decide(struct sim_trace *trace, int64_t now_ns);
 
 /* Stops recording, and adds the relay's changes since the start, read from a door of the back end
  * `null`. */
 void sim_trace_end(struct sim_trace *trace, struct iso_door_io *door, int64_t now_ns);
 
-/* Releases what it holds. */
+/* Frees the frames. An all-zero trace is allowed. */
 void sim_trace_done(struct sim_trace *trace);
 
 #endif

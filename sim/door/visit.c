@@ -101,8 +101,9 @@ static int play_row(const struct play *play, const struct sim_corpus_row *row,
         error = sim_slot_clear(options->slot, play->fault);
     }
     if (!error) {
+        /* A verdict that comes during this wait still counts. */
         error = wait_for_quiet(play);
-    } /* time in which a late verdict still counts */
+    }
     if (error) {
         return error;
     }
@@ -160,13 +161,15 @@ int sim_visit_play(const struct sim_visit_options *options, const struct sim_cor
     return error;
 }
 
-/* Either an unlocked door or the verdict "allow" counts as admission of an impostor. */
+/* For visits that must not succeed: an unlocked door or the verdict "allow" counts as admission. */
 static bool is_let_in(const struct sim_visit *visit)
 {
     return visit->unlocked || (visit->verdict.given && visit->verdict.allow);
 }
 
-/* An enrolled person was admitted if the verdict was "allow" and the door was unlocked. */
+/* For visits that must succeed: the verdict was "allow", and the door could be unlocked or was
+ * open.
+ */
 static bool is_admitted(const struct sim_visit *visit)
 {
     return visit->verdict.given && visit->verdict.allow &&
@@ -178,8 +181,7 @@ static bool is_own_name(const struct sim_visit *visit)
     return visit->verdict.given && strcmp(visit->verdict.person, visit->row->subject) == 0;
 }
 
-/* Whether visit number `visit` is its subject's first, and whether any visit of the subject was
- * admitted under the correct name. */
+/* Whether visit number `visit` is its subject's first. */
 static bool is_first_of_subject(const struct sim_visit *visits, size_t visit)
 {
     for (size_t i = 0; i < visit; i++) {
@@ -191,6 +193,7 @@ static bool is_first_of_subject(const struct sim_visit *visits, size_t visit)
     return true;
 }
 
+/* Whether any visit of the subject was admitted under the correct name. */
 static bool is_ever_admitted(const struct sim_visit *visits, size_t n_visits, const char *subject)
 {
     for (size_t i = 0; i < n_visits; i++) {

@@ -33,13 +33,15 @@ struct sim_visit {
 struct sim_visit_summary {
     size_t people, people_admitted; /* people of role probe; those admitted in at least one visit */
     size_t probes, probes_admitted; /* visits of probes; those admitted under their own name */
-    size_t misnamed;                /* visits of probes admitted under another name */
+    size_t misnamed;                /* visits of probes admitted, but not under their own name */
     size_t impostors, impostors_let_in; /* visits of strangers and of non-faces; those admitted */
-    bool good; /* all enrolled people and no others were admitted, and no one was misnamed */
+    bool good; /* each enrolled person was admitted at least once, no visit was misnamed, and no
+                  impostor was admitted */
 };
 
-/* Counts the visits; has no side effects. An unlocked door counts as admitting the visitor,
- * whatever the verdict. */
+/* Counts the visits; has no side effects. A visit of an impostor, or of a probe under another name,
+ * counts as admitted if the door was unlocked, whatever the verdict. A probe counts as admitted
+ * under the own name only after the verdict "allow". */
 struct sim_visit_summary sim_visit_judge(const struct sim_visit *visits, size_t n_visits);
 
 /* Whether one of the visits was of this recording. */
