@@ -27,7 +27,7 @@ static int read_number(struct reader *reader, const char *what, double *out)
     return 0;
 }
 
-/* "480 rows" */
+/* Reads a size, for example "480 rows". */
 static int read_size(struct reader *reader, const char *word, double *out)
 {
     const int error = read_number(reader, word, out);
@@ -44,7 +44,7 @@ static int read_size(struct reader *reader, const char *word, double *out)
     return 0;
 }
 
-/* The rest of the line that names the planes, "pixels (flag X Y Z):". */
+/* Skips the line "pixels (flag X Y Z):", which names the planes. */
 static int skip_title(struct reader *reader)
 {
     reader->at += strspn(reader->at, " \t\r\n");
@@ -72,7 +72,7 @@ static int read_planes(struct reader *reader, struct sim_scan_grid *grid)
             } else if (fabs(value) > coordinate_max_mm) {
                 p->x = NAN;
             } else if (plane == 1) {
-                p->x += value; /* stays NAN */
+                p->x += value; /* an unmeasured pixel stays NAN */
             } else {
                 *(plane == 2 ? &p->y : &p->z) = value;
             }

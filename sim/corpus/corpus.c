@@ -46,7 +46,7 @@ static bool is_recording_name(const char *name)
     return *name && *name != '.' && !strchr(name, '/');
 }
 
-/* The first invalid column of a row, or -1. */
+/* An invalid column of a row, or -1. */
 static int unsound_column(const struct sim_corpus_row *row)
 {
     const char *const words[COLUMNS] = {
@@ -78,7 +78,7 @@ static enum sim_role role_of(const char *word)
     return (enum sim_role)role;
 }
 
-/* Fills in a row. Returns the invalid column, or -1. */
+/* Fills in a row. Returns an invalid column, or -1. */
 static int fill_row(char *const field[COLUMNS], struct sim_corpus_row *row)
 {
     char *const words[COLUMNS] = {[0] = row->recording, [3] = row->subject,    [4] = row->session,

@@ -3,7 +3,7 @@
  *
  *   recording,first,count,subject,session,role,pose,expression,note
  *
- * The header line is fixed. Fields hold no commas, quotes or control characters. `first` and
+ * The header line is fixed. Fields hold no commas, double quotes or control characters. `first` and
  * `count` select the frames of the recording for this row (count > 1: frames to fuse). A row
  * repeats another if recording, first, count and role are the same. Every failure is one line
  * "file:line: what is wrong" in *fault (which may be NULL). */
@@ -51,8 +51,9 @@ int sim_corpus_parse(const char *name, const char *text, struct sim_corpus **out
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Reads DIRECTORY/manifest.csv and opens every named recording to check that the frames exist.
- * Errors of sim_corpus_parse and iso_recording_open; -ENOENT for a missing manifest. A missing
- * or unreadable recording, or a range beyond its end, is -EBADMSG for the row that names it. */
+ * Errors of sim_corpus_parse and of reading the manifest; -ENOENT if there is no manifest. A
+ * missing or unreadable recording, or a range beyond its end, is -EBADMSG for the row that names
+ * it. */
 int sim_corpus_read(const char *directory, struct sim_corpus **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -13,8 +13,8 @@
 typedef int scan_parser(const char *name, const char *bytes, size_t size, struct iso_mesh **out,
                         struct iso_fault *fault);
 
-/* Whether sscanf read all fields and the rest of the name matches; sscanf returns where the rest
- * begins. */
+/* Whether sscanf read all fields and the rest of the name matches. `at` is the index where the rest
+ * begins (%n), or 0 if sscanf did not get that far. */
 static bool whole_name(const char *file, int fields, int wanted, int at, const char *rest)
 {
     return fields == wanted && at > 0 && strcmp(file + at, rest) == 0;
@@ -64,7 +64,8 @@ static int read_vrml(const char *path, const struct sim_database_options *option
     return read_scan(path, sim_scan_parse_vrml, out, fault);
 }
 
-/* Finds NAME_Portrait.png for NAME_Range.png; *found: whether it exists. */
+/* Reads NAME_Portrait.png for NAME_Range.png. Sets *found to false, and returns 0, if there is no
+ * such file. */
 static int read_portrait(const char *range, struct iso_image *portrait, bool *found,
                          struct iso_fault *fault)
 {
@@ -93,7 +94,8 @@ static int read_texas(const char *path, const struct sim_database_options *optio
         error = sim_scan_of_range(&range, found ? &portrait : NULL, options->level_mm, out);
         if (error) {
             (void)iso_fault_set(fault, error == -EINVAL ? -EBADMSG : error,
-                                "%s: range and portrait are no 8-bit pictures of one size", path);
+                                "%s: range and portrait are not 8-bit pictures of the same size",
+                                path);
             error = error == -EINVAL ? -EBADMSG : error;
         }
     }

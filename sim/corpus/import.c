@@ -57,7 +57,8 @@ static int add_scan(struct scans *scans, const char *path, const struct scan *fo
     return 0;
 }
 
-/* The recording has the file's name without its last extension. */
+/* Names the recording: the file's name without its last extension. False if the name is too long.
+ */
 static bool name_recording(const char *file, char name[SIM_CORPUS_NAME_MAX])
 {
     const char *dot = strrchr(file, '.');
@@ -130,7 +131,7 @@ static int write_recording(const struct sim_import_options *o, const struct scan
     return error;
 }
 
-/* Records the scans that can be read and drops the others. */
+/* Records the scans that can be read and moves the others to the end of the list. */
 static int record_scans(const struct sim_import_options *o, struct scans *scans,
                         struct sim_import_report *report, struct iso_fault *fault)
 {
@@ -162,7 +163,7 @@ static int record_scans(const struct sim_import_options *o, struct scans *scans,
                                              o->from, o->database->name);
 }
 
-/* Fills in the rows of one person's scans [first, first + n). */
+/* Sets the roles in the rows of one person's n scans. */
 static void give_roles(struct scan *scans, size_t n, bool stranger)
 {
     size_t enrolled = 0;
@@ -221,8 +222,8 @@ int sim_import(const struct sim_import_options *options, struct sim_import_repor
     struct sim_import_report counted = {0};
     int error = find_scans(options, &scans, fault);
     if (!error && scans.n == 0) {
-        error = iso_fault_set(fault, -ENOENT, "%s: no file is named as those of %s", options->from,
-                              options->database->name);
+        error = iso_fault_set(fault, -ENOENT, "%s: no file has a name of the database %s",
+                              options->from, options->database->name);
     }
     if (!error) {
         qsort(scans.items, scans.n, sizeof *scans.items, by_person_and_file);

@@ -19,12 +19,12 @@ struct sim_import_options {
 };
 
 struct sim_import_report {
-    size_t scans, people, refused; /* refused: damaged files, reported on stderr */
+    size_t scans, people, refused; /* refused: unreadable files, each reported on stderr */
 };
 
-/* -ENOENT if no scan is found or none can be read; -EINVAL for two scans with the same file name
- * or for fewer people than strangers; or the errors of reading the directory and of writing.
- * Each comes with a fault. */
+/* Imports all scans and writes the manifest. -ENOENT if no scan is found or none can be read;
+ * -EINVAL for two scans with the same file name, or if n_strangers leaves no person to enrol; or
+ * the errors of reading the directory and of writing. Each comes with a fault. */
 int sim_import(const struct sim_import_options *options, struct sim_import_report *report,
                struct iso_fault *fault) __attribute__((warn_unused_result));
 

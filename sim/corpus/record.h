@@ -17,7 +17,7 @@ struct sim_record_options {
     int64_t patience_ns; /* the longest wait for a frame */
 };
 
-/* The result. */
+/* What sim_record counted. */
 struct sim_record_result {
     size_t frames;  /* recorded */
     size_t damaged; /* reported as -EBADMSG */
@@ -26,9 +26,9 @@ struct sim_record_result {
 };
 
 /* Fetches frames from a started sensor and sleeps by `clock`, which must be the sensor's own
- * clock and CLOCK_MONOTONIC. Time stamps begin at 0. Counts are in the sensor's unit, or in 0.1
- * mm if it has none. *result is filled in on failure too; the frames written so far are then a
- * valid recording. -ETIMEDOUT: no frame came for `patience_ns`. Otherwise the errors of
+ * clock and CLOCK_MONOTONIC. Time stamps begin at 0. Depths are counted in the sensor's unit, or
+ * in 0.1 mm if it has none. *result is filled in on failure too; the frames written so far are then
+ * a valid recording. -ETIMEDOUT: no frame came for `patience_ns`. Otherwise the errors of
  * iso_sensor_wait except -EBADMSG, and of sim_recording_writer_create and _append. */
 int sim_record(struct iso_sensor *sensor, const struct iso_clock *clock,
                const struct sim_record_options *options, struct sim_record_result *result,

@@ -19,17 +19,18 @@ enum {
     SIM_SCAN_BYTES_MAX = 1024 * 1024 * 1024, /* of a file */
 };
 
-/* A grid of points. The x of a point that was not measured is NAN. The caller frees it. */
+/* A grid of points. The x of a point that was not measured is NAN. Free with sim_scan_grid_done. */
 struct sim_scan_grid {
     int rows, columns;
     struct iso_vec3 *point_mm; /* [rows * columns] */
 };
 
-/* -EBADMSG for a size out of range, -ENOMEM. */
+/* Makes a grid whose points are all zero. -EBADMSG for a size that is not a whole number or is out
+ * of range, -ENOMEM. */
 int sim_scan_grid_new(const char *name, double rows, double columns, struct sim_scan_grid *out,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Releases what it holds. */
+/* Frees the points and sets the grid to all zero. */
 void sim_scan_grid_done(struct sim_scan_grid *grid);
 
 /* Joins neighbours whose points are at most 12 mm apart. -EBADMSG if no triangle results. */

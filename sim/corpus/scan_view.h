@@ -17,8 +17,8 @@ int sim_scan_view(struct iso_mesh *scan, struct iso_frame **out)
 /* A range image of the Texas 3DFRD (Gupta, Castleman, Markey and Bovik 2010): 8-bit grey,
  * orthographic, 0.32 mm for each pixel and level_mm for each grey level; brighter is nearer and
  * 0 is not measured. The portrait (NULL: none) is 8-bit grey or RGB of the same size and becomes
- * the intensity. Level 255 is placed at 600 mm. -EINVAL for pictures of other kinds or sizes,
- * -ENOMEM. */
+ * the intensity. Level 255 is placed at 600 mm. -EINVAL for pictures of other kinds or sizes or if
+ * level_mm is not positive, -ENOMEM. */
 int sim_scan_of_range(const struct iso_image *range, const struct iso_image *portrait,
                       double level_mm, struct iso_frame **out) __attribute__((warn_unused_result));
 

@@ -17,7 +17,9 @@ struct sim_sensor_word {
     struct iso_option options[SIM_SENSOR_WORD_OPTIONS];
 };
 
-/* -EINVAL for an empty type, an option without '=' or too many options; -ENOMEM. */
+/* Parses a word. Free it with sim_sensor_word_done. -EINVAL for an empty type, an option without a
+ * key or without '=', or too many options; -ENOMEM.
+ */
 int sim_sensor_word_parse(const char *word, struct sim_sensor_word *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -25,7 +27,7 @@ int sim_sensor_word_parse(const char *word, struct sim_sensor_word *out, struct 
 int sim_sensor_word_add(struct sim_sensor_word *word, const char *key, const char *value,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* An all-zero struct is allowed. */
+/* Frees the text and sets the struct to all zero, which is also accepted. */
 void sim_sensor_word_done(struct sim_sensor_word *word);
 
 #endif

@@ -82,7 +82,7 @@ static bool is_word(const char *begin, size_t length, const char *word)
     return strlen(word) == length && strncmp(begin, word, length) == 0;
 }
 
-/* The next number of a list; false at its "]". */
+/* Reads the next number of a list. False at its "]", or with *error set. */
 static bool next_number(struct parser *p, double *value, int *error)
 {
     skip_blanks(p);
@@ -131,7 +131,7 @@ static int read_points(struct parser *p)
             k = 0;
         }
     }
-    return error || k == 0 ? error : refuse_file(p, "a point has not three coordinates");
+    return error || k == 0 ? error : refuse_file(p, "a point does not have three coordinates");
 }
 
 static int add_triangle(struct parser *p, const int32_t corner[3])

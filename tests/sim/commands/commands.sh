@@ -126,7 +126,7 @@ expect 2 '--database, --from and --out are needed, or --ict and --out' import --
 expect 2 '--ict needs --out, and neither' import --ict "$work" --database frgc --out "$work/imported"
 expect 3 'no folder FaceXModel' import --ict "$work" --out "$work/imported"
 expect 2 "--database: 'lfw' is unknown" import --database lfw --from "$work" --out "$work/imported"
-expect 3 'no file is named as those of gavab' import --database gavab --from "$work" --out "$work/imported"
+expect 3 'no file has a name of the database gavab' import --database gavab --from "$work" --out "$work/imported"
 
 expect 0 '' record --help
 expect 2 '--sensor, --frames and --out or --oni are needed' record --sensor replay --frames 3

@@ -92,7 +92,7 @@ static void test_import_refusals(void **state)
     assert_int_equal(sim_import(&options, &report, &fault), -ENOENT);
     scratch_mkdir(scratch_path(*state, "from"));
     assert_int_equal(sim_import(&options, &report, &fault), -ENOENT);
-    assert_non_null(strstr(fault.text, "no file is named as those of frgc"));
+    assert_non_null(strstr(fault.text, "no file has a name of the database frgc"));
     scratch_write_text(scratch_path(*state, "from/02463d652.abs"), "damaged");
     assert_int_equal(sim_import(&options, &report, &fault), -ENOENT);
     assert_non_null(strstr(fault.text, "can be read"));
