@@ -1,7 +1,7 @@
-/* isotherm-sim calibrate: two cameras, or one, from pictures of a checkerboard.
+/* isotherm-sim calibrate: calibrates two cameras, or one, with pictures of a checkerboard.
  *
- * It stands here and not on the appliance: a door never calibrates, it reads the file; and it can
- * take its pictures from the simulated rig as well, which is how it is tested. */
+ * The command belongs to the simulator because an appliance never calibrates: it only reads the
+ * file. The command can also render the pictures with the simulated rig; the tests do this. */
 #include <dirent.h>
 #include <errno.h>
 #include <limits.h>
@@ -35,22 +35,24 @@ struct arguments {
 #define FIELD(name) offsetof(struct arguments, name)
 
 static const struct sim_option options[] = {
-    {"pictures", "DIR", "left/*.png and right/*.png, 8-bit grey, of the same names",
+    {"pictures", "DIR", "has left/*.png and right/*.png, 8-bit grey, with the same names",
      sim_option_text, FIELD(pictures)},
-    {"camera", "NAME", "calibrate one camera of this name: --pictures has its *.png, grey or RGB",
+    {"camera", "NAME",
+     "calibrate one camera and give it this name: --pictures has its *.png, grey or RGB",
      sim_option_text, FIELD(camera)},
-    {"unit", "MM", "with --camera: what a count of its depth is worth (1)", sim_option_number,
+    {"unit", "MM", "with --camera: length of one unit of its depths (1)", sim_option_number,
      FIELD(unit_mm)},
     {"out", "FILE", "the calibration to write", sim_option_text, FIELD(out)},
-    {"columns", "N", "corners of the board along its rows (9)", sim_option_int, FIELD(columns)},
-    {"rows", "N", "corners of the board along its columns (6)", sim_option_int, FIELD(rows)},
+    {"columns", "N", "inner corners in each row of the board (9)", sim_option_int, FIELD(columns)},
+    {"rows", "N", "inner corners in each column of the board (6)", sim_option_int, FIELD(rows)},
     {"square", "MM", "side of a square, measured on the print (20)", sim_option_number,
      FIELD(square_mm)},
-    {"render", "DIR",
-     "write such pictures of the simulated pair of cameras, instead of calibrating",
+    {"render", "DIR", "do not calibrate, but write such pictures, rendered with simulated cameras",
      sim_option_text, FIELD(render)},
-    {"pairs", "N", "number of pairs, with --render (20)", sim_option_count, FIELD(pairs)},
-    {"seed", "S", "with --render (1)", sim_option_count, FIELD(seed)},
+    {"pairs", "N", "with --render: number of pairs, or of pictures of one camera (20)",
+     sim_option_count, FIELD(pairs)},
+    {"seed", "S", "with --render: seed of the random poses and noise (1)", sim_option_count,
+     FIELD(seed)},
 };
 
 static const char *const eye_names[ISO_EYES] = {"left", "right"};
@@ -84,7 +86,7 @@ static int make_subdirectory(const char *parent, const char *name, struct iso_fa
     return sim_make_directory(path, fault);
 }
 
-/* Takes one pair of pictures of a board somewhere before the rig. */
+/* Renders one pair of pictures of the board in a random pose in front of the rig. */
 static int render_pair(const struct arguments *a, const struct sim_stereo_rig *rig,
                        struct sim_lens *const lenses[ISO_EYES], size_t number,
                        struct iso_image *image, struct iso_fault *fault)
@@ -167,7 +169,8 @@ static int read_picture(const char *directory, int eye, const char *name, struct
     return iso_png_read(path, &grey, image, fault);
 }
 
-/* Reads one pair and adds it; the first decides the pictures' size. */
+/* Reads one pair of pictures and adds it. The first pair determines the size of all others. A pair
+ * that does not show the whole board is reported and skipped. */
 static int add_pair(const struct arguments *a, const char *name, struct iso_image images[ISO_EYES],
                     struct iso_board_views **views, struct iso_fault *fault)
 {
@@ -187,7 +190,7 @@ static int add_pair(const struct arguments *a, const char *name, struct iso_imag
     error = iso_board_views_add(*views, images[0].samples, images[1].samples);
     if (error == -ENOENT) {
         sim_progress_pause();
-        printf("%s: the whole board is not seen in both\n", name);
+        printf("%s: skipped, because the whole board is not visible in both pictures\n", name);
         (void)fflush(stdout);
         sim_progress_resume();
         return 0;
@@ -302,10 +305,11 @@ int sim_cmd_calibrate(int argc, char **argv)
         puts("Usage: isotherm-sim calibrate --pictures DIR --out FILE [OPTION...]\n"
              "       isotherm-sim calibrate --camera NAME --pictures DIR --out FILE [OPTION...]\n"
              "       isotherm-sim calibrate --render DIR [OPTION...]\n\n"
-             "Calibrates two cameras on pictures of a checkerboard that both took at the same\n"
-             "moments, some 20 of them, the board turned and moved all over the picture.\n"
-             "With --camera calibrates one camera, by pictures of the stream that its depths are\n"
-             "aligned to, and writes a file for [sensor] camera of isotherm.conf(5).\n");
+             "Calibrates two cameras with about 20 pairs of pictures of a checkerboard. Both\n"
+             "cameras must take a pair at the same moment. Turn the board and move it all over\n"
+             "the picture from pair to pair.\n"
+             "With --camera it calibrates one camera. The pictures are then from the stream that\n"
+             "its depths are aligned to; the file is for [sensor] camera of isotherm.conf(5).\n");
         sim_options_help(&set, 1, stdout);
         return SIM_EXIT_OK;
     case SIM_OPTIONS_REFUSED:

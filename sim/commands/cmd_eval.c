@@ -1,4 +1,4 @@
-/* isotherm-sim eval: how well people in a corpus are recognised. */
+/* isotherm-sim eval: measures how well the people of a corpus are recognised. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,7 +32,7 @@ static const struct sim_option own_options[] = {
      FIELD(choice)},
     {"train", "DIR", "corpus of other people that methods learn from", sim_option_text,
      FIELD(train)},
-    {"fuse", "N", "frames of a row that make one template (0: all)", sim_option_count,
+    {"fuse", "N", "fuse N frames of a row to one template (0: all)", sim_option_count,
      FIELD(eval.fuse)},
     {"gallery-frames", "N", "use the first N frames of a row of the gallery (0: all)",
      sim_option_count, FIELD(eval.gallery_frames)},
@@ -43,9 +43,9 @@ static const struct sim_option own_options[] = {
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads,
      FIELD(eval.threads)},
     {"model", "FILE", "head model", sim_option_text, FIELD(eval.model)},
-    {"metric", "FILE", "learned metric that makes the score (the shipped one; none: distances)",
+    {"metric", "FILE", "learned metric for the scores (the shipped one); `none`: use distances",
      sim_option_text, FIELD(eval.metric)},
-    {"cohort", "FILE", "templates that normalise distances: by default there is no metric then",
+    {"cohort", "FILE", "templates that normalise scores; the default is then --metric none",
      sim_option_text, FIELD(eval.cohort)},
 };
 
@@ -64,7 +64,7 @@ static int report(const struct sim_eval *eval, const char *out, struct iso_fault
     return sim_report_plots(eval, out, fault);
 }
 
-/* Evaluates one corpus; of several, each has a folder of its own under the results. */
+/* Evaluates one corpus. If there are several, the results of each go to a folder of their own. */
 static int run_one(const struct arguments *arguments, const char *corpus, struct sim_contest *out,
                    struct iso_fault *fault)
 {
@@ -91,7 +91,7 @@ static int run_one(const struct arguments *arguments, const char *corpus, struct
     return error;
 }
 
-/* What the appliance does, unless distances are asked for. */
+/* Chooses the shipped metric, which the appliance uses, unless the options ask for distances. */
 static void choose_metric(struct sim_eval_options *eval)
 {
     if (!eval->metric && !eval->cohort) {
@@ -160,9 +160,9 @@ int sim_cmd_eval(int argc, char **argv)
         .needs = "--corpus DIR --out DIR",
         .summary =
             "Enrols the gallery of a corpus, searches it for every probe, and writes scores.csv,\n"
-            "landmarks.csv, cmc.csv, det.csv, growth.csv, curves.csv, summary.json and plots; "
-            "with\n"
-            "several methods or corpora also methods.csv, and all of them in one table.",
+            "landmarks.csv, cmc.csv, det.csv, growth.csv, curves.csv, summary.json and plots. "
+            "With\n"
+            "several methods or corpora it also writes methods.csv, one table of all of them.",
         .run = run,
         .notes = sim_method_choice_help,
     };

@@ -48,16 +48,16 @@ static const struct sim_option options[] = {
     {"out", "DIR", "the corpus to write; recordings in it must not exist yet", sim_option_text,
      FIELD(directory)},
     {"preset", "NAME", "what kind of corpus (mild); see below", sim_option_text, FIELD(preset)},
-    {"sensor", "SENSOR", "the sensor that people stand before (the preset's own); see below",
-     parse_sensor, FIELD(sensor)},
-    {"people", "N", "enrolled people; landmarks, training: all people", sim_option_int,
+    {"sensor", "SENSOR", "sensor model (the preset's own); see below", parse_sensor, FIELD(sensor)},
+    {"people", "N", "number of enrolled people; landmarks, training: of all people", sim_option_int,
      FIELD(n_people)},
-    {"probes", "K", "later sessions of enrolled people, in all", sim_option_int, FIELD(n_probes)},
+    {"probes", "K", "total number of later sessions of the enrolled people", sim_option_int,
+     FIELD(n_probes)},
     {"strangers", "M", "people who are not enrolled, with one session each", sim_option_int,
      FIELD(n_strangers)},
     {"sessions", "N", "landmarks, training: sessions of every person (24, 5)", sim_option_int,
      FIELD(n_sessions)},
-    {"pose-limit", "DEGREES", "landmarks, training: yaw and 0.7 of it in pitch (35)",
+    {"pose-limit", "DEGREES", "landmarks, training: greatest yaw; pitch has 0.7 of it (35)",
      sim_option_degrees, FIELD(pose_limit_rad)},
     {"near", "MM", "nearest nose tip, except for enrolment (the preset's)", parse_factor,
      FIELD(near_mm)},
@@ -67,16 +67,16 @@ static const struct sim_option options[] = {
      FIELD(n_per_kind)},
     {"frames-per-visit", "F", "frames of every session (1; attacks: 15)", sim_option_int,
      FIELD(frames_per_visit)},
-    {"population", "NAME", "people of different populations are different (test)", sim_option_text,
+    {"population", "NAME", "different populations have different people (test)", sim_option_text,
      FIELD(population)},
-    {"seed", "S", "(1)", parse_seed, FIELD(seed)},
+    {"seed", "S", "seed of all random numbers (1)", parse_seed, FIELD(seed)},
     {"noise-scale", "X", "factor on the sensor's random errors (1; landmarks 2.5)", parse_factor,
      FIELD(noise_scale)},
     {"identity-variance", "X", "spread of the people; 0.36: they look alike (1; hard 0.36)",
      parse_factor, FIELD(identity_variance)},
-    {"marks", NULL, "25 points in landmarks.csv, for anthroface-25, not only twelve",
+    {"marks", NULL, "write 25 points instead of twelve to landmarks.csv, for anthroface-25",
      sim_option_flag, FIELD(marks)},
-    {"ir", NULL, "an infrared image beside every depth frame (ir/)", sim_option_flag,
+    {"ir", NULL, "also write an infrared image for every depth frame (ir/)", sim_option_flag,
      FIELD(infrared)},
 };
 
@@ -85,15 +85,15 @@ static void print_notes(FILE *out)
     fputs("\nPresets:\n"
           "  mild        people as they come to a door\n"
           "  strong      the same with strong expressions\n"
-          "  crowd       mild, with somebody behind\n"
-          "  pairs       two at the door\n"
-          "  texas       as the Texas 3DFRD was taken\n"
+          "  crowd       mild, with another person behind\n"
+          "  pairs       mild, two people at the door\n"
+          "  texas       recorded like the Texas 3DFRD\n"
           "  hard        mild, people who look alike\n"
-          "  pose        mild, turned to 35 degrees\n"
+          "  pose        mild, turned by up to 35 degrees\n"
           "  far         mild, 0.9 to 1.2 m away\n"
           "  landmarks   strong, noisy, turned, every person several times\n"
-          "  training    at rest, mild and strong, for the metric\n"
-          "  attacks     photographs, screens, masks, and people to compare\n"
+          "  training    every person at rest, mild and strong, to train the metric\n"
+          "  attacks     photographs, screens, masks, and living people for comparison\n"
           "  not-faces   backs of heads, hands, walls, chairs, ...\n"
           "  stored      the project's own corpus; takes only --sensor and --seed\n"
           "\nSensors:\n",

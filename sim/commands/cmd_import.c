@@ -1,4 +1,5 @@
-/* isotherm-sim import: a public database of 3D faces becomes a corpus, ICT-FaceKit a head model. */
+/* isotherm-sim import: converts a public database of 3D faces to a corpus, or ICT-FaceKit to a head
+ * model. */
 #include <errno.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -20,12 +21,13 @@ static const struct sim_option options[] = {
     {"ict", "DIR", "a clone of ICT-FaceKit, to make the head model for `generate --ict`",
      sim_option_text, FIELD(ict)},
     {"database", "NAME", "the database that the files are from", sim_option_text, FIELD(database)},
-    {"from", "DIR", "where the files are, at any depth", sim_option_text, FIELD(import.from)},
+    {"from", "DIR", "folder of the files, which may be in subfolders", sim_option_text,
+     FIELD(import.from)},
     {"out", "DIR", "the corpus, or the head model (made if it is missing)", sim_option_text,
      FIELD(import.to)},
-    {"strangers", "N", "so many people, the last by name, are not enrolled (0)", sim_option_count,
+    {"strangers", "N", "do not enrol the last N people by name (0)", sim_option_count,
      FIELD(import.n_strangers)},
-    {"level", "MM", "what a grey level of a range image is worth (texas: 0.32)", sim_option_number,
+    {"level", "MM", "depth of one grey level of a range image (texas: 0.32)", sim_option_number,
      FIELD(import.database_options.level_mm)},
 };
 
@@ -89,12 +91,11 @@ int sim_cmd_import(int argc, char **argv)
         .name = "import",
         .needs = "--database NAME --from DIR --out DIR | --ict DIR --out DIR",
         .summary =
-            "Makes a corpus of a public database of 3D faces that you have a licence for. "
-            "Each scan is\n"
-            "seen by a virtual depth camera; the first neutral one of a person is enrolled.\n"
-            "With --ict reads the OBJ files of the public repository ICT-FaceKit instead, and "
-            "writes the\nhead model that generate, train and sensor take. Nothing is fetched "
-            "from a network.",
+            "Converts a public database of 3D faces, for which you have a licence, to a corpus. "
+            "A virtual\n"
+            "depth camera renders each scan; the first neutral scan of a person is enrolled.\n"
+            "With --ict it reads the OBJ files of the public repository ICT-FaceKit instead, and "
+            "writes\nthe head model that generate, train and sensor read. It uses no network.",
         .run = run,
         .notes = list_databases,
     };

@@ -1,4 +1,5 @@
-/* isotherm-sim landmarks: how good landmarks are, what the gates refuse, what gets past them. */
+/* isotherm-sim landmarks: measures the errors of landmarks, and which frames the gates refuse and
+ * accept. */
 #include <errno.h>
 #include <stdio.h>
 

@@ -1,4 +1,5 @@
-/* isotherm-sim levels: who is refused and who is let in at each security level, visit by visit. */
+/* isotherm-sim levels: counts the visits in which people are refused and admitted at each security
+ * level. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -13,14 +14,14 @@
 #include "sim/door/level_report.h"
 #include "sim/door/visit_report.h"
 
-/* The share of the visits of strangers that `balanced` may let in. */
+/* The level `balanced` may admit strangers in at most this share of their visits. */
 static const double strangers_max = 0.001;
 
 struct arguments {
     struct sim_option_texts people, alike;
     const char *out, *model, *metric;
-    struct sim_rate strangers; /* let in at `balanced`: what came of it */
-    size_t not_enrolled[2];    /* people of each crowd, likewise */
+    struct sim_rate strangers; /* result: visits of strangers admitted at `balanced` */
+    size_t not_enrolled[2];    /* result: people of each crowd who could not be enrolled */
 };
 
 #define FIELD(name) offsetof(struct arguments, name)
@@ -30,7 +31,7 @@ static const struct sim_option options[] = {
      FIELD(people)},
     {"alike", "DIR", "strangers who look like those enrolled (preset hard); may be repeated",
      sim_option_list, FIELD(alike)},
-    {"out", "DIR", "where levels.csv and the visits go; made, must not exist", sim_option_text,
+    {"out", "DIR", "new directory for levels.csv and the visits; must not exist", sim_option_text,
      FIELD(out)},
     {"model", "FILE", "head model", sim_option_text, FIELD(model)},
     {"metric", "FILE", "learned metric", sim_option_text, FIELD(metric)},
@@ -42,7 +43,7 @@ static void ignore_visit(const struct sim_visit *visit, void *context)
     (void)context;
 }
 
-/* Writes visits.csv of every level into the level's folder and counts. */
+/* Writes visits.csv of each level to the level's folder and adds its visits to `counts`. */
 static int take_visits(enum sim_level_crowd crowd, const char *state,
                        const struct sim_visit *visits, size_t n_rows, size_t n_visits,
                        struct sim_level_counts counts[SIM_LEVELS], struct iso_fault *fault)
@@ -78,7 +79,7 @@ static int play_visits(const struct sim_rehearsal_options *rehearsal, enum sim_l
     return error;
 }
 
-/* Plays one corpus; its stores and visits go to a numbered folder of the output. */
+/* Plays one corpus. Its galleries, logs and visits go to a numbered folder of the output. */
 static int play_corpus(struct arguments *arguments, enum sim_level_crowd crowd,
                        const char *directory, size_t number,
                        struct sim_level_counts counts[SIM_LEVELS], struct iso_fault *fault)
@@ -91,7 +92,7 @@ static int play_corpus(struct arguments *arguments, enum sim_level_crowd crowd,
         .metric = arguments->metric,
         .threshold = NAN,
         .all_levels = true,
-        .allow_duplicate = true, /* of many people some look alike, and are enrolled */
+        .allow_duplicate = true, /* among many people some look alike; they are enrolled too */
         .not_enrolled = &arguments->not_enrolled[crowd],
     };
     struct sim_corpus *corpus = NULL;
@@ -118,7 +119,7 @@ static int play_corpora(struct arguments *arguments, enum sim_level_crowd crowd,
     int error = 0;
     for (size_t i = 0; i < corpora->n && !error; i++) {
         error = play_corpus(arguments, crowd, corpora->text[i], i + 1, counts, fault);
-        /* What is known so far, for who must end a long run early. */
+        /* The results so far, in case a long run is ended early. */
         if (!error) {
             error = sim_level_write_csv(arguments->out, counts, fault);
         }
@@ -162,10 +163,10 @@ int sim_cmd_levels(int argc, char **argv)
         .name = "levels",
         .needs = "--corpus DIR --alike DIR --out DIR",
         .summary =
-            "Counts visit by visit who is refused and who is let in at each security level.\n"
+            "Counts the visits in which people are refused and let in at each security level.\n"
             "Every visitor stands before three appliances at once, one of each level, on a\n"
-            "virtual clock. Exit status 1: balanced let in more than 0.1 % of the visits of "
-            "strangers.",
+            "virtual clock. Exit status 1: balanced let strangers in at more than 0.1 % of their\n"
+            "visits.",
         .run = run,
     };
     const int exit_code = sim_command_run(&command, &set, 1, argc, argv);
@@ -173,7 +174,8 @@ int sim_cmd_levels(int argc, char **argv)
         return exit_code;
     }
     fprintf(stderr,
-            "isotherm-sim levels: balanced let in %zu of %zu strangers, more than %.1f %%\n",
+            "isotherm-sim levels: balanced let strangers in at %zu of %zu visits, more than "
+            "%.1f %%\n",
             arguments.strangers.events, arguments.strangers.trials, 100.0 * strangers_max);
     return SIM_EXIT_NO_MATCH;
 }

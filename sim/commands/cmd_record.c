@@ -1,4 +1,4 @@
-/* isotherm-sim record: what a sensor sees becomes a recording, or OpenNI2's own. */
+/* isotherm-sim record: writes the frames of a sensor to a recording or to a file of OpenNI2. */
 #include <errno.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -20,16 +20,15 @@ struct arguments {
 #define FIELD(name) offsetof(struct arguments, name)
 
 static const struct sim_option options[] = {
-    {"sensor", "TYPE[:KEY=VALUE,...]", "back end, and its options as in isotherm.conf(5)",
+    {"sensor", "TYPE[:KEY=VALUE,...]", "back end and its options, see isotherm.conf(5)",
      sim_option_text, FIELD(sensor)},
     {"frames", "N", "number of frames", sim_option_count, FIELD(frames)},
-    {"out", "DIR", "the recording; made, or empty", sim_option_text, FIELD(out)},
+    {"out", "DIR", "directory of the recording; created, or empty", sim_option_text, FIELD(out)},
     {"oni", "FILE", "let OpenNI2's own recorder write this file (sensor openni2 only)",
      sim_option_text, FIELD(oni)},
-    {"patience-ms", "N", "longest wait for a frame, 5000 if not given", sim_option_int,
-     FIELD(patience_ms)},
-    {"list", "TYPE", "list the devices that a back end sees, record nothing", sim_option_text,
-     FIELD(list)},
+    {"patience-ms", "N", "longest wait for a frame (5000)", sim_option_int, FIELD(patience_ms)},
+    {"list", "TYPE", "record nothing, but list the devices that this back end finds",
+     sim_option_text, FIELD(list)},
 };
 
 static int64_t monotonic_ns(void *context)
@@ -134,8 +133,8 @@ int sim_cmd_record(int argc, char **argv)
         puts("Usage: isotherm-sim record --sensor TYPE[:KEY=VALUE,...] --frames N --out DIR "
              "[OPTION...]\n"
              "       isotherm-sim record --list TYPE\n\n"
-             "Records what a sensor sees. Faces are biometric data: record nobody who has not "
-             "agreed,\nand keep the files where nobody else can read them.\n");
+             "Records the frames of a sensor. Faces are biometric data: record only people who "
+             "have\nagreed, and keep the files where nobody else can read them.\n");
         sim_options_help(&set, 1, stdout);
         return SIM_EXIT_OK;
     case SIM_OPTIONS_REFUSED:

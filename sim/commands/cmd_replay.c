@@ -1,4 +1,4 @@
-/* isotherm-sim replay: a corpus played to the appliance itself on a virtual clock. */
+/* isotherm-sim replay: plays a corpus to the appliance in this process, on a virtual clock. */
 #include <errno.h>
 #include <math.h>
 #include <stddef.h>
@@ -41,17 +41,17 @@ static int parse_level(const char *text, void *field)
 
 static const struct sim_option options[] = {
     {"corpus", "DIR", "recordings and manifest.csv", sim_option_text, FIELD(rehearsal.corpus)},
-    {"out", "DIR", "where visits.csv, gallery and log go; made, must not exist", sim_option_text,
+    {"out", "DIR", "new directory for visits.csv, gallery and log; must not exist", sim_option_text,
      FIELD(rehearsal.state)},
     {"model", "FILE", "head model", sim_option_text, FIELD(rehearsal.model)},
     {"metric", "FILE", "learned metric", sim_option_text, FIELD(rehearsal.metric)},
-    {"threshold", "SCORE", "instead of the configuration's own", sim_option_number,
+    {"threshold", "SCORE", "decision.threshold (that of the level)", sim_option_number,
      FIELD(rehearsal.threshold)},
-    {"level", "NAME", "convenient, balanced or strict, instead of the configuration's own",
+    {"level", "NAME", "convenient, balanced or strict (the configuration's default: balanced)",
      parse_level, 0},
-    {"duplicates", "WORD", "people who look like somebody enrolled: allow, or refuse (default)",
+    {"duplicates", "WORD", "people who look like an enrolled person: allow, or refuse (default)",
      parse_duplicates, FIELD(rehearsal.allow_duplicate)},
-    {"visit", "RECORDING", "play this visit alone, after the enrolments", sim_option_text,
+    {"visit", "RECORDING", "after the enrolments, play only this visit", sim_option_text,
      FIELD(rehearsal.visit)},
     {"picture", "FILE", "draw that visit as PNG: frames, fit, scores and the door's relay",
      sim_option_text, FIELD(rehearsal.picture)},
@@ -59,10 +59,10 @@ static const struct sim_option options[] = {
 
 static const char usage[] =
     "Usage: isotherm-sim replay --corpus DIR --out DIR [OPTION...]\n\n"
-    "Enrols the gallery of a corpus and plays its visits to the appliance itself, in this "
-    "process\nand on a virtual clock: no daemon, no bus, no waiting, and the same verdicts "
-    "every time.\nExit status 1: somebody enrolled was refused at every visit or taken "
-    "for another, or a\nstranger was let in.\n";
+    "Enrols the gallery of a corpus and plays its visits to the appliance in this process, on "
+    "a\nvirtual clock: without a daemon, a bus or waiting times, and with the same verdicts every "
+    "time.\nExit status 1: an enrolled person was refused at every visit or admitted under another "
+    "name,\nor a stranger was let in.\n";
 
 static bool is_complete(const void *target)
 {

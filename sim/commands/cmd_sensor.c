@@ -1,4 +1,4 @@
-/* isotherm-sim sensor: the depth errors of a sensor model on faces, by distance. */
+/* isotherm-sim sensor: measures the depth errors of a sensor model on faces, by distance. */
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -23,13 +23,13 @@ struct arguments {
 
 static const struct sim_option options[] = {
     {"ict", "DIR", "the ICT-FaceKit head model", sim_option_text, FIELD(ict)},
-    {"sensor", "NAME", "which model (see `isotherm-sim generate --help`)", sim_option_text,
+    {"sensor", "NAME", "sensor model (see `isotherm-sim generate --help`)", sim_option_text,
      FIELD(sensor)},
     {"from", "MM", "nearest distance of the nose tip (400)", sim_option_number, FIELD(from_mm)},
-    {"to", "MM", "farthest (1000)", sim_option_number, FIELD(to_mm)},
-    {"step", "MM", "(100)", sim_option_number, FIELD(step_mm)},
+    {"to", "MM", "farthest distance (1000)", sim_option_number, FIELD(to_mm)},
+    {"step", "MM", "difference between two distances (100)", sim_option_number, FIELD(step_mm)},
     {"faces", "N", "faces at each distance (5)", sim_option_count, FIELD(faces)},
-    {"seed", "S", "(1)", sim_option_count, FIELD(seed)},
+    {"seed", "S", "seed of all random numbers (1)", sim_option_count, FIELD(seed)},
     {"noise-scale", "X", "factor on the sensor's random errors (1)", sim_option_number,
      FIELD(noise_scale)},
     {"pictures", "DIR", "draw depth and error of the first face at each distance", sim_option_text,
@@ -122,7 +122,7 @@ static int run(const struct arguments *a, struct iso_fault *fault)
     return error;
 }
 
-/* What is wrong with the arguments, or NULL. */
+/* Describes what is wrong with the arguments. NULL if they are valid. */
 static const char *find_flaw(const struct arguments *a)
 {
     if (!a->ict || !a->sensor) {
@@ -154,7 +154,7 @@ int sim_cmd_sensor(int argc, char **argv)
     switch (sim_options_parse(argc, argv, &set, 1, &fault)) {
     case SIM_OPTIONS_HELP:
         puts("Usage: isotherm-sim sensor --ict DIR --sensor NAME [OPTION...]\n\n"
-             "Renders faces at known depths before a sensor model, and prints the errors of its "
+             "Renders faces at known depths through a sensor model, and prints the errors of its "
              "depths.\n");
         sim_options_help(&set, 1, stdout);
         return SIM_EXIT_OK;

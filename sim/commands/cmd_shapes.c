@@ -1,4 +1,5 @@
-/* isotherm-sim shapes: retrieval of non-rigid shapes by what heat tells of them. */
+/* isotherm-sim shapes: makes corpora of non-rigid shapes and measures their retrieval by
+ * descriptors of heat diffusion. */
 #include <errno.h>
 #include <stdio.h>
 
@@ -26,7 +27,7 @@ static const struct sim_option generate_options[] = {
      FIELD(generate.preset)},
     {"out", "DIR", "where the meshes go (made if it is missing)", sim_option_text,
      FIELD(generate.out)},
-    {"seed", "S", "(1)", sim_option_count, FIELD(generate.seed)},
+    {"seed", "S", "seed of all random numbers (1)", sim_option_count, FIELD(generate.seed)},
     {"classes", "N", "kinds of creature (12 plain, 10 textured)", sim_option_count,
      FIELD(generate.classes)},
     {"shapes", "N", "plain: number of shapes (148)", sim_option_count, FIELD(generate.shapes)},
@@ -41,15 +42,16 @@ static const struct sim_option eval_options[] = {
     {"out", "DIR", "where the results go (made if it is missing)", sim_option_text,
      FIELD(study.out)},
     {"method", "NAME|all", "descriptor (all)", sim_option_text, FIELD(study.method)},
-    {"classifier", "NAME|all", "(the method's own)", sim_option_text, FIELD(study.classifier)},
+    {"classifier", "NAME|all", "classifier (the method's own)", sim_option_text,
+     FIELD(study.classifier)},
     {"distort", "KIND:LEVEL",
-     "queries are distorted: white, shot, scale, missing, stretch or bulge, 1..3",
+     "distort the queries: white, shot, scale, missing, stretch or bulge, 1..3",
      sim_distortion_parse, FIELD(study.distortion)},
     {"smooth", "N", "double steps of Taubin's filter before all else (0)", sim_option_int,
      FIELD(study.smooth)},
-    {"vertices", "N", "thin meshes that have more (0: none)", sim_option_int,
+    {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
      FIELD(study.vertices)},
-    {"seed", "S", "draws distortions, vocabularies and folds (1)", sim_option_count,
+    {"seed", "S", "seed of distortions, vocabularies and folds (1)", sim_option_count,
      FIELD(study.seed)},
     {"pictures", "N", "draw the first N matches of some queries (10; 0: none)", sim_option_int,
      FIELD(study.pictures)},
@@ -61,15 +63,15 @@ static const struct sim_option tables_options[] = {
      FIELD(tables.corpus)},
     {"large", "DIR", "shapes for the tables of SHREC'11 (those of --corpus)", sim_option_text,
      FIELD(tables.large)},
-    {"textured", "DIR", "shapes with colours, for those of SHREC'13 (none: no tables 5.1 and 5.2)",
+    {"textured", "DIR", "shapes with colours for tables 5.1 and 5.2, SHREC'13 (none: left out)",
      sim_option_text, FIELD(tables.textured)},
     {"out", "DIR", "where tables.csv goes (made if it is missing)", sim_option_text,
      FIELD(tables.out)},
-    {"queries", "N", "shapes that are distorted (36; 0: all)", sim_option_count,
+    {"queries", "N", "number of shapes to distort as queries (36; 0: all)", sim_option_count,
      FIELD(tables.queries)},
     {"smooth", "N", "double steps of Taubin's filter before all else (10)", sim_option_int,
      FIELD(tables.smooth)},
-    {"seed", "S", "(1)", sim_option_count, FIELD(tables.seed)},
+    {"seed", "S", "seed of all random numbers (1)", sim_option_count, FIELD(tables.seed)},
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
 };
 
@@ -82,8 +84,8 @@ static const struct sim_option crops_options[] = {
      FIELD(crops.rows)},
 };
 
-/* Threads of our own do the work: OpenBLAS's, where that is the BLAS, would only be in their way.
- */
+/* Only OpenBLAS has this function. The command starts its own threads; those of OpenBLAS would
+ * compete with them for the processors. */
 extern void openblas_set_num_threads(int n) __attribute__((weak));
 
 static void quieten_blas(void)
@@ -140,15 +142,15 @@ static int run_crops(void *target, struct iso_fault *fault)
     }
     const int error = sim_crops_write(&arguments->crops, &n, &n_empty, fault);
     if (!error) {
-        printf("%d shapes in %s; %d %s with too little in them\n", n, arguments->crops.out, n_empty,
-               iso_plural((uint64_t)n_empty, "frame", "frames"));
+        printf("%d shapes in %s; %d %s left out, because the object is too small\n", n,
+               arguments->crops.out, n_empty, iso_plural((uint64_t)n_empty, "frame", "frames"));
     }
     return error;
 }
 
 static const struct sim_subcommand targets[] = {
     {{"shapes generate", "--out DIR",
-      "Makes creatures in many poses: a corpus of non-rigid shapes. The same options make the "
+      "Makes a corpus of non-rigid shapes: creatures in many poses. The same options make the "
       "same\n"
       "bytes.",
       run_generate, NULL},
@@ -159,13 +161,14 @@ static const struct sim_subcommand targets[] = {
      eval_options,
      sizeof eval_options / sizeof *eval_options},
     {{"shapes tables", "--corpus DIR --out DIR",
-      "Prints tables 4.1-4.13, 5.1 and 5.2 of the dissertation for corpora of ours, with its own\n"
-      "figures beside them.",
+      "Prints tables 4.1-4.13, 5.1 and 5.2 of the dissertation, measured on these corpora, with\n"
+      "the dissertation's figures beside them.",
       run_tables, NULL},
      tables_options,
      sizeof tables_options / sizeof *tables_options},
     {{"shapes crops", "--corpus DIR --out DIR",
-      "Cuts the nearest thing out of recorded frames: a corpus of faces and of other things.",
+      "Cuts the nearest object out of recorded frames and makes a corpus of faces and of other\n"
+      "objects.",
       run_crops, NULL},
      crops_options,
      sizeof crops_options / sizeof *crops_options},

@@ -1,4 +1,4 @@
-/* isotherm-sim show: pictures of a frame of a recording. */
+/* isotherm-sim show: draws pictures of a frame of a recording. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,17 +25,18 @@ struct arguments {
 #define FIELD(name) offsetof(struct arguments, name)
 
 static const struct sim_option own_options[] = {
-    {"recording", "DIR", "where the frame is", sim_option_text, FIELD(recording)},
-    {"frame", "N", "which one, from 0", sim_option_count, FIELD(frame)},
+    {"recording", "DIR", "the recording of the frame", sim_option_text, FIELD(recording)},
+    {"frame", "N", "number of the frame, from 0", sim_option_count, FIELD(frame)},
     {"what", "depth|fit|mesh|heat|isotherms|all", "what to draw", sim_option_text, FIELD(what)},
-    {"out", "FILE", "PNG file; with `all` a directory", sim_option_text, FIELD(out)},
+    {"out", "FILE", "PNG file; with --what all: a directory", sim_option_text, FIELD(out)},
     {"model", "FILE", "head model", sim_option_text, FIELD(model)},
-    {"yaw", "DEGREES", "how far the viewer stands to the face's left", sim_option_degrees,
+    {"yaw", "DEGREES", "angle of view from the face's left (-17)", sim_option_degrees,
      FIELD(angle.yaw_rad)},
-    {"pitch", "DEGREES", "and above it", sim_option_degrees, FIELD(angle.pitch_rad)},
+    {"pitch", "DEGREES", "angle of view from above (3)", sim_option_degrees,
+     FIELD(angle.pitch_rad)},
 };
 
-/* The pictures of a face. */
+/* The pictures that need a usable face. */
 static const struct {
     const char *name;
     int (*draw)(const struct sim_face *face, struct sim_face_angle angle, const char *path,
@@ -62,7 +63,7 @@ static bool is_known(const char *what)
     return known;
 }
 
-/* The file of one picture: `out` itself, or NAME.png in it. */
+/* The file of one picture: `out` itself, or with "all" NAME.png in the directory `out`. */
 static int path_of(const struct arguments *arguments, const char *name, char *path, size_t size,
                    struct iso_fault *fault)
 {
@@ -85,7 +86,7 @@ static int draw_depth(const struct arguments *arguments, const struct iso_frame 
     return sim_picture_depth(frame, path, fault);
 }
 
-/* Whatever became of the frame; truth and title are still to be filled in. */
+/* Draws the fit of any frame, usable or not. `extracted` has no truth and no title yet. */
 static int draw_fit(const struct arguments *arguments, const struct iso_recording *recording,
                     const struct sim_fit_subject *extracted, struct iso_fault *fault)
 {
@@ -108,7 +109,7 @@ static int draw_fit(const struct arguments *arguments, const struct iso_recordin
     return error;
 }
 
-/* -ENODATA if there is no usable face. */
+/* Draws the wanted pictures of the face. -ENODATA if the frame has no usable face. */
 static int draw_face(const struct arguments *arguments, const struct sim_fit_subject *subject,
                      struct iso_fault *fault)
 {
@@ -143,7 +144,7 @@ static int draw_subject(const struct arguments *arguments, const struct iso_reco
     return error;
 }
 
-/* Everything that takes an extractor. */
+/* Draws all wanted pictures that need the extractor. */
 static int extract_and_draw(const struct arguments *arguments,
                             const struct iso_recording *recording, const struct iso_frame *frame,
                             struct iso_fault *fault)
@@ -228,8 +229,8 @@ int sim_cmd_show(int argc, char **argv)
     switch (sim_options_parse(argc, argv, sets, n_sets, &fault)) {
     case SIM_OPTIONS_HELP:
         puts("Usage: isotherm-sim show --recording DIR --frame N --out FILE [OPTION...]\n\n"
-             "Draws a frame's depth, how the head model fits it, or the mesh, the heat and the\n"
-             "isotherms of the face in it.\n");
+             "Draws the depth of a frame, the head model fitted to it, or the mesh, the heat or\n"
+             "the isotherms of its face.\n");
         sim_options_help(sets, n_sets, stdout);
         return SIM_EXIT_OK;
     case SIM_OPTIONS_REFUSED:

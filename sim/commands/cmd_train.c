@@ -28,10 +28,10 @@ struct arguments {
 static const struct sim_option head_options[] = {
     {"ict", "DIR", "the statistical head model to learn from", sim_option_text, FIELD(ict)},
     {"out", "FILE", "the model to write", sim_option_text, FIELD(out)},
-    {"seed", "S", "draws the expressions that are learned from (1)", sim_option_count, FIELD(seed)},
-    {"vertices", "N", "(1180)", sim_option_count, FIELD(n_vertices)},
-    {"identity", "N", "modes to keep (60)", sim_option_count, FIELD(n_identity)},
-    {"expression", "N", "modes to keep (12)", sim_option_count, FIELD(n_expression)},
+    {"seed", "S", "seed of the expressions to learn from (1)", sim_option_count, FIELD(seed)},
+    {"vertices", "N", "vertices to keep (1180)", sim_option_count, FIELD(n_vertices)},
+    {"identity", "N", "modes of identity to keep (60)", sim_option_count, FIELD(n_identity)},
+    {"expression", "N", "modes of expression to keep (12)", sim_option_count, FIELD(n_expression)},
     {"pictures", "DIR", "also draw the model, its mesh and its modes", sim_option_text,
      FIELD(pictures)},
 };
@@ -41,14 +41,14 @@ static const struct sim_option cohort_options[] = {
     {"out", "FILE", "the templates to write", sim_option_text, FIELD(out)},
     {"model", "FILE", "the trained head model that the extractor uses", sim_option_text,
      FIELD(model)},
-    {"sensor", "NAME,NAME,...", "people stand before them in turn (astra)", sim_option_text,
+    {"sensor", "NAME,NAME,...", "sensor models, used in turn (astra)", sim_option_text,
      FIELD(sensors)},
-    {"people", "N", "(64)", sim_option_count, FIELD(n_people)},
-    {"seed", "S", "(1)", sim_option_count, FIELD(seed)},
+    {"people", "N", "number of people (64)", sim_option_count, FIELD(n_people)},
+    {"seed", "S", "seed of all random numbers (1)", sim_option_count, FIELD(seed)},
 };
 
 static const struct sim_option metric_options[] = {
-    {"corpora", "DIR,DIR,...", "of preset training, with different people, to learn from",
+    {"corpora", "DIR,DIR,...", "corpora of preset training to learn from; no person in two of them",
      sim_option_text, FIELD(corpora)},
     {"out", "FILE", "the metric to write", sim_option_text, FIELD(out)},
     {"model", "FILE", "the trained head model that the extractor uses", sim_option_text,
@@ -157,7 +157,7 @@ static int train_head(void *target, struct iso_fault *fault)
     return error;
 }
 
-/* Looks up comma-separated names of sensors. */
+/* Looks up comma-separated names of sensors and loads the modules that they need. */
 static int find_sensors(const char *names, struct sim_train_cohort_options *options,
                         struct iso_fault *fault)
 {
@@ -318,20 +318,20 @@ static int train_metric(void *target, struct iso_fault *fault)
 
 static const struct sim_subcommand targets[] = {
     {{"train head", "--ict DIR --out FILE",
-      "Trains the compact head model that faces are found and registered with. The same\n"
+      "Trains the compact head model with which faces are found and registered. The same\n"
       "options make the same bytes.",
       train_head, NULL},
      head_options,
      sizeof head_options / sizeof *head_options},
     {{"train cohort", "--ict DIR --out FILE",
-      "Renders people in no gallery and writes the templates that normalise scores. The same\n"
-      "options make the same bytes.",
+      "Renders people who are in no gallery and writes their templates, which normalise\n"
+      "scores. The same options make the same bytes.",
       train_cohort, NULL},
      cohort_options,
      sizeof cohort_options / sizeof *cohort_options},
     {{"train metric", "--corpora DIR,... --out FILE",
-      "Learns from corpora of rendered people how likely two templates are one person's. The same\n"
-      "options make the same bytes.",
+      "Learns from corpora of rendered people how likely it is that two templates are of one\n"
+      "person. The same options make the same bytes.",
       train_metric, NULL},
      metric_options,
      sizeof metric_options / sizeof *metric_options},

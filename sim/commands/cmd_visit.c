@@ -1,4 +1,4 @@
-/* isotherm-sim visit: the people of a corpus come to the door of a running daemon. */
+/* isotherm-sim visit: plays the people of a corpus at the door of a running daemon. */
 #include <errno.h>
 #include <stddef.h>
 #include <string.h>
@@ -11,7 +11,7 @@ struct arguments {
     const char *out;
 };
 
-/* "probe,impostor": one role or more, in any order. */
+/* Reads "probe,impostor": one or more roles, in any order. */
 static int parse_roles(const char *text, void *field)
 {
     bool roles[SIM_ROLES] = {false};
@@ -43,17 +43,18 @@ static const struct sim_option options[] = {
      FIELD(visit.slot)},
     {"bus", "ADDRESS", "the message bus of the daemon", sim_option_text, FIELD(visit.address)},
     {"out", "DIR", "where visits.csv goes (made if it is missing)", sim_option_text, FIELD(out)},
-    {"role", "ROLES", "who comes: probe,impostor", parse_roles, FIELD(visit.roles)},
+    {"role", "ROLES", "roles of the rows to play (probe,impostor)", parse_roles,
+     FIELD(visit.roles)},
     {"settle-ms", "N", "longer than decision.gap_ms of the daemon (1000)", sim_option_int,
      FIELD(visit.settle_ms)},
-    {"limit-ms", "N", "a visit's longest time (30000)", sim_option_int, FIELD(visit.limit_ms)},
+    {"limit-ms", "N", "longest time of a visit (30000)", sim_option_int, FIELD(visit.limit_ms)},
 };
 
 static const char usage[] =
     "Usage: isotherm-sim visit --corpus DIR --slot LINK --bus ADDRESS --out DIR [OPTION...]\n\n"
-    "Lets the people of a corpus come to the door of a running isothermd whose sensor plays\n"
-    "the slot, one after the other, and prints the verdicts. Exit status 1: somebody enrolled\n"
-    "was refused at every visit or taken for another, or a stranger was let in.\n";
+    "Plays the people of a corpus, one after the other, at the door of a running isothermd\n"
+    "whose sensor plays the slot, and prints the verdicts. Exit status 1: an enrolled person was\n"
+    "refused at every visit or admitted under another name, or a stranger was let in.\n";
 
 static bool is_complete(const void *target)
 {

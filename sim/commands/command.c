@@ -56,7 +56,7 @@ int sim_command_run(const struct sim_command *command, const struct sim_option_s
     return complain(command, &fault, sim_command_exit_code(error));
 }
 
-/* A command's own word, behind its group's. */
+/* The last word of a command's name, without the name of its group. */
 static const char *word_of(const char *group, const struct sim_subcommand *subcommand)
 {
     return subcommand->command.name + strlen(group) + 1;

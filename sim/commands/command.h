@@ -1,35 +1,37 @@
-/* The frame of a command: its options, its help, its complaints, its exit code. */
+/* What all commands share: they read options, print help and errors, and return an exit code. */
 #ifndef SIM_COMMANDS_COMMAND_H
 #define SIM_COMMANDS_COMMAND_H
 
 #include "sim/base/options.h"
 
 struct sim_command {
-    const char *name;    /* "eval"; of a group of commands "shapes eval" */
-    const char *needs;   /* what must be given: "--corpus DIR --out DIR" */
-    const char *summary; /* what --help says of it: lines, the last one not ended */
-    /* Gets the target of the first set of options. 0, or a negative errno with a fault: -EINVAL for
-     * arguments that will not do, -ENOENT for what is not there. */
+    const char *name;    /* "eval"; for a command of a group "shapes eval" */
+    const char *needs;   /* the required options: "--corpus DIR --out DIR" */
+    const char *summary; /* the description for --help: lines, the last one without a newline */
+    /* Does the work. `arguments` is the target of the first set of options. 0, or a negative errno
+     * with a fault: -EINVAL for invalid arguments, -ENOENT for missing files. */
     int (*run)(void *arguments, struct iso_fault *fault);
-    void (*notes)(FILE *out); /* OPTIONAL: below the options */
+    void (*notes)(FILE *out); /* OPTIONAL: prints notes below the options of --help */
 };
 
-/* One of a group, all of which fill in the same arguments. */
+/* A command of a group. All commands of a group fill in the same arguments. */
 struct sim_subcommand {
     struct sim_command command;
     const struct sim_option *options;
     size_t n_options;
 };
 
-/* What a command ends with after such an error: SIM_EXIT_USAGE for -EINVAL, SIM_EXIT_NOT_FOUND for
- * -ENOENT, else SIM_EXIT_FAULT. */
+/* The exit code for an error: SIM_EXIT_USAGE for -EINVAL, SIM_EXIT_NOT_FOUND for -ENOENT, else
+ * SIM_EXIT_FAULT. */
 int sim_command_exit_code(int error);
 
-/* Runs a command with argv from its name on; an exit code of sim/commands/commands.h. */
+/* Runs a command. argv begins with the command's name. Returns an exit code
+ * (sim/commands/commands.h). */
 int sim_command_run(const struct sim_command *command, const struct sim_option_set *sets,
                     size_t n_sets, int argc, char **argv);
 
-/* Runs the one that argv[1] names, argv being from the group's name on. */
+/* Runs the command of the group that argv[1] names. argv begins with the group's name. Returns an
+ * exit code. */
 int sim_subcommand_run(const char *group, const struct sim_subcommand *list, size_t n,
                        void *arguments, int argc, char **argv);
 

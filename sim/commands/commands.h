@@ -1,15 +1,16 @@
-/* The subcommands of `isotherm-sim`. Each gets argv from its own name on, prints its results on
- * stdout and its complaints on stderr, and returns an exit code. */
+/* The subcommands of `isotherm-sim`. Each gets an argv that begins with its own name, prints
+ * results to stdout and errors to stderr, and returns an exit code. */
 #ifndef SIM_COMMANDS_COMMANDS_H
 #define SIM_COMMANDS_COMMANDS_H
 
 enum sim_exit {
     SIM_EXIT_OK = 0,
-    SIM_EXIT_NO_MATCH = 1,
-    SIM_EXIT_USAGE = 2,
-    SIM_EXIT_NOT_FOUND = 3,
-    SIM_EXIT_FAULT = 4,
-    SIM_EXIT_TIMED_OUT = 5,
+    SIM_EXIT_NO_MATCH = 1,  /* the command worked, but its result is negative: no usable face, or
+                               visits that went wrong */
+    SIM_EXIT_USAGE = 2,     /* invalid arguments */
+    SIM_EXIT_NOT_FOUND = 3, /* a file or a device is missing */
+    SIM_EXIT_FAULT = 4,     /* any other error */
+    SIM_EXIT_TIMED_OUT = 5, /* no frame came, or the door did not lock again */
 };
 
 int sim_cmd_generate(int argc, char **argv);
