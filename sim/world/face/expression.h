@@ -6,7 +6,7 @@
 #include "sim/world/face/ict.h"
 
 enum sim_expression {
-    SIM_NEUTRAL = 0, /* a face at rest: each shape's weight jitters by 0.03 */
+    SIM_NEUTRAL = 0, /* a face at rest: each weight jitters by 0.03, eyelids close by up to 0.1 */
     SIM_MILD,        /* a little of smile, brow, eyelid and jaw: weights up to 0.3 */
     SIM_STRONG,      /* one of the strong expressions below, drawn at random */
     SIM_SMILE,

@@ -60,7 +60,7 @@ void sim_kit_identity_name(uint32_t i, char name[SIM_KIT_NAME_SIZE])
     (void)snprintf(name, SIM_KIT_NAME_SIZE, "identity%03u", i);
 }
 
-/* `from` itself, or its subfolder with this name. */
+/* Sets kit->folder to the subfolder FaceXModel of `from` or, if there is none, to `from` itself. */
 static int find_folder(struct sim_kit *kit, const char *from)
 {
     struct stat status;
@@ -162,7 +162,7 @@ static int read_indices(struct sim_kit *kit)
     return error;
 }
 
-/* Checks that no file is missing before the first of 150 files is read. */
+/* Checks that no file is missing, before the first of about 150 files is read. */
 static int check_files(const struct sim_kit *kit)
 {
     char name[SIM_KIT_NAME_SIZE], first[SIM_KIT_NAME_SIZE] = "";

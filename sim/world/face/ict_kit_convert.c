@@ -74,7 +74,8 @@ static int write_mean(const struct sim_kit *kit)
     return sim_npy_writer_close(writer, true, kit->fault);
 }
 
-/* Writes the triangles whose three corners are kept. */
+/* Writes the triangles whose three corners are kept, and returns their number. `writer` NULL: only
+ * counts them. */
 static uint32_t kept_triangles(const struct sim_kit *kit, struct sim_npy_writer *writer)
 {
     uint32_t n = 0;

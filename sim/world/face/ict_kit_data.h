@@ -18,7 +18,7 @@ struct sim_kit {
     const char *to;
     char (*expressions)[SIM_KIT_NAME_SIZE]; /* sorted */
     uint32_t n_expressions;
-    uint32_t *landmarks; /* [layout->n_landmarks], vertices as the file numbers them */
+    uint32_t *landmarks; /* [layout->n_landmarks], indices among the kept vertices */
     struct sim_obj neutral;
     struct iso_fault *fault;
 };

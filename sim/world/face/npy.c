@@ -11,7 +11,7 @@
 
 enum { ITEMS_MAX = 1 << 28, ITEM_BYTES = 4 /* of the returned items */ };
 
-#define FILE_BYTES_MAX (8 * (size_t)ITEMS_MAX + 65536) /* doubles, and the header */
+#define FILE_BYTES_MAX (8 * (size_t)ITEMS_MAX + 65536) /* enough for all items and the header */
 
 struct file {
     char *bytes;

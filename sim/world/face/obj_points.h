@@ -14,9 +14,9 @@ struct sim_obj {
         *triangles)[3]; /* polygons are cut into fans about their first corner; vertices from 0 */
 };
 
-/* Reads a file. -EBADMSG: a line is neither a vertex nor a face of at least three corners, or a
- * corner is no vertex. -ENOMEM, or an error of opening or reading. Lines of other kinds are
- * skipped. */
+/* Reads a file. -EBADMSG: a vertex (line "v") does not have three numbers, a face (line "f") does
+ * not have 3 to 16 corners, or a corner is not a vertex of an earlier line. -ENOMEM, or an error of
+ * opening or reading. Lines of other kinds are skipped. */
 int sim_obj_read(const char *path, struct sim_obj *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

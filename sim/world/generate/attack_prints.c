@@ -11,8 +11,8 @@
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 
-/* Face frame of the mean head: the points where a pole meets the throat and the inside of a mask.
- */
+/* Face frame of the mean head: where a pole meets the throat of a printed head, and where it meets
+ * the inside of a mask behind the chin. */
 static const struct iso_vec3 throat_mm = {0.0, -120.0, -110.0}, chin_mm = {0.0, -78.0, -38.0};
 
 /* A print, its original head, and its presentation. */
@@ -42,7 +42,7 @@ static int start(struct print_scene *scene, struct sim_staging *staging)
     return 0;
 }
 
-/* Printed hair is a part of the same solid. */
+/* Adds the target's hair to the scene, in the scale and the material of the print. */
 static void add_printed_hair(const struct print_scene *scene)
 {
     const struct sim_staging *staging = scene->staging;
@@ -83,7 +83,7 @@ static void put_on_pole(const struct print_scene *scene)
     sim_staging_add_pole(scene->staging, iso_rigid_apply(&scene->camera_from_face, at), radius);
 }
 
-/* A fist holds the print at the throat, or a stick at the chin. */
+/* A fist holds a printed head at the throat, or a mask by a stick behind the chin. */
 static void hold_in_hand(const struct print_scene *scene)
 {
     struct sim_group *things = scene->staging->still->things;
@@ -108,8 +108,9 @@ static void support(const struct print_scene *scene)
     }
 }
 
-/* A person stands with their face behind the print, in the same direction, `gap_mm` behind it,
- * or farther if nose and chin need more room to stay inside. Sets *gap_mm to the result. */
+/* Adds a person who wears the print. The face looks in the same direction, *gap_mm behind the
+ * print, or farther if nose and chin need more room to stay inside. Sets *gap_mm to the distance.
+ */
 static int wear(const struct print_scene *scene, double *gap_mm)
 {
     struct sim_staging *staging = scene->staging;

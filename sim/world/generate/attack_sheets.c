@@ -11,10 +11,11 @@
 /* Width of the edge that a hand covers, and position of the edge in the hand's frame
  * (sim/world/prop/hand.h). */
 static const double grip_mm = 14.0, grip_y_mm = -70.0;
-/* Greatest turn of a roll's edges; beyond it a hollow roll would hide its own picture. */
+/* Greatest angle between the middle of a roll and its edges. A hollow roll or an S hides its own
+ * picture beyond the second limit. */
 static const double roll_limit_rad = 2.2, hollow_limit_rad = 1.3;
 
-/* Held towards the camera, not quite straight. */
+/* A random pose of a sheet that is held towards the camera, not quite straight. */
 static struct iso_rigid camera_from_flat(const struct sim_staging *staging)
 {
     const double pitch = DEGREES(sim_random_between(staging->random, -18.0, 18.0));
@@ -32,8 +33,8 @@ struct held {
     double reach_mm; /* greatest distance of a hand from the middle of the lower edge */
 };
 
-/* Distance of a bent sheet from its tangent plane at (x, y), on the far side, where the fingers
- * of a hand at this point lie. */
+/* Greatest distance of a bent sheet from its tangent plane at (x, y), on the far side, where the
+ * fingers of a hand at this point lie. */
 static double sagitta_at(const struct sim_sheet *surface, double x_mm, double y_mm,
                          const struct iso_rigid *flat_from_edge)
 {
@@ -48,7 +49,7 @@ static double sagitta_at(const struct sim_sheet *surface, double x_mm, double y_
     return most;
 }
 
-/* A hand at a point of the lower edge, perpendicular to the sheet there. */
+/* Adds a hand at a point of the lower edge, aligned with the sheet there. */
 static void add_hand(struct sim_staging *staging, const struct iso_rigid *camera_from_flat,
                      const struct held *held, double x_mm)
 {
@@ -70,7 +71,7 @@ static void add_hand(struct sim_staging *staging, const struct iso_rigid *camera
     sim_hand_add(things, SIM_HAND_GRIP, left, thick, staging->random);
 }
 
-/* A person whose face is behind the instrument, seen from the camera. */
+/* Adds a person whose face is behind the instrument, seen from the camera. */
 static int add_bearer(struct sim_staging *staging, struct iso_vec3 middle_mm)
 {
     struct sim_random *random = staging->random;
@@ -83,8 +84,8 @@ static int add_bearer(struct sim_staging *staging, struct iso_vec3 middle_mm)
     return sim_still_add_person(staging->still, staging->ict, "bearers", true, &stance, random);
 }
 
-/* A hand from below (sometimes one on either side), with its owner behind the instrument or out
- * of sight; or a stand. */
+/* Adds a hand from below (sometimes one on either side), with its owner behind the instrument or
+ * out of sight; or a stand. */
 static int hold_sheet(struct sim_staging *staging, const struct iso_rigid *camera_from_flat,
                       const struct held *held)
 {

@@ -10,10 +10,10 @@
 #define DEGREES(x) ((x)*0.017453292519943295)
 
 /* A session's usual motion, some 45 mm/s and 14 degrees/s on each axis, is that of a person who
- * shifts from foot to foot. A person who looks at a door stands more still. Assumed: down to a
- * tenth of that. The centre of pressure of people who stand quietly moves at the order of 10
- * mm/s (Prieto et al., "Measures of postural steadiness", IEEE Trans. Biomedical Engineering 43,
- * 1996). */
+ * shifts from foot to foot. A person who looks at a door stands more still. Assumed here: the
+ * motion is as little as a tenth of that. The centre of pressure of people who stand quietly moves
+ * at the order of 10 mm/s (Prieto et al., "Measures of postural steadiness", IEEE Trans. Biomedical
+ * Engineering 43, 1996). */
 static const double sway_least = 0.1;
 
 struct stage {
@@ -68,7 +68,7 @@ static int record_enrolled(const struct stage *stage, int person)
     return record_session(stage, &session);
 }
 
-/* An enrolled person comes for one frame or for a visit. */
+/* Records an enrolled person for one frame or, if `lasting`, for a visit of several frames. */
 static int record_bona_fide(const struct stage *stage, int number, bool lasting)
 {
     const int person = number % stage->plan->n_people;

@@ -11,8 +11,8 @@
  *
  * O is the origin of the people, POPULATION-SEED (sim/corpus/corpus.h). There are per_kind rows of
  * each kind, the bona fide ones per_kind of either length. Recordings of
- * instruments are called none-KIND-NNNN; the one with number N impersonates enrolled person N
- * modulo their number. The column `expression` of an instrument is its variant: a4-paper,
+ * instruments are called none-KIND-NNNN; the one with number N impersonates the enrolled person
+ * N modulo n_people. The column `expression` of an instrument is its variant: a4-paper,
  * rolled-r120, s-hollow-r80, creased-25deg, tablet-lost60-behind12, head-x0.613, worn-gap14, empty,
  * ... */
 #ifndef SIM_WORLD_GENERATE_ATTACKS_H

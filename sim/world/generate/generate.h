@@ -20,19 +20,22 @@ struct sim_generate_options {
     int n_per_kind; /* rows for each kind of "attacks" and "not-faces"; the preset's own if < 0 */
     double pose_limit_rad; /* of "landmarks" and "training" */
     double near_mm,
-        far_mm;         /* distance of the nose tip outside the gallery; both 0: the preset's own */
-    double noise_scale; /* of the sensor's random errors; the preset's own if < 0 */
+        far_mm; /* distance of the nose tip, except in gallery sessions; both 0: the preset's own */
+    double noise_scale;       /* factor on the sensor's random errors; the preset's own if < 0 */
     double identity_variance; /* 1: the head model's; 0.36: people who look alike; the preset's own
                                  if < 0 */
     bool marks;               /* landmarks.csv has 25 points instead of twelve */
     bool infrared;            /* recordings have an infrared image for each depth frame */
 };
 
+/* Preset "mild", population "test", seed 1, a pose limit of 35 degrees; the preset's own values for
+ * all other options. The caller sets the directories. */
 struct sim_generate_options sim_generate_options_default(void);
 
 /* Renders the corpus: the same options make the same bytes. -EINVAL with *fault for an unknown
- * preset, counts out of range (1..9999 people, sessions and rows of a kind, at most 999 frames
- * for a visit), distances outside 100..10000 mm or in falling order, or a preset with
+ * preset, counts out of range (1..9999 people, sessions and rows of a kind, at most 9999 strangers,
+ * 99999 probes, 999 frames for a visit), a noise scale or a variance above 100, a pose limit
+ * outside 0..90 degrees, distances outside 100..10000 mm or in falling order, or a preset with
  * instruments for a sensor that sees nothing but skin. Otherwise the errors of the head model
  * and of writing. */
 int sim_generate(const struct sim_generate_options *options, struct iso_fault *fault)

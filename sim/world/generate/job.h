@@ -11,17 +11,20 @@
 
 struct sim_job;
 
-/* How the recordings of a preset are made. */
+/* The function that makes the recordings of a preset, and their number. */
 struct sim_job_kind {
-    /* Makes all recordings. Errors of sim_studio_record. */
+    /* Makes all recordings of the job. Errors of sim_studio_record. */
     int (*record)(const struct sim_job *job, struct iso_fault *fault);
-    /* The number of recordings. */
+    /* The number of recordings that `record` makes; used to show progress. */
     int (*count)(const struct sim_job *job);
 };
 
-/* Sessions of people (people.c). The first kind: enrolled people, their later visits, and
- * strangers. The second: the same with two people in each visit. The third: the same sessions
- * for each person, with no one enrolled. */
+/* Sessions of people (people.c).
+ * - visits: an enrolment of each enrolled person, later visits of these people, and one visit of
+ *   each stranger.
+ * - pairs: the same, but a second person stands behind the visitor in every visit, and an enrolment
+ *   has three times as many frames.
+ * - repeats: equally many sessions of each person; nobody is enrolled. */
 extern const struct sim_job_kind sim_job_visits, sim_job_pairs, sim_job_repeats;
 
 struct sim_preset {
@@ -31,15 +34,16 @@ struct sim_preset {
     enum sim_expression expression; /* of probes and strangers; the gallery is neutral */
     struct sim_pose_range gallery_pose, probe_pose;
     int n_people, n_strangers, n_probes, n_sessions, n_per_kind, frames_per_visit;
-    int rest_sessions; /* of "training": a person's first sessions are neutral, the others mild */
-    double noise_scale, identity_variance; /* 0: the head model's own */
-    double near_mm, far_mm; /* distance of later visits and strangers; 0: the sensor's own */
+    int rest_sessions; /* if > 0: a person's first session is neutral, the following ones up to this
+                          number are mild, and the later ones have `expression` */
+    double noise_scale, identity_variance; /* variance 0: that of the head model, which is 1 */
+    double near_mm, far_mm; /* distance in sessions other than enrolments; 0: the sensor's own */
     int png_level;
     bool bystander;   /* another person stands behind the visitor */
     bool instruments; /* needs a sensor that sees more than skin */
 };
 
-/* NULL: no preset has this name. */
+/* The preset with this name, or NULL. */
 const struct sim_preset *sim_preset_find(const char *name);
 
 struct sim_job {
@@ -50,8 +54,8 @@ struct sim_job {
     struct sim_studio *studio;
 };
 
-/* The value of an option or else of the preset. Frames count for a session, sessions for a
- * person. */
+/* The value of the option if it is given, otherwise that of the preset. Frames are per session,
+ * sessions are per person. */
 int sim_job_people(const struct sim_job *job);
 int sim_job_strangers(const struct sim_job *job);
 int sim_job_probes(const struct sim_job *job);

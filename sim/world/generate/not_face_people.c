@@ -11,7 +11,7 @@
 static const struct iso_vec3 skull_mm = {0.0, 35.0, -110.0};
 static const double ear_x_mm = 75.0;
 
-/* A person turned by `body_yaw_rad`, placed so that a point of the head is at `place_mm`. */
+/* Adds a person turned by `body_yaw_rad`, so that `point_mm` of the face frame is at `place_mm`. */
 static int add_turned(struct sim_staging *staging, bool hair, double body_yaw_rad,
                       struct iso_vec3 point_mm, struct iso_vec3 place_mm)
 {
@@ -25,7 +25,7 @@ static int add_turned(struct sim_staging *staging, bool hair, double body_yaw_ra
                                 staging->random);
 }
 
-/* Randomly the left or the right side. */
+/* A random turn between two angles, in radians, to the left or to the right. */
 static double turn_between(const struct sim_staging *staging, double from_degrees,
                            double to_degrees)
 {
@@ -39,7 +39,7 @@ static void name_turn(struct sim_staging *staging, double body_yaw_rad)
                    body_yaw_rad / DEGREES(1.0));
 }
 
-/* Places the middle of the head behind `place`, by half the depth of a head. */
+/* A place for the middle of the head: half the depth of a head behind the place of a face. */
 static struct iso_vec3 skull_place(const struct sim_staging *staging)
 {
     return iso_add(sim_staging_place(staging), iso_vec3(0.0, 0.0, 95.0));
@@ -59,8 +59,8 @@ int sim_not_face_profile(struct sim_staging *staging)
     return add_turned(staging, true, turn, skull_mm, skull_place(staging));
 }
 
-/* The nearest distance that the sensor measures well. A head turned to its left shows the right
- * ear. */
+/* The ear is nearer than a face usually is, but not nearer than 0.85 of the sensor's shortest usual
+ * distance. A head turned to its left shows the right ear. */
 int sim_not_face_ear(struct sim_staging *staging)
 {
     const double turn = turn_between(staging, 75.0, 105.0);
@@ -84,7 +84,7 @@ int sim_not_face_hood(struct sim_staging *staging)
     return error;
 }
 
-/* A hand whose middle (90 mm above the wrist) is at `middle_mm`. */
+/* Adds a hand whose middle (90 mm above the wrist) is at `middle_mm`. */
 static void add_hand(struct sim_staging *staging, enum sim_hand_pose pose, bool left, bool back,
                      struct iso_vec3 middle_mm)
 {

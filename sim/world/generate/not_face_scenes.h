@@ -11,8 +11,9 @@ sim_staging_build sim_not_face_back, sim_not_face_profile, sim_not_face_ear, sim
 /* Hands held up: palm, back of the hand or fist; one or two. */
 sim_staging_build sim_not_face_hand;
 
-/* A wall 0.5 to 1.2 m away: plain, slanted, with a rail, with a picture frame, an inner or an
- * outer corner. For a scene without a wall of its own. */
+/* A wall 0.5 to 1.2 m away (farther for a sensor that cannot see so near): plain, slanted, with a
+ * rail, with a picture frame, an inner or an outer corner. For a scene without a wall of its own.
+ */
 sim_staging_build sim_not_face_wall;
 
 /* Things: a ball or balloon of 60 to 150 mm radius, the back of a chair, a coat on a hanger or a

@@ -7,7 +7,8 @@
 
 #define DEGREES(x) ((x)*0.017453292519943295)
 
-/* Places an object of the given depth, slightly turned, with its front at the place of a face. */
+/* Places an object of the given half depth, slightly turned, with its front at the place of a face.
+ */
 static void put(struct sim_staging *staging, double half_depth_mm, double turn_degrees)
 {
     const double yaw = DEGREES(sim_random_between(staging->random, -turn_degrees, turn_degrees));

@@ -4,8 +4,9 @@
 
 #include "sim/world/generate/job.h"
 
-/* The expression of a person. The gallery is neutral. If the preset has sessions of rest, the
- * first of them is neutral too and the others are mild. */
+/* The expression in a session. The gallery is neutral. If the preset has sessions of rest, the
+ * first of them is neutral too and the others are mild; later sessions have the preset's
+ * expression. */
 static enum sim_expression expression_of(const struct sim_preset *preset, enum sim_role role,
                                          int session)
 {
@@ -78,8 +79,8 @@ static int record_visits(const struct sim_job *job, struct iso_fault *fault)
     return error;
 }
 
-/* A visit of person `index` with another person close behind. The note describes that person,
- * after the origin. */
+/* Records a visit of person `index` with person `behind` close behind. `note` describes the second
+ * person; it follows the origin in the row's note. */
 static int record_pair(const struct sim_job *job, int index, int session, enum sim_role role,
                        int behind, const char *note, struct iso_fault *fault)
 {
@@ -93,8 +94,8 @@ static int record_pair(const struct sim_job *job, int index, int session, enum s
     return sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
 }
 
-/* The enrolments, then visits of two: an enrolled person with a stranger or another enrolled
- * person behind, in turns; and a stranger with an enrolled person behind. */
+/* Records the enrolments, then visits of two people: an enrolled person with a stranger or another
+ * enrolled person behind, alternately; and a stranger with an enrolled person behind. */
 static int record_pairs(const struct sim_job *job, struct iso_fault *fault)
 {
     const int people = sim_job_people(job);
@@ -119,7 +120,7 @@ static int record_pairs(const struct sim_job *job, struct iso_fault *fault)
     return error;
 }
 
-/* The same sessions for each person, and no one is enrolled. */
+/* Records equally many sessions of each person. Nobody is enrolled. */
 static int record_repeats(const struct sim_job *job, struct iso_fault *fault)
 {
     const int people = sim_job_people(job);

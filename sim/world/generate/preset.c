@@ -6,7 +6,7 @@
 #include "sim/world/generate/not_faces.h"
 #include "sim/world/generate/stored.h"
 
-/* ---- presets of objects and of one corpus; their recorders have separate headers ---- */
+/* ---- the presets attacks, not-faces and stored; each has its own recorder and header ---- */
 
 static int count_or(int given, int otherwise)
 {
@@ -146,7 +146,7 @@ static const struct sim_preset presets[] = {
      .frames_per_visit = 1,
      .noise_scale = 2.5,
      .png_level = 4},
-    {.name = "training", /* each person at rest, then mildly, then strongly moved */
+    {.name = "training", /* each person at rest, then with a mild, then with strong expressions */
      .kind = &sim_job_repeats,
      .sensor = &sim_sensor_truedepth,
      .expression = SIM_STRONG,

@@ -120,8 +120,8 @@ static struct sim_corpus_row row_of(const struct sim_session_plan *plan,
     return row;
 }
 
-/* A person 0.5 (or the plan's distance) to 0.9 m behind the visitor, far enough to the side to
- * be visible. */
+/* Adds a person 0.5 m (or the plan's distance) to 0.9 m behind the visitor, far enough to the side
+ * to be visible. */
 static int add_bystander(struct scene *scene, const struct sim_ict *ict,
                          const struct sim_session_plan *plan)
 {

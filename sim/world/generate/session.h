@@ -9,9 +9,9 @@
 /* How a session's pose is drawn. Either yaw, pitch and roll are each normal or uniform; or yaw
  * and pitch are uniform over a disc that is flattened in pitch, and roll is uniform. */
 struct sim_pose_range {
-    double sd_rad;    /* normal with this standard deviation, if > 0 */
-    double limit_rad; /* else uniform within +- this */
-    double disc_rad;  /* if > 0: the disc's radius in yaw; then limit_rad limits the roll */
+    double sd_rad;    /* if > 0: normal with this standard deviation */
+    double limit_rad; /* otherwise: uniform within +- this angle */
+    double disc_rad; /* if > 0: radius of the disc in yaw; the two fields above are for roll only */
 };
 
 struct sim_session_plan {
@@ -27,14 +27,15 @@ struct sim_session_plan {
     bool frozen; /* the first frame is repeated bit by bit */
     bool bystander;                  /* another person stands behind and beside the person */
     const struct sim_person *behind; /* the bystander; NULL: any person */
-    double behind_min_mm;            /* least distance of the bystander; usually half a metre */
-    struct iso_vec3 offset_mm;       /* added to the position: a face cut by the image border */
+    double behind_min_mm;            /* least distance of the bystander; 0: 500 mm */
+    struct iso_vec3 offset_mm;       /* added to the position drawn, e.g. to cut a face at the image
+                                        border */
     struct sim_random random;        /* source of all random draws of the session */
 };
 
-/* Records the session as SUBJECT-SESSION. Fills in row.recording. For a row of a person (subject
- * not `none`) it also fills in pose, "y+12p-03r+05" (yaw, pitch and roll in degrees), and
- * expression. Errors of sim_studio_record. */
+/* Records the session as SUBJECT-SESSION and adds its row to the manifest. In the row of a person
+ * (subject not `none`) it sets the pose, "y+12p-03r+05" (yaw, pitch and roll in degrees), and the
+ * expression that was drawn. Errors of sim_studio_record. */
 int sim_session_record(struct sim_studio *studio, const struct sim_ict *ict,
                        const struct sim_sensor *sensor, const struct sim_session_plan *plan,
                        struct iso_fault *fault) __attribute__((warn_unused_result));

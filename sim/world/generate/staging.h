@@ -35,20 +35,21 @@ struct sim_staging_plan {
 };
 
 /* Records scene number `number` of a kind, single or lasting, as none-KIND-NNNN, with the variant
- * as the row's expression. `target` may be NULL. Errors of building and of sim_studio_record. */
+ * as the row's expression. `target` NULL: the mean person. Errors of building and of
+ * sim_studio_record. */
 int sim_staging_record(struct sim_studio *studio, const struct sim_staging_plan *plan,
                        const struct sim_staged_kind *kind, int number,
                        const struct sim_person *target, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Position of an object's middle: at the distance of a visitor, and slightly off the centre like
+/* A random position for an object: at the distance of a visitor, and slightly off the centre like
  * a visitor. */
 struct iso_vec3 sim_staging_place(const struct sim_staging *staging);
 
 /* True with the given probability. */
 bool sim_staging_chance(const struct sim_staging *staging, double share);
 
-/* A pole from a point downwards, out of the picture. */
+/* Adds a pole from a point downwards, out of the picture. */
 void sim_staging_add_pole(struct sim_staging *staging, struct iso_vec3 top_mm, double radius_mm);
 
 #endif

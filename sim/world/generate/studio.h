@@ -36,7 +36,7 @@ void sim_studio_free(struct sim_studio *studio);
 typedef int sim_draw_frame(void *scene, int frame, struct sim_view *view, struct sim_truth *truth,
                            bool *truth_known);
 
-/* Records row->count frames of a scene, 30 per second, as the recording row->recording, with
+/* Records row->count frames of a scene, with time stamps 1/30 s apart, as row->recording, with
  * ground truth where it is known, and adds the row to the manifest (row->first must be 0).
  * `random` supplies the sensor's noise. Errors of drawing and of writing. */
 int sim_studio_record(struct sim_studio *studio, const struct sim_corpus_row *row,
@@ -49,7 +49,7 @@ int sim_studio_record_frozen(struct sim_studio *studio, const struct sim_corpus_
                              sim_draw_frame *draw, void *scene, struct sim_random *random,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Writes the manifest. */
+/* Writes the manifest. Call it once, after the last recording. Errors of sim_corpus_write. */
 int sim_studio_finish(struct sim_studio *studio, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -30,8 +30,8 @@ static bool in_opening(const struct opening *opening, struct iso_vec3 p)
     return p.z > opening->middle_mm.z - 25.0 && x * x + y * y < 1.0;
 }
 
-/* Whether a vertex is on the printed surface. Sockets and eyeballs fill the openings of a
- * print that has none; the inside of the mouth is not printed. */
+/* Whether a vertex is on the printed surface. Eye sockets and eyeballs are printed unless the eyes
+ * are cut out. The inside of the mouth is never printed. */
 static bool printed(const struct sim_face_print *print, uint32_t v)
 {
     const uint32_t end = print->whole_head ? SIM_ICT_MOUTH_SOCKET : SIM_ICT_NARROW_FACE_END;

@@ -11,12 +11,12 @@ struct sim_face_print {
     double scale;    /* about the face frame's origin; 1: true size */
     bool whole_head; /* with ears, back and neck; otherwise a mask of the face alone */
     bool eyes_cut;   /* the mask has openings for the wearer's eyes */
-    double opening;  /* half axes of these openings in units of half the eye's length */
+    double opening;  /* half width of these openings in units of half the eye's length */
     double shell_mm; /* thickness of the print; 0: only its outer surface is drawn */
 };
 
 /* The print of a head whose surface is `vertices_mm` (sim_person_surface), in its face frame.
- * -EINVAL for a scale that is not positive, -ENOMEM. */
+ * -EINVAL for a scale, or for openings, that are not positive; -ENOMEM. */
 int sim_face_print_new(const struct sim_ict *ict, const struct iso_vec3 *vertices_mm,
                        const struct sim_face_print *print, enum sim_material material,
                        struct sim_solid **out) __attribute__((warn_unused_result));

@@ -40,7 +40,7 @@ static void add_slats(struct sim_group *group, const struct chair *chair)
     }
 }
 
-/* Boards, slightly bent to fit a person's back. */
+/* Adds boards that are slightly bent to fit a person's back. */
 static void add_boards(struct sim_group *group, const struct chair *chair)
 {
     struct iso_rigid before = group->placed;
@@ -97,7 +97,7 @@ void sim_furniture_add_chair(struct sim_group *group, enum sim_chair_back back,
 
 /* ---- plants, cushions, balls ------------------------------------------------ */
 
-/* An arched leaf that begins at `root` and grows in the direction of two angles. */
+/* Adds an arched leaf that begins at `root` and grows in a random direction. */
 static void add_leaf(struct sim_group *group, struct iso_vec3 root, struct sim_random *random)
 {
     struct sim_sheet leaf = {.shape = SIM_SHEET_ROLLED, .outline = true, .axis_rad = 1.5707963};
@@ -174,7 +174,8 @@ void sim_furniture_add_ball(struct sim_group *group, double radius_mm, bool ball
 
 void sim_furniture_add_coat(struct sim_group *group, bool hanger, struct sim_random *random)
 {
-    /* The face frame of sim/world/prop/torso.h has the collar here; turned to look along z. */
+    /* The collar in the face frame of sim/world/prop/torso.h. The trunk is moved so that the collar
+     * is at the origin, and faces the viewer. */
     static const struct iso_vec3 collar_mm = {0.0, -128.0, -128.0};
     struct sim_solid *trunk = NULL;
     const double flat = hanger ? sim_random_between(random, 0.3, 0.6) : 1.0;

@@ -176,8 +176,8 @@ static double half_breadth(const struct sim_ict *ict, const struct iso_vec3 *ver
     return widest;
 }
 
-/* One point of the curtain: `around` from the left front over the back to the right front, 0..1;
- * `down` 0..1. */
+/* One point of the curtain. `around` is 0..1 from the subject's right front over the back to the
+ * left front, `down` is 0..1 from the top to the lower end. */
 static struct iso_vec3 curtain_point(const struct sim_hair *hair, double half_breadth_mm,
                                      double around, double down)
 {

@@ -2,9 +2,9 @@
 
 enum { FINGERS = 4, JOINTS = 4 };
 
-/* The fingers from the little finger to the index: place on the palm, total length of the three
- * phalanges, and angle when the hand is spread. The thumb is on the right: this is the palm of a
- * left hand, and a right hand is its mirror image. */
+/* The fingers from the little finger to the index finger: place on the palm, total length of the
+ * three phalanges, and angle when the hand is spread. The palm faces the viewer, with the thumb on
+ * the viewer's right. The other hand is the mirror image. */
 static const struct finger {
     double x_mm, y_mm, length_mm, radius_mm, lean_rad;
 } fingers[FINGERS] = {
@@ -19,7 +19,7 @@ static const double phalanges[JOINTS - 1] = {0.46, 0.30, 0.24};
 
 struct hand {
     struct sim_group *group;
-    double size, side; /* scale; -1 mirrors */
+    double size, side; /* scale; side -1 mirrors the hand */
     double spread, curl_rad, held_mm;
 };
 
@@ -103,7 +103,7 @@ static void add_fist(const struct hand *hand)
     add_tube(hand, thumb, thumb_radii, 4, SIM_SKIN);
 }
 
-/* The palm stands behind the plane z = 0, the fingers lie flat behind it and the thumb before. */
+/* Palm and fingers are behind the plane z = 0 and the held object, the thumb is in front of it. */
 static void add_grip(const struct hand *hand)
 {
     static const double thumb_radii[] = {14.0, 12.0, 10.0, 8.5}, bends[] = {0.0, 0.0, 0.0};

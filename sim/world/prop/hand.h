@@ -13,7 +13,7 @@ enum sim_hand_pose {
     SIM_HAND_OPEN = 0, /* shows the palm, fingers up and spread */
     SIM_HAND_FIST,
     SIM_HAND_GRIP, /* holds a flat object in the plane z = 0 by its lower edge, which is at y = -70;
-                      the thumb is before the edge, the fingers are behind it */
+                      the thumb is in front of the object, the fingers are behind it */
     SIM_HAND_POSES
 };
 

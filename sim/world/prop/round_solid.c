@@ -53,8 +53,8 @@ static struct iso_vec3 square_to(struct iso_vec3 direction, struct iso_vec3 hint
     return iso_unit(flat);
 }
 
-/* The rings of half a sphere; `side` -1 before the first joint, +1 behind the last. Ring 0 is at
- * the pole of the first cap, and at the rim of the last. */
+/* Places the rings of half a sphere; `side` is -1 before the first joint, +1 behind the last. Ring
+ * 0 is at the pole of the first cap, and next to the rim of the last. */
 static void place_cap(struct ring rim, struct iso_vec3 direction, int side, struct iso_vec3 *rows)
 {
     for (int k = 0; k < CAP_RINGS; k++) {

@@ -16,7 +16,7 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The value below which the given share of all values lies. */
+/* The value below which the given share of all values lies. NAN if there is no memory. */
 static double quantile(const double values[CELLS], double share)
 {
     static const int last = CELLS - 1;
@@ -36,7 +36,7 @@ static double quantile(const double values[CELLS], double share)
     return found;
 }
 
-/* The whole glass, a cell being two triangles in a row of the sheet. */
+/* Makes the whole glass. Triangles 2 i and 2 i + 1 are cell i. */
 static int whole_glass(const struct sim_screen *screen, struct sim_solid **out)
 {
     const int error = sim_solid_sheet(ROWS, COLUMNS, SIM_GLASS, out);
@@ -50,8 +50,8 @@ static int whole_glass(const struct sim_screen *screen, struct sim_solid **out)
     return error;
 }
 
-/* Keeps either the measured cells or the others as a separate solid. If there are none, returns
- * 0 with *out NULL. */
+/* Copies either the measured cells or the others into a new solid. If there are none, returns 0
+ * with *out NULL. */
 static int part_of_glass(const struct sim_solid *glass, const double value[CELLS], double level,
                          bool measured, struct sim_solid **out)
 {

@@ -31,7 +31,8 @@ struct sim_sheet {
 /* Position of the point (x, y) of the flat sheet after bending, without the unevenness. */
 struct iso_vec3 sim_sheet_point(const struct sim_sheet *sheet, double x_mm, double y_mm);
 
-/* -EINVAL for a size that is not positive or a radius of 0 where one is needed; -ENOMEM. */
+/* Makes the sheet as a solid. -EINVAL for a size that is not positive or a radius of 0 where one is
+ * needed; -ENOMEM. */
 int sim_sheet_new(const struct sim_sheet *sheet, enum sim_material material, struct sim_solid **out)
     __attribute__((warn_unused_result));
 

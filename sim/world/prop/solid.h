@@ -24,18 +24,18 @@ int sim_solid_new(uint32_t n_vertices, uint32_t n_triangles, enum sim_material m
 void sim_solid_free(struct sim_solid *solid);
 
 /* A sheet of (rows x columns) vertices, row by row, joined to triangles. The caller places the
- * vertices. Both counts are at least 2, otherwise -EINVAL; -ENOMEM. */
+ * vertices. Both counts are 2 to 4096, otherwise -EINVAL; -ENOMEM. */
 int sim_solid_sheet(uint32_t rows, uint32_t columns, enum sim_material material,
                     struct sim_solid **out) __attribute__((warn_unused_result));
 
 /* A rectangle of width x height in the plane z = 0, its middle at the origin, x right, y down.
  * It is bent about a vertical axis to the given radius of curvature (0: flat), with its sides
- * away from the camera. -EINVAL, -ENOMEM. */
+ * away from the camera. -EINVAL for a size that is not positive or a negative radius, -ENOMEM. */
 int sim_solid_rectangle(double width_mm, double height_mm, double bend_radius_mm,
                         enum sim_material material, struct sim_solid **out)
     __attribute__((warn_unused_result));
 
-/* A box of the given size about the origin. -EINVAL, -ENOMEM. */
+/* A box of the given size about the origin. -EINVAL for a size that is not positive, -ENOMEM. */
 int sim_solid_box(struct iso_vec3 size_mm, enum sim_material material, struct sim_solid **out)
     __attribute__((warn_unused_result));
 
@@ -46,7 +46,8 @@ struct sim_joint {
 };
 
 /* A tube along a polyline of 2 to 16 joints at different places: a finger, an arm, a pole. The
- * radius changes evenly from joint to joint; each end is half a sphere. -EINVAL, -ENOMEM. */
+ * radius changes evenly from joint to joint; each end is half a sphere. -EINVAL for another number
+ * of joints or a radius that is not positive, -ENOMEM. */
 int sim_solid_tube(const struct sim_joint *joints, size_t n_joints, enum sim_material material,
                    struct sim_solid **out) __attribute__((warn_unused_result));
 

@@ -31,8 +31,8 @@ struct sim_depth_error_options {
     void *context;
 };
 
-/* Renders neutral faces at a distance and measures them. -ENOMEM; -EINVAL if no face was in
- * view. */
+/* Renders neutral faces at a distance and measures them. -ENOMEM; -EINVAL if the sensor measured no
+ * pixel of any face. */
 int sim_depth_error_measure(const struct sim_depth_error_options *options, double distance_mm,
                             struct sim_depth_error *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

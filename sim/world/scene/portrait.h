@@ -6,7 +6,8 @@
 
 enum { SIM_PORTRAIT_COLUMNS = 190, SIM_PORTRAIT_ROWS = 260 };
 
-/* Life size, one pixel a millimetre, the nose tip 10 mm under the middle. `albedo` has
+/* Takes the photograph in life size, one pixel a millimetre, the nose tip 10 mm below the middle.
+ * The face is neutral. `albedo` has
  * [SIM_PORTRAIT_ROWS][SIM_PORTRAIT_COLUMNS] values, rows from the top. -ENOMEM. */
 int sim_portrait(struct sim_sitter *sitter, float *albedo) __attribute__((warn_unused_result));
 

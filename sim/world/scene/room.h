@@ -9,15 +9,15 @@
 
 struct sim_room;
 
-/* A slightly slanted wall 1.3 to 2.6 m away. With `furniture`, objects like a chair and a
- * cupboard stand before it. -ENOMEM. */
+/* A slightly slanted wall 1.3 to 2.6 m away. With `furniture`, boxes of the size of a chair and a
+ * cupboard stand in front of it. -ENOMEM. */
 int sim_room_new(bool furniture, struct sim_random *random, struct sim_room **out)
     __attribute__((warn_unused_result));
 
-/* Frees it and what it holds. It must not be NULL. */
+/* Frees it and what it holds. NULL is accepted. */
 void sim_room_free(struct sim_room *room);
 
-/* -ENOMEM */
+/* Draws the wall and the furniture. -ENOMEM. */
 int sim_room_draw(struct sim_room *room, struct sim_view *view) __attribute__((warn_unused_result));
 
 #endif

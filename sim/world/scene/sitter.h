@@ -34,8 +34,8 @@ struct sim_sitter_options {
 
 struct sim_sitter;
 
-/* Hair and clothes of the day are drawn from `random`. The head model must outlive the sitter.
- * -ENOMEM. */
+/* Makes a person with hair and clothes of the day, which are drawn from `random`. The head model
+ * must outlive the sitter. -ENOMEM. */
 int sim_sitter_new(const struct sim_ict *ict, const struct sim_person *person,
                    const struct sim_sitter_options *options, struct sim_random *random,
                    struct sim_sitter **out) __attribute__((warn_unused_result));
@@ -43,9 +43,10 @@ int sim_sitter_new(const struct sim_ict *ict, const struct sim_person *person,
 /* Frees it and what it holds. NULL is accepted. */
 void sim_sitter_free(struct sim_sitter *sitter);
 
+/* The pose of the face frame in the camera frame. */
 struct iso_rigid sim_stance_camera_from_face(const struct sim_stance *stance);
 
-/* Draws the sitter; `truth` may be NULL. -ENOMEM. */
+/* Draws the sitter, and fills in *truth unless it is NULL. -ENOMEM. */
 int sim_sitter_draw(struct sim_sitter *sitter, const struct sim_stance *stance,
                     struct sim_view *view, struct sim_truth *truth)
     __attribute__((warn_unused_result));

@@ -4,11 +4,11 @@
  * - 640 x 480, f 575.8 px: OpenNI's default for PrimeSense sensors; baseline 75 mm: Khoshelham and
  *   Elberink, "Accuracy and Resolution of Kinect Depth Data", Sensors 12 (2012).
  * - Disparity in steps of 1/8 px (the same source).
- * - Noise: the same source fits 1.42e-6 z^2 mm on planes, which is 0.061 px of disparity with the
- *   step's own 0.125 / sqrt(12) = 0.036 px in it which leaves 0.050 px before quantisation. Nguyen,
- *   Izadi and Lovell, "Modeling Kinect Sensor Noise for Improved 3D Reconstruction and Tracking"
- *   (2012) fit 1.2 mm + 1.9e-6 (z - 400 mm)^2: more near by. The 0.07 px here lie between the two
- * at 0.5 to 1 m.
+ * - Noise: the same source fits 1.42e-6 z^2 mm on planes, which is 0.061 px of disparity. This
+ *   includes 0.125 / sqrt(12) = 0.036 px of the disparity steps; 0.050 px remain without them.
+ *   Nguyen, Izadi and Lovell, "Modeling Kinect Sensor Noise for Improved 3D Reconstruction and
+ *   Tracking" (2012) fit 1.2 mm + 1.9e-6 (z - 400 mm)^2, which is more at short distances. The 0.07
+ *   px here lie between the two at 0.5 to 1 m.
  * - Outlines shift by 0.8 px (Nguyen, Izadi and Lovell 2012).
  * - Correlation window 9 x 7 px (Konolige and Mihelich, "Technical description of Kinect
  *   calibration", ROS).

@@ -7,7 +7,7 @@
  * - Assumed: errors correlate over 5 px, outlines shift by 1.2 px (stereo matching is described in
  *   Keselman et al., "Intel RealSense Stereoscopic Depth Cameras", CVPRW 2017).
  * - The left camera is the reference: surface that only it sees, at the left of objects, is not
- * measured. */
+ *   measured. */
 #include "sim/world/sensor/sensor.h"
 #include "sim/world/sensor/triangulation.h"
 

@@ -2,7 +2,7 @@
 
 #include "sim/world/sensor/sensor.h"
 
-/* On average one pixel of this number is the middle of a dot. */
+/* The share of the pixels that are the middle of a dot. */
 static const double dot_share = 0.1;
 
 /* Albedo of each material without paint (assumed). */

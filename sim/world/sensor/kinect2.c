@@ -4,7 +4,7 @@
  * - Noise about 1 mm at 0.8 m on a bright frontal surface, growing with distance and with falling
  *   amplitude; flying pixels: one that straddles a jump reports the amplitude-weighted mean of
  *   the visible surfaces, or nothing: Sarbolandi, Lefloch and Kolb, "Kinect Range Sensing:
- * Structured-Light versus Time-of-Flight Kinect", CVIU 139 (2015).
+ *   Structured-Light versus Time-of-Flight Kinect", CVIU 139 (2015).
  * - Multipath and wiggling: systematic errors of some millimetres: Corti, Giancola, Mainetti and
  *   Sala, "A metrological characterization of the Kinect V2 time-of-flight camera", Robotics and
  *   Autonomous Systems 75 (2016); here an offset common to the frame and a smooth error of half a
@@ -46,7 +46,10 @@ static double albedo(enum sim_material material)
     return 0.0;
 }
 
-/* The sum of a sensor pixel's samples in the view; amplitude 0 if there is no surface. */
+/* Combines the view's samples of a sensor pixel: the depth is their mean, weighted by amplitude;
+ * the amplitude is their mean, 0 if there is no surface; the spread is from the nearest to the
+ * farthest.
+ */
 static struct pixel mixed(const struct sim_view *view, int column, int row)
 {
     const int s = view->supersample;

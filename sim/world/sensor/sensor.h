@@ -13,7 +13,7 @@
 #include "sim/world/sensor/infrared.h"
 #include "sim/world/view/view.h"
 
-/* Planes of the sensor's size, for the model's use. */
+/* Memory for a sensor model: planes of the sensor's size, and the model's own data. */
 enum { SIM_SENSOR_PLANES = 6 };
 
 struct sim_sensor_workspace {
@@ -63,6 +63,8 @@ const struct sim_sensor *sim_sensor_find(const char *name);
 int sim_sensor_load(const struct sim_sensor *sensor, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* Makes the memory that a sensor needs. The sensor must outlive it. -ENOMEM, or the error of the
+ * model's own_new. */
 int sim_sensor_workspace_new(const struct sim_sensor *sensor, struct sim_sensor_workspace **out)
     __attribute__((warn_unused_result));
 

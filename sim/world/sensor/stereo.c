@@ -1,11 +1,11 @@
-/* Two real cameras: renders both pictures and matches them with the product's own
- * stereo path (drivers/stereo), with the accuracy of a real calibration.
+/* A pair of cameras: renders both pictures and matches them with the product's own stereo code
+ * (drivers/stereo), with the calibration error of a real pair.
  *
  * - 1280 x 800, f 900 px (71 degrees wide), baseline 60 mm: a pixel of disparity is 6.7 mm at
  *   0.6 m. sim/world/stereo/rig.c has the other constants.
  * - There is no noise model: errors are those of the matching, and
- * tests/sim/world/test_stereo_sensor.c measures them. noise_scale multiplies the noise of the
- * pictures. */
+ *   tests/sim/world/test_stereo_sensor.c measures them. noise_scale multiplies the noise of the
+ *   pictures. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

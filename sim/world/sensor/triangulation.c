@@ -104,8 +104,8 @@ static double grazing_factor(double cosine)
 /* Step 6: the level of a unit noise plane above which a pixel drops out. */
 static double dropout_level(double cosine, enum sim_material material)
 {
-    const double level = 5.0 * (cosine - 0.12) /
-                         0.25; /* no pixel drops out below about 70 degrees, all above 83 */
+    /* No pixel drops out below about 70 degrees, half of them at 83, nearly all at 90. */
+    const double level = 5.0 * (cosine - 0.12) / 0.25;
     switch (material) {
     case SIM_HAIR:
         return fmin(level, 1.1 + 0.8 * cosine);

@@ -21,7 +21,7 @@ struct iso_rigid sim_board_pose(const struct iso_stereo_calibration *calibration
     return (struct iso_rigid){turn, iso_sub(at, iso_mat3_apply(&turn, middle))};
 }
 
-/* Grey level of the board's plane, in squares from the first corner. */
+/* Grey level of the board's plane at (x, y), in squares from the first corner. */
 static double level_at(const struct iso_board *board, double x, double y)
 {
     if (x < -2.0 || y < -2.0 || x >= board->columns + 1.0 || y >= board->rows + 1.0) {

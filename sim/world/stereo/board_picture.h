@@ -14,8 +14,8 @@ struct iso_rigid sim_board_pose(const struct iso_stereo_calibration *calibration
 
 /* Draws the board as a camera sees it: black squares on white paper with a margin of one square,
  * grey surroundings, and `noise` grey levels of random noise. Each pixel takes 2 x 2 light rays
- * through the lens's distortion. The board's frame is that of its corners: the first at the
- * origin, x along the columns, y along the rows. image is [height_px * width_px]. */
+ * through the lens's distortion. The board's frame: the first corner is at the origin, x runs along
+ * a row of corners, y along a column. image is [height_px * width_px]. */
 void sim_board_picture(const struct iso_board *board, const struct sim_lens *lens,
                        const struct iso_rigid *camera_from_board, double noise,
                        struct sim_random *random, uint8_t *image);

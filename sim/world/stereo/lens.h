@@ -11,7 +11,7 @@ struct sim_lens {
     float (*sight)[2]; /* [(height_px + 1) * (width_px + 1)]: x/z and y/z at the pixels' corners */
 };
 
-/* -ENOMEM. */
+/* Computes the table of a camera. -ENOMEM. */
 int sim_lens_new(const struct iso_camera *camera, struct sim_lens **out)
     __attribute__((warn_unused_result));
 

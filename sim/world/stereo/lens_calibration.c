@@ -25,8 +25,8 @@ static int is_picture(const struct dirent *entry)
     return length > 4 && strcmp(entry->d_name + length - 4, ".png") == 0;
 }
 
-/* Rec. 709 luma in place. Each grey sample is stored before the three samples it is computed from.
- */
+/* Converts RGB samples to grey (Rec. 709 luma) in place. The grey sample of a pixel replaces only
+ * colour samples that are no longer needed. */
 static void make_grey(struct iso_image *image)
 {
     uint8_t *samples = image->samples;
@@ -38,7 +38,8 @@ static void make_grey(struct iso_image *image)
     }
 }
 
-/* Reads a picture and adds it. The first picture determines the size of all. */
+/* Reads a picture and adds it. The first picture determines the size of all. A picture that does
+ * not show the whole board is reported and skipped. */
 static int add_picture(const struct sim_lens_calibration_options *options, const char *name,
                        struct iso_image *image, struct iso_board_views **views,
                        struct iso_fault *fault)

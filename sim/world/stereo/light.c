@@ -12,7 +12,7 @@ static double texture(struct iso_vec3 p, double size_mm, uint64_t key)
     return sim_noise3(key, iso_scale(1.0 / size_mm, p));
 }
 
-/* Brightness of a material that is not painted: 0..1. */
+/* Albedo of a material that is not painted, 0..1. */
 static double base(enum sim_material material)
 {
     static const double levels[] = {

@@ -12,9 +12,8 @@ struct sim_light {
     const struct sim_view
         *view;          /* finished view from the projector: the surface that its light reaches */
     const float *shade; /* [view's pixels]: cosine of incidence, smoothed */
-    struct iso_rigid
-        view_from_scene; /* from the frame of the points asked for to the projector's */
-    uint64_t key;        /* of the textures */
+    struct iso_rigid view_from_scene; /* from the frame of the points to that of the projector */
+    uint64_t key;                     /* of the textures */
 };
 
 /* The share of incoming light that a facet sends back at a point. It is the painted albedo

@@ -29,8 +29,9 @@ struct sim_stereo_rig {
     int samples;          /* light rays per pixel, along each axis */
 };
 
-/* Size of the calibration's error. 0: exact; 1: the error of a calibration from some 20 pictures
- * of a board (measured by tests/sim/world/test_calibrate.c). */
+/* The rig. `calibration_error` scales the difference between `built` and `believed`. 0: none; 1:
+ * the error of a calibration with about 20 pictures of a board (tests/sim/world/test_calibrate.c
+ * measures it). */
 struct sim_stereo_rig sim_stereo_rig(double calibration_error);
 
 #endif

@@ -168,7 +168,8 @@ static void take_picture(struct sim_stereo_scene *s, enum iso_eye which,
     }
 }
 
-/* The radiance that only a fiftieth of the middle of the picture exceeds. */
+/* The radiance that only a fiftieth of the middle of the picture exceeds; 1 if all of it is dark.
+ */
 static double brightest_radiance(struct sim_stereo_scene *s)
 {
     const struct iso_camera *camera = &s->rig.built.camera[ISO_EYE_LEFT];

@@ -59,13 +59,15 @@ struct sim_view {
     size_t companion_capacity;
 };
 
-/* A view for a sensor's camera; its distortion must be 0. -EINVAL, -ENOMEM. */
+/* A cleared view for a sensor's camera, whose distortion must be 0. -EINVAL for an invalid camera
+ * or a `supersample` outside 1..4, -ENOMEM. */
 int sim_view_new(const struct iso_camera *sensor_camera, int supersample, struct sim_view **out)
     __attribute__((warn_unused_result));
 
 /* Frees it and what it holds. NULL is accepted. */
 void sim_view_free(struct sim_view *view);
 
+/* Removes all surfaces from the view and its companions. */
 void sim_view_clear(struct sim_view *view);
 
 /* Draws both sides of triangles given by camera-frame vertices. After -ENOMEM the content is
@@ -74,10 +76,10 @@ int sim_view_draw(struct sim_view *view, const struct iso_vec3 *vertices_mm,
                   const uint32_t (*triangles)[3], uint32_t n_triangles, enum sim_material material)
     __attribute__((warn_unused_result));
 
-/* Sets the infrared albedo, 0..1, of the last n facets drawn. */
+/* Sets the infrared albedo, 0..1, of the last n facets drawn, also in the companions. */
 void sim_view_paint(struct sim_view *view, const float *albedo, uint32_t n);
 
-/* Fills in `cosine` and `material` of the visible facets. */
+/* Fills in `cosine` and `material` of the visible facets, also in the companions. */
 void sim_view_finish(struct sim_view *view);
 
 #endif
