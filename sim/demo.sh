@@ -1,12 +1,12 @@
 #!/bin/bash
-# The whole product at work on stored frames: a daemon on a private bus with nobody enrolled, everybody enrolled through
-# the command line tool, then a day of visitors at the door, and pictures. Tables go to files; the last lines are the
-# verdict and the picture of one visit.
+# Runs the whole product on stored frames: starts a daemon on a private bus with an empty gallery, enrols everybody with
+# the command line tool, plays the visitors at the door, and draws pictures. Tables go to files; the last lines are the
+# summary of the visits and the path of the picture of one visit.
 #
 #   sim/demo.sh BUILD_DIR OUT_DIR [CORPUS_DIR]    (sim/stored)
 #
-# Ends non-zero if somebody enrolled was refused at every visit or taken for another, if a stranger was let in, or if
-# anything on the way fails. Needs dbus-daemon and nothing else that runs: no system bus, no init, no terminal.
+# The exit status is not 0 if an enrolled person was refused at every visit or admitted under another name, if a stranger
+# was admitted, or if a step fails. Needs the program dbus-daemon, but no system bus, no init and no terminal.
 set -euo pipefail
 
 if [ $# -lt 2 ] || [ $# -gt 3 ]; then
@@ -25,7 +25,7 @@ isothermd=$build/firmware/isothermd
 simulator=$build/sim/isotherm-sim
 
 run=$(mktemp -d)
-slot=$run/slot # what it names stands in front of the camera
+slot=$run/slot # the link to the recording that stands in front of the camera
 bus_pid='' daemon_pid=''
 
 # shellcheck disable=SC2317 # called by the trap
@@ -39,7 +39,7 @@ clean_up()
         wait "$pid" 2>/dev/null || true
     done
     if [ "$status" -ne 0 ]; then
-        echo "demo: failed (exit $status); the daemon's last words:" >&2
+        echo "demo: failed (exit $status); the end of the daemon's log:" >&2
         tail -n 5 "$out/isothermd.log" >&2 || true
     fi
     rm -rf "$run"
@@ -49,7 +49,7 @@ trap clean_up EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
-# What is done next, and the file under the output directory that has the table of it.
+# Prints the next step, and the file of its results in the output directory.
 step()
 {
     printf '%-48s  %s\n' "$1" "$out/$2"
@@ -75,7 +75,7 @@ END
     dbus-daemon --config-file="$run/bus.conf" --nofork --nopidfile --print-address=1 \
         >"$run/address" 2>"$out/dbus-daemon.log" &
     bus_pid=$!
-    read -r address <"$run/address" # a line, once the bus listens
+    read -r address <"$run/address" # the bus writes this line when it listens
 }
 
 start_daemon()
@@ -111,7 +111,7 @@ END
         if "$isotherm" --bus "$address" status >/dev/null 2>&1; then
             return
         fi
-        kill -0 "$daemon_pid" # gone: end here
+        kill -0 "$daemon_pid" # ends the script if the daemon has ended
         sleep 0.1
     done
     echo 'demo: the daemon does not answer' >&2
@@ -124,7 +124,7 @@ stand_before_the_camera()
     mv -T "$slot.next" "$slot"
 }
 
-# The tool's first line says that the camera looks now; then the person comes, so that no frame is missed.
+# The tool prints its first line when the camera looks. Only then does the person come, so that no frame is missed.
 enroll()
 {
     local recording=$1 person=$2 line tool hints status=0
@@ -156,7 +156,7 @@ enroll_everybody()
     done <"$corpus/manifest.csv"
 }
 
-# Whether standard output takes colours: a terminal that nobody has asked to do without (https://no-color.org).
+# colour CODE TEXT: prints a line, in colour if standard output is a terminal and NO_COLOR (https://no-color.org) is not set.
 colour()
 {
     if [ -t 1 ] && [ -z "${NO_COLOR:-}" ] && [ "${TERM:-dumb}" != dumb ]; then
@@ -166,7 +166,7 @@ colour()
     fi
 }
 
-# What the visits came to. Their exit status is 0 if the door did what it should.
+# Prints the summary of the visits, green if the door did what it should (their exit status is 0), else red.
 verdict()
 {
     local outcome

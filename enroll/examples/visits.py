@@ -4,8 +4,8 @@
     visits.py [ADDRESS]
 
 ADDRESS is that of a message bus; without it, the system bus. The program needs Debian's package
-python3-dbus. Who may call the daemon is decided by the policy of the bus: on an appliance root and
-the members of the group isotherm.
+python3-dbus. The policy of the bus decides who may call the daemon: on an appliance, root and the
+members of the group isotherm.
 """
 import json
 import sys
@@ -20,25 +20,25 @@ RECORDS_MAX = 1000  # of one call of ReadLog
 
 
 def connect(address):
-    """The door of the appliance on the system bus, or on the bus at an address."""
+    """Returns the door of the appliance on the system bus, or on the bus at an address."""
     bus = dbus.bus.BusConnection(address) if address else dbus.SystemBus()
     return dbus.Interface(bus.get_object(SERVICE, OBJECT, introspect=False), INTERFACE)
 
 
 def print_state(status):
-    """GetStatus() -> a{sv}: some of the keys."""
+    """Prints some keys of GetStatus() -> a{sv}."""
     for key in "version", "sensor-state", "door-state", "people":
         print(f"{key}: {status[key]}")
 
 
 def print_people(door):
-    """ListPeople() -> a(sxxxu): name, enrolled, valid from, valid until, templates."""
+    """Prints ListPeople() -> a(sxxxu): name, enrolled, valid from, valid until, templates."""
     for name, _enrolled, _valid_from, _valid_until, templates in door.ListPeople():
         print(f"enrolled: {name}, {templates} template(s)")
 
 
 def print_visits(door, last):
-    """ReadLog(t from, u max) -> as: each record is a JSON object."""
+    """Prints the visits of ReadLog(t from, u max) -> as; each record is a JSON object."""
     first = max(1, last - RECORDS_MAX + 1)
     for text in door.ReadLog(dbus.UInt64(first), dbus.UInt32(RECORDS_MAX)):
         record = json.loads(text)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Compares radii, smoothing and landmarks with each class of sensor: one table for each sensor, with every setting by distance and the
-# shipped setting by the learned metric. People and seed are not used elsewhere. SCRATCH keeps the corpora, which are rendered only if
+# Compares radii, smoothing and landmarks with each class of sensor. Each sensor has one table: all settings are compared by distance, and
+# the shipped setting also by the learned metric. People and seed are not used elsewhere. SCRATCH keeps the corpora, which are rendered only if
 # they are missing, and the results (SCRATCH/results). Existing results are not made again, so that a run can be interrupted; remove them
 # after a change of the program. DATA: head.model and face.metric. The environment may set SENSORS (truedepth astra kinect2), RADII,
 # SMOOTHINGS, and PEOPLE, PROBES, STRANGERS (40 80 20).
@@ -14,13 +14,13 @@ mkdir -p "$scratch/results"
 render() {
     corpus=$scratch/choose-$1
     if [ ! -e "$corpus/manifest.csv" ]; then
-        rm -rf "${corpus:?}" # what an interrupted run has left
+        rm -rf "${corpus:?}" # remains of an interrupted run
         "$sim" generate --ict "$ict" --preset strong --seed 23 --sensor "$1" --people "${PEOPLE:-40}" --probes "${PROBES:-80}" \
             --strangers "${STRANGERS:-20}" --out "$corpus"
     fi
 }
 
-# evaluate RESULT OPTION...: of the present corpus
+# evaluate RESULT OPTION...: evaluates the current corpus
 evaluate() {
     result=$scratch/results/$1
     shift
@@ -30,8 +30,8 @@ evaluate() {
     fi
 }
 
-# row METHOD TEXT: prints a text and the figures of a method in the present result; p is from the paired test over people of FNMR at
-# 1e-3, against the previous line
+# row METHOD TEXT: prints a text and the figures of a method in the current result; p is from the paired test over people of FNMR at
+# 1e-3, against the previous line of methods.csv
 row() {
     awk -F, -v method="$1" -v first="$2" '
         function percent(value, low, high) { return sprintf("%5.1f [%4.1f, %5.1f]", 100 * value, 100 * low, 100 * high) }

@@ -11,12 +11,12 @@ shift 5
 export OPENBLAS_NUM_THREADS=1
 mkdir -p "$scratch/results"
 
-# render NAME OPTION...: the corpus of this name
+# render NAME OPTION...: renders the corpus of this name
 render() {
     name=$1
     shift
     if [ ! -e "$scratch/$name/manifest.csv" ]; then
-        rm -rf "${scratch:?}/$name" # what an interrupted run has left
+        rm -rf "${scratch:?}/$name" # remains of an interrupted run
         "$sim" generate --ict "$ict" "$@" --out "$scratch/$name"
     fi
 }
