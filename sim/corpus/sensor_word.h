@@ -11,7 +11,7 @@
 enum { SIM_SENSOR_WORD_OPTIONS = 16 };
 
 struct sim_sensor_word {
-    char *text; /* owns the characters of all other strings */
+    char *text; /* owns the characters of the type and of the parsed options */
     const char *type;
     size_t n_options;
     struct iso_option options[SIM_SENSOR_WORD_OPTIONS];

@@ -1,10 +1,10 @@
 /* Measures each stage from a frame in memory to a verdict, in milliseconds, with one thread and
  * 1,000 enrolled people.
  *
- * The gallery is a sealed file, as the daemon's is. It has the people of the corpus and made-up
- * people with the upper faces of the former. The reranking of every frame is timed twice: first
- * without templates in memory, so that all candidates are read from the file, which the total
- * includes; then once more with all templates in memory.
+ * The gallery is a sealed file, as the daemon's is. It has the people of the corpus, and made-up
+ * people who have the upper faces of the people of the corpus. The reranking of every frame is
+ * timed twice: first without templates in memory, so that all candidates are read from the file,
+ * which the total includes; then once more with all templates in memory.
  *
  * Every frame is computed twice, timed by the wall clock and by the thread's processor time. The
  * first is the time that a person waits; the second does not depend on other work of the machine.
@@ -330,7 +330,7 @@ static const struct sim_option own_options[] = {
     {"corpus", "DIR", "recordings and manifest.csv", sim_option_text, FIELD(directory)},
     {"model", "FILE", "head model", sim_option_text, FIELD(model_path)},
     {"metric", "FILE", "learned metric", sim_option_text, FIELD(metric_path)},
-    {"people", "N", "enrolled", sim_option_count, FIELD(people)},
+    {"people", "N", "number of enrolled people (1000)", sim_option_count, FIELD(people)},
 };
 
 int main(int argc, char **argv)

@@ -205,10 +205,13 @@ static void remove_files(const struct bench *bench)
 static const struct sim_option own_options[] = {
     {"dir", "DIR", "an existing directory for the gallery", sim_option_text,
      offsetof(struct bench, directory)},
-    {"people", "N", "in it", sim_option_count, offsetof(struct bench, people)},
-    {"templates", "N", "of each, 1 to 16", sim_option_count, offsetof(struct bench, templates)},
+    {"people", "N", "people in the gallery (10000)", sim_option_count,
+     offsetof(struct bench, people)},
+    {"templates", "N", "templates of each person, 1 to 16 (1)", sim_option_count,
+     offsetof(struct bench, templates)},
     {"metric", "FILE", "learned metric", sim_option_text, offsetof(struct bench, metric_path)},
-    {"keep", "0|1", "leave it there", sim_option_count, offsetof(struct bench, keep)},
+    {"keep", "0|1", "1: do not delete the gallery (0)", sim_option_count,
+     offsetof(struct bench, keep)},
 };
 
 int main(int argc, char **argv)

@@ -1,6 +1,7 @@
-/* Heat of twelve landmarks and their isotherms, side by side with what a user would pick instead:
- * milliseconds, error, memory, growth with vertices. One thread, and processor time of that thread,
- * so that what else the machine does is not counted. */
+/* Measures the product's heat of twelve landmarks and their isotherms, and the alternatives that a
+ * user could choose: milliseconds, error, memory, and growth with the number of vertices. It uses
+ * one thread and the processor time of that thread, so that other work of the machine is not
+ * counted. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -26,7 +27,7 @@ enum { SIZE_OF_TABLE = 2, RADIUS_OF_PRODUCT = 1, RADIUS_MOST = 3 };
 
 struct options {
     const char *out;
-    int seconds; /* at most, for a method at a size, after three runs */
+    int seconds; /* for a method at a size; three runs are made in any case */
     int methods; /* the number of methods, from the first */
 };
 
@@ -76,7 +77,8 @@ static struct timing time_method(const struct heat_method *method, const struct 
     };
 }
 
-/* The additional memory of one run in MiB: the peak of a separate process. */
+/* The additional memory of one run in MiB: the difference between the peaks of a process that runs
+ * the method and one that does not. NAN if this cannot be measured. */
 static double memory_mib(const struct heat_method *method, const struct heat_case *c)
 {
     double peak[2] = {0};
@@ -99,7 +101,8 @@ static double memory_mib(const struct heat_method *method, const struct heat_cas
     return peak[1] - peak[0];
 }
 
-/* The reference columns of one kind of mass matrix, and their isotherms. */
+/* The reference columns [ISO_LANDMARKS][n_vertices] of one kind of mass matrix. The caller frees
+ * them. */
 static double *reference_columns(const struct heat_case *c, enum iso_mass mass)
 {
     size_t n = (size_t)c->surface.mesh->n_vertices;
@@ -281,10 +284,11 @@ static int plot_growth(const struct options *options, const double n_vertices[SI
 }
 
 static const struct sim_option own_options[] = {
-    {"out", "DIR", "where plots go (an existing directory; none without)", sim_option_text,
-     offsetof(struct options, out)},
-    {"methods", "N", "only the first so many", sim_option_int, offsetof(struct options, methods)},
-    {"seconds", "N", "spent on a method at a size", sim_option_int,
+    {"out", "DIR", "an existing directory for the plot; without it there is no plot",
+     sim_option_text, offsetof(struct options, out)},
+    {"methods", "N", "run only the first N methods", sim_option_int,
+     offsetof(struct options, methods)},
+    {"seconds", "N", "processor time for a method at a size (1)", sim_option_int,
      offsetof(struct options, seconds)},
 };
 

@@ -79,8 +79,8 @@ static void search_exhaustively(const struct bench *bench, size_t probe, struct 
 }
 
 struct recall {
-    size_t found, wanted;      /* the best people, and how many of them are in the shortlist */
-    size_t mates, mates_found; /* the same for the enrolled people of the probes */
+    size_t found, wanted;      /* how many of the best people are in the shortlist, of how many */
+    size_t mates, mates_found; /* probes of enrolled people; those whose person was found */
 };
 
 /* A person with the score of the last one, except for rounding, is as good. */
@@ -276,8 +276,8 @@ static const struct sim_option own_options[] = {
     {"metric", "FILE", "learned metric", sim_option_text, offsetof(struct bench, metric_path)},
     {"out", "DIR", "an existing directory for the plot; without it there is no plot",
      sim_option_text, offsetof(struct bench, out)},
-    {"probes", "N", "searches at a size, 2 to 200; half of them of strangers", sim_option_count,
-     offsetof(struct bench, probes)},
+    {"probes", "N", "searches at each size, 2 to 200 (200); half of them are of strangers",
+     sim_option_count, offsetof(struct bench, probes)},
 };
 
 int main(int argc, char **argv)

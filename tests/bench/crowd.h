@@ -6,9 +6,9 @@
 
 #include "isotherm/metric.h"
 
-/* A template of person `person`: the metric's mean curves with the deviation of the person (2 mm a
- * point) and that of the template number `take` (0.3 mm). Landmarks that the metric does not use
- * have zeros. The result is the same every time. */
+/* A template of person `person`: the metric's mean curves with random deviations of the person (2
+ * mm in each coordinate of each point) and of the template number `take` (0.3 mm). Landmarks that
+ * the metric does not use have zeros. The result is the same every time. */
 struct iso_template bench_template(const struct iso_metric *metric, uint64_t person, uint64_t take);
 
 /* The vector of a template by the metric's own statistics: people differ by a normal distribution

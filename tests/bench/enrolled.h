@@ -15,7 +15,7 @@ typedef struct iso_template bench_person_function(const void *context, size_t pe
  * iso_key_ring_open. */
 int bench_ring_open(const char *path, struct iso_key_ring **out, struct iso_fault *fault);
 
-/* Opens or makes the gallery at `path` for so many people. Errors of iso_gallery_open. */
+/* Opens or makes the gallery at `path` with room for `people`. Errors of iso_gallery_open. */
 int bench_gallery_open(const char *path, size_t people, const struct iso_metric *metric,
                        struct iso_key_ring *ring, struct iso_gallery **out,
                        struct iso_fault *fault);

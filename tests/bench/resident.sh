@@ -1,6 +1,6 @@
 #!/bin/bash
 # Measures the daemon with many enrolled people: the seconds from its start until it answers, and its memory after some frames, now and at
-# most. It does not judge.
+# most. It checks no limit.
 # usage: resident.sh BUILD PEOPLE [FRAMES]        (BUILD with bench_gallery, isothermd, isotherm)
 set -euo pipefail
 build=$(cd "$1" && pwd)

@@ -1,9 +1,9 @@
-/* How long the door takes, while nothing else works: the daemon with a disk that takes 10 s for an
- * fsync, frames of 500 ms and a client of the bus that does not read. Presses the exit button and
- * prints the times from its edge to the relay, and how far the relay's time is from unlock_ms. The
- * thread that presses has a higher real-time priority than the door's thread, as an interrupt has:
- * otherwise the program would measure its own lateness. Of the latest presses it prints what kept
- * them waiting (press_log.h, processor_watch.h).
+/* Measures how long the door takes when everything else is slow: the daemon has a disk that takes
+ * 10 s for an fsync, frames that take 500 ms, and a client of the bus that does not read. The
+ * program presses the exit button and prints the times from the button's edge to the relay, and the
+ * difference between the relay's time and unlock_ms. The thread that presses has a higher real-time
+ * priority than the door's thread, as an interrupt has; otherwise the program would measure its own
+ * delays. For the latest presses it prints what delayed them (press_log.h, processor_watch.h).
  *
  * usage: bench_door DAEMON PRELOAD RECORDING DATA [PRESSES] */
 #include <errno.h>
@@ -136,7 +136,7 @@ static void listen_to_daemon(void)
     (void)setenv("NOTIFY_SOCKET", address.sun_path, 1);
 }
 
-/* The daemon may lock its memory, as its unit lets it. */
+/* Runs the daemon in this process. It may lock its memory, as its systemd unit allows. */
 static void become_daemon(const char *program, const char *preload, const char *configuration)
 {
     const struct rlimit all = {RLIM_INFINITY, RLIM_INFINITY};
@@ -171,7 +171,7 @@ static void start_daemon(const char *program, const char *preload, const char *c
     }
 }
 
-/* A client that wants every signal and reads none. */
+/* Connects a client that subscribes to every signal and reads none. */
 static void connect_deaf_client(void)
 {
     sd_bus_slot *slot = NULL;
@@ -200,7 +200,7 @@ static int64_t set_button(int level)
     return edge.t_ns;
 }
 
-/* The switching of the relay to that level. */
+/* Waits until the daemon has switched the relay to this level. */
 static struct door_bench_switching await_relay(int level)
 {
     struct door_bench_switching switching = {.level = -1};
@@ -217,7 +217,8 @@ static struct door_bench_switching await_relay(int level)
     return switching;
 }
 
-/* What the watch knows of a time is known once that time is over: behind the pause. */
+/* Asks the watch how late the processors were during the press. A watching thread notes a delay
+ * only when it runs again, so this is asked after the pause. */
 static void ask_watch(struct bench_press *press)
 {
     if (bench.watch) {
@@ -286,13 +287,13 @@ static void count_losses(void)
 {
     size_t size = 0;
     char *log = scratch_read(scratch_path(bench.directory, "log"), &size);
-    printf("frames of %d ms meanwhile: %d; fsync of %d s: %d; the daemon said %zu bytes\n",
+    printf("frames of %d ms meanwhile: %d; fsync of %d s: %d; the daemon logged %zu bytes\n",
            FRAME_MS, atomic_load(&bench.shared->frames), SYNC_MS / 1000,
            atomic_load(&bench.shared->syncs), size);
     free(log);
 }
 
-/* How everybody was scheduled, and whether the processors ran. */
+/* Prints how the threads were scheduled, and how late the processors were. */
 static void print_conditions(int64_t stolen_ns)
 {
     char door[64], own[64];
@@ -306,7 +307,7 @@ static void print_conditions(int64_t stolen_ns)
                "latest by %.2f ms; ",
                total.late, total.wakings, (double)total.latest_ns / 1e6);
     } else {
-        printf("processors: not watched, for want of the right to real-time priorities; ");
+        printf("processors: not watched, because this process may not use real-time priorities; ");
     }
     printf("the host took %.0f ms of them\n", (double)stolen_ns / 1e6);
 }
@@ -376,7 +377,7 @@ int main(int argc, char **argv)
     connect_deaf_client();
     measure(presses);
     atomic_store(&bench.shared->sync_ms, 0);
-    (void)kill(bench.daemon, SIGKILL); /* its disk would take minutes for what is queued */
+    (void)kill(bench.daemon, SIGKILL); /* an orderly end would take minutes on its slow disk */
     (void)waitpid(bench.daemon, NULL, 0);
     sd_bus_unref(bench.deaf);
     private_bus_stop(&bench.bus);

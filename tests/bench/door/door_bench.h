@@ -1,22 +1,22 @@
-/* What bench_door and the library that it loads into the daemon (door_preload.c) tell each other:
- * memory and pipes that the daemon inherits. Line 0 of the chip "bench" is the relay, line 1 the
- * exit button. */
+/* The interface between bench_door and the library that it loads into the daemon (door_preload.c):
+ * shared memory, and pipes that the daemon inherits. Line 0 of the chip "bench" is the relay, line
+ * 1 the exit button. */
 #ifndef TESTS_BENCH_DOOR_DOOR_BENCH_H
 #define TESTS_BENCH_DOOR_DOOR_BENCH_H
 
 #include <stdatomic.h>
 #include <stdint.h>
 
-/* Which descriptors they are: "MEMORY EDGES SWITCHINGS". */
+/* The environment variable with their descriptors: "MEMORY EDGES SWITCHINGS". */
 #define DOOR_BENCH_VARIABLE "ISOTHERM_BENCH_DOOR"
 
 enum { DOOR_BENCH_RELAY, DOOR_BENCH_EXIT, DOOR_BENCH_LINES };
 
-/* In the shared memory. */
+/* The contents of the shared memory. */
 struct door_bench {
     atomic_int level[DOOR_BENCH_LINES];
-    atomic_int sync_ms;  /* how long fsync and fdatasync take */
-    atomic_int frame_ms; /* how long the processor is busy with a frame, besides what it does */
+    atomic_int sync_ms;  /* added to each fsync and fdatasync */
+    atomic_int frame_ms; /* processor time that is added to each frame */
     atomic_int frames, syncs;
 };
 

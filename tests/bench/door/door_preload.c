@@ -1,7 +1,7 @@
-/* Loaded into the daemon by bench_door: a GPIO chip in shared memory in the place of libgpiod's, a
- * disk that takes as long as it is told for fsync, and pictures that take as long to be read. It
- * also notes what the thread that switches the relay waited for. The daemon itself is the one that
- * is installed. */
+/* The library that bench_door loads into the daemon. It replaces libgpiod's chips with one in
+ * shared memory, and delays each fsync and the reading of each picture by the times that bench_door
+ * sets. It also notes what the thread that switches the relay waited for. The daemon itself is not
+ * changed. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <gpiod.h>
@@ -74,7 +74,8 @@ int fdatasync(int fd)
 
 /* ---- frames ---- */
 
-/* The end of the picture of a frame: the thread is as busy as with a slow recognition. */
+/* The daemon calls this at the end of each frame's picture. It keeps the thread as busy as a slow
+ * recognition would. */
 void png_read_end(png_structrp png, png_inforp info)
 {
     void (*real)(png_structrp, png_inforp) = NULL;
@@ -91,7 +92,7 @@ void png_read_end(png_structrp png, png_inforp info)
 
 /* ---- what a thread waits for ---- */
 
-/* Of the thread that reads it. */
+/* The times of the thread that accesses it. */
 static __thread struct {
     int64_t read_ns, woken_ns, lock_ns;
 } own;

@@ -20,14 +20,15 @@ double bench_press_off_error_ms(const struct bench_press *press, double unlock_m
     return ms_of(press->off.t_ns - press->on.t_ns) - unlock_ms;
 }
 
-/* The edge was written, or read already. */
+/* When the edge was in the pipe at the latest: this program had written it, or the daemon read it.
+ */
 static int64_t sent_ns(const struct bench_press *press)
 {
     return press->written_ns < press->on.read_ns ? press->written_ns : press->on.read_ns;
 }
 
-/* By how much the relay was switched on later than the debouncing took, and off later than it was
- * due: whichever is more. */
+/* The delay of the relay beyond the debouncing, or the delay of its end beyond unlock_ms, whichever
+ * is longer. *ending: whether it is that of the end. */
 static double late_ms(const struct bench_press *press, const struct bench_press_bounds *bounds,
                       bool *ending)
 {
@@ -37,15 +38,16 @@ static double late_ms(const struct bench_press *press, const struct bench_press_
     return *ending ? off_ms : on_ms;
 }
 
-/* Which of the things that can keep the door waiting took more than half of what was too long. The
- * order matters: a thread whose processor stands still waits for everything else as well. */
+/* The cause that explains more than half of the delay, or a page fault that read from the disk. "-"
+ * for a delay below 1 ms. The order matters: a thread whose processor is stopped also waits for
+ * everything else. */
 static const char *cause_of(const struct bench_press *press,
                             const struct bench_press_bounds *bounds, bool watched)
 {
     bool ending = false;
     const double half_ms = late_ms(press, bounds, &ending) / 2.0;
     const struct bench_wait *wait = ending ? &press->to_off : &press->to_on;
-    /* The kernel may count it before or behind the relay's switching. */
+    /* The kernel may count the stolen time before or after the relay is switched. */
     const int64_t stolen_ns = press->to_on.door.stolen_ns + press->to_off.door.stolen_ns;
     if (half_ms < 0.5) {
         return "-";

@@ -18,7 +18,7 @@ struct processor {
     struct bench_watch *watch;
     int number;
     pthread_t thread;
-    pthread_mutex_t mutex; /* of what follows; nobody holds it for long */
+    pthread_mutex_t mutex; /* protects the fields below; held only for a short time */
     struct note notes[NOTES];
     size_t n;
     struct bench_watch_total total;

@@ -1,5 +1,5 @@
-/* What the kernel says of a thread: how it is scheduled, how long it waited for a processor, and
- * its page faults. */
+/* Reads from the kernel how a thread is scheduled, how long it waited for a processor, and how many
+ * page faults it had. */
 #ifndef TESTS_BENCH_DOOR_THREAD_ACCOUNT_H
 #define TESTS_BENCH_DOOR_THREAD_ACCOUNT_H
 
@@ -7,9 +7,9 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-/* Since the thread began; the stolen time is of all processors since the machine started. */
+/* Counts since the thread began; stolen_ns is of all processors since the machine started. */
 struct bench_account {
-    int64_t waited_ns; /* ready to run, and no processor ran it */
+    int64_t waited_ns; /* the thread was ready to run, but no processor ran it */
     int64_t stolen_ns; /* the host of the virtual machine ran something else; in steps of 10 ms */
     long minor, major; /* page faults without and with reading from the disk */
 };
@@ -17,7 +17,7 @@ struct bench_account {
 /* The thread of that process that has this name; 0: there is none. */
 pid_t bench_thread_named(pid_t process, const char *name);
 
-/* What cannot be read is 0. */
+/* Reads the present counts; 0 for those that cannot be read. */
 struct bench_account bench_account_of(pid_t process, pid_t thread);
 
 /* later - earlier */
@@ -27,7 +27,7 @@ struct bench_account bench_account_between(const struct bench_account *earlier,
 /* "SCHED_FIFO, priority 20", or "no real-time priority". */
 const char *bench_thread_policy(pid_t thread, char *text, size_t size);
 
-/* How much of its memory a process has locked. */
+/* How many KiB of its memory a process has locked; 0 if this is not known. */
 long bench_locked_kib(pid_t process);
 
 #endif

@@ -21,6 +21,7 @@ struct heat_case {
 
 /* Makes a face with about this number of vertices; a failure ends the program. */
 struct heat_case heat_case_of(double n_vertices);
+/* Frees what the case holds. */
 void heat_case_done(struct heat_case *c);
 
 /* A method, its workspaces and columns. */
@@ -28,7 +29,7 @@ struct heat_method {
     const char *name;
     enum iso_mass mass; /* the mass matrix of its columns */
     bool exact;         /* its columns are heat and can be compared with the reference */
-    int n_max;          /* the largest number of vertices: with more it takes too long */
+    int n_max; /* with more vertices the method takes too long; bench_heat does not check this */
     /* NULL if there is no memory. */
     void *(*open)(const struct heat_case *c);
     /* The work of a frame: matrices, columns; then isotherms. 0 or a negative errno. */

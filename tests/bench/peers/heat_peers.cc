@@ -90,7 +90,8 @@ int peer_heat_method(const peer_mesh *mesh, const peer_matrix *stiffness, const 
                      const double *load, int n_columns, double *distance_mm)
 {
     Sparse l = sparse_of(stiffness), b = sparse_of(mass);
-    /* The square of the mean edge, as its authors advise; a hair of mass keeps L definite. */
+    /* The time is the square of the mean edge, as the authors advise. A tiny share of the mass
+     * keeps L definite. */
     double edge = std::sqrt(mesh->area_mm2 / mesh->n_triangles * 4.0 / std::sqrt(3.0));
     Sparse first = b + edge * edge * l, second = l + 1e-9 * b;
     Factor heat(first), poisson(second);

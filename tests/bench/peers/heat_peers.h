@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-/* The data of stiffness_mass.h and mesh.h in types that C++ can read, too. */
+/* The data of stiffness_mass.h and mesh.h in types that C and C++ share. */
 struct peer_matrix {
     int32_t n, nnz;
     const int32_t *column_start, *row; /* of the lower triangle */

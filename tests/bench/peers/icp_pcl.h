@@ -6,8 +6,8 @@
 extern "C" {
 #endif
 
-/* Runs pcl::IterativeClosestPoint with its defaults except for the limits: target_from_source is a
- * row-major 4 x 4 matrix. 0, or -ENOTRECOVERABLE if it did not converge. */
+/* Runs pcl::IterativeClosestPoint with its defaults except for the limits. `matrix` receives
+ * target_from_source, 4 x 4, row by row. 0, or -ENOTRECOVERABLE if it did not converge. */
 int peer_pcl_icp(const float (*source_mm)[3], const float (*target_mm)[3], int n, int iterations,
                  double tolerance, double matrix[16]);
 
