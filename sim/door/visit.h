@@ -39,9 +39,10 @@ struct sim_visit_summary {
                   impostor was admitted */
 };
 
-/* Counts the visits; has no side effects. A visit of an impostor, or of a probe under another name,
- * counts as admitted if the door was unlocked, whatever the verdict. A probe counts as admitted
- * under the own name only after the verdict "allow". */
+/* Counts the visits; has no side effects. A visit that must not succeed (of an impostor, or of a
+ * probe not under its own name) counts as admitted if the door was unlocked or the verdict was
+ * "allow". A visit of a probe under its own name counts as admitted only after the verdict "allow".
+ */
 struct sim_visit_summary sim_visit_judge(const struct sim_visit *visits, size_t n_visits);
 
 /* Whether one of the visits was of this recording. */

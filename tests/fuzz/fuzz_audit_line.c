@@ -13,7 +13,7 @@ static void try_header(const char *line)
     if (iso_audit_header_get(line, &header) == 0) {
         const size_t length = iso_audit_header_put(&header, again);
         fuzz_check(length == strlen(line) + 1 && memcmp(again, line, length - 1) == 0,
-                   "one way of writing it");
+                   "a header that was read is written again with the same bytes");
     }
 }
 
@@ -25,12 +25,15 @@ static void try_record(const struct iso_audit_seal *seal, const char *text, size
     struct iso_audit_link link = {{1}};
     const struct iso_heads known = {.count = {size, 0, 3, 4}};
     const size_t length = iso_audit_line_close(seal, 7, &known, text, size, line, &link);
-    fuzz_check(iso_audit_line_open(seal, 7, line, length - 1, &opened) == 0, "it opens");
-    fuzz_check(opened.size == size && memcmp(opened.text, text, size) == 0, "as it was");
+    fuzz_check(iso_audit_line_open(seal, 7, line, length - 1, &opened) == 0,
+               "a sealed record can be opened");
+    fuzz_check(opened.size == size && memcmp(opened.text, text, size) == 0,
+               "the text is unchanged");
     fuzz_check(memcmp(&opened.behind, &link, sizeof link) == 0, "the same link");
-    fuzz_check(memcmp(&opened.known, &known, sizeof known) == 0, "the same knowledge");
+    fuzz_check(memcmp(&opened.known, &known, sizeof known) == 0, "the known heads are unchanged");
     line[2 + size % (length - 3)] ^= 1;
-    fuzz_check(iso_audit_line_open(seal, 7, line, length - 1, &opened) != 0, "no other bit");
+    fuzz_check(iso_audit_line_open(seal, 7, line, length - 1, &opened) != 0,
+               "a changed record is refused");
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

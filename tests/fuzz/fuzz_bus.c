@@ -36,7 +36,7 @@ static uint64_t take(struct input *input, size_t bytes)
     return value;
 }
 
-/* Takes a printable text of at most 255 bytes; other bytes could make a text that D-Bus refuses. */
+/* Takes a known text, or up to 255 ASCII characters: D-Bus refuses texts that are not UTF-8. */
 static const char *take_text(struct input *input)
 {
     static const char *const known[] = {"anna",
@@ -76,7 +76,7 @@ static int reply_u(sd_bus_message *call, uint32_t value)
     return sd_bus_reply_method_return(call, "u", value);
 }
 
-/* Answers the calls to the bus itself, and passes the service's answers to their callers. */
+/* Answers the calls to the bus itself, and counts the service's answers. */
 static int on_message(sd_bus_message *message, void *context, sd_bus_error *error)
 {
     uint8_t type = 0;
@@ -140,7 +140,7 @@ static void go_round(void)
             break;
         }
     }
-    fuzz_check(!iso_bus_is_gone(service), "a service that stays");
+    fuzz_check(!iso_bus_is_gone(service), "the service stays on the bus");
 }
 
 static void on_line(void *context, int priority, const char *text)
@@ -281,7 +281,7 @@ static const struct {
     {ISO_CONTRACT_RENAME_PERSON, "ss"},
 };
 
-/* Call with the bus locked. */
+/* Sends a call from one of the clients. The caller holds bus_lock. */
 static void call(struct input *input)
 {
     uint64_t number; /* without room for this, sd_bus_send() asks for no answer */
@@ -314,7 +314,7 @@ static void call(struct input *input)
     sd_bus_message_unref(message);
 }
 
-/* A client leaves the bus. Call with the bus locked. */
+/* Tells the service that a client has left the bus. The caller holds bus_lock. */
 static void leave(struct input *input)
 {
     uint64_t number;
@@ -359,7 +359,7 @@ static void forget_everything(void)
     }
     go_round();
     fuzz_check(iso_appliance_status(rig->appliance).mode == ISO_APPLIANCE_WATCH,
-               "who leaves gives the camera back");
+               "a client that leaves releases the camera");
     while ((people = iso_gallery_people(rig->gallery, &n)) && n > 0) {
         fuzz_check(iso_gallery_remove(rig->gallery, people[0].name, &fault) == 0, fault.text);
     }

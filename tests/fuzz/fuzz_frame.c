@@ -68,7 +68,7 @@ static float depth_of(const uint8_t *bytes)
     return depth;
 }
 
-/* A stroke is twelve bytes: the operation, its place (left, top, width, height), and a number. */
+/* A stroke is twelve bytes: the operation, its place (left, top, width, height), and parameters. */
 static void draw(const uint8_t stroke[12])
 {
     const int left = stroke[1] * frame->width_px / 256, top = stroke[2] * frame->height_px / 256;
@@ -108,7 +108,7 @@ static void draw(const uint8_t stroke[12])
     }
 }
 
-/* The camera of the frame. */
+/* Gives the frame a camera with one of several focal lengths. */
 static void choose_camera(uint8_t choice)
 {
     const double factors[] = {1.0, 1.0, 0.5, 2.0, 1e-6, 1e6, 1.0, 1.0};
@@ -143,12 +143,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         const int checked = iso_frame_check(frame, &flaw);
         const int error = whole ? iso_extractor_run(extractor, frame, &extraction)
                                 : iso_extractor_locate(extractor, frame, &extraction);
-        fuzz_check((checked == 0) == (error != -EINVAL), "what passes the check is worked on");
-        fuzz_check(error || (unsigned)extraction.outcome < ISO_CAPTURES, "a word");
+        fuzz_check((checked == 0) == (error != -EINVAL),
+                   "a frame is refused exactly if it fails the check");
+        fuzz_check(error || (unsigned)extraction.outcome < ISO_CAPTURES, "the outcome has a name");
         fuzz_check(!whole || error || extraction.outcome != ISO_CAPTURE_OK ||
                        (isfinite(extraction.residual_mm) && extraction.tmpl.n_points > 0 &&
                         isfinite(extraction.tmpl.points_mm[0][0][0][0])),
-                   "a template of numbers");
+                   "the template has only finite numbers");
     }
     return 0;
 }

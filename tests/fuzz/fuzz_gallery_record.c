@@ -9,9 +9,10 @@ static void try_person(const uint8_t *data, size_t size)
     struct iso_person person;
     uint8_t again[ISO_GALLERY_PERSON_BYTES];
     if (iso_gallery_person_get(data, size, &person) == 0) {
-        fuzz_check(iso_person_name_can_be_stored(person.name), "a name that is one");
+        fuzz_check(iso_person_name_can_be_stored(person.name), "the name can be stored");
         iso_gallery_person_put(&person, again);
-        fuzz_check(memcmp(again, data, 24 + strlen(person.name) + 1) == 0, "as it was");
+        fuzz_check(memcmp(again, data, 24 + strlen(person.name) + 1) == 0,
+                   "a person who was read is written again with the same bytes");
     }
 }
 
@@ -37,10 +38,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         fuzz_check(
             iso_gallery_record_open(&seal, &place, sealed, size + ISO_SEAL_OVERHEAD, plain) == 0 &&
                 memcmp(plain, data, size) == 0,
-            "as it was");
+            "a sealed record is opened unchanged");
         fuzz_check(
             iso_gallery_record_open(&seal, &other, sealed, size + ISO_SEAL_OVERHEAD, plain) != 0,
-            "in no other place");
+            "a record in another place is refused");
     }
     return 0;
 }

@@ -26,7 +26,7 @@ static void try_text(const char *text, size_t size)
     if (iso_lockout_parse(text, size, &record) == 0) {
         restore(&record);
     } else {
-        fuzz_check(record.failures == -7, "an output untouched");
+        fuzz_check(record.failures == -7, "the output is unchanged after an error");
     }
 }
 
@@ -37,10 +37,11 @@ static void try_plain(const uint8_t *data, size_t size)
     uint8_t again[ISO_LOCKOUT_PLAIN_BYTES];
     if (iso_lockout_get(data, size, &file) == 0) {
         iso_lockout_put(&file, again);
-        fuzz_check(size == sizeof again && memcmp(again, data, size) == 0, "one way of writing it");
+        fuzz_check(size == sizeof again && memcmp(again, data, size) == 0,
+                   "a file that was read is written again with the same bytes");
         restore(&file.record);
     } else {
-        fuzz_check(file.number == 77, "an output untouched");
+        fuzz_check(file.number == 77, "the output is unchanged after an error");
     }
 }
 

@@ -21,7 +21,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (iso_metric_parse(bytes, size, &metric, &fault) == 0) {
         void *again = NULL;
         size_t n = 0;
-        fuzz_check(iso_metric_serialise(metric, &again, &n) == 0 && n == size, "a file as long");
+        fuzz_check(iso_metric_serialise(metric, &again, &n) == 0 && n == size,
+                   "the metric is written again with the same length");
         free(again);
     } else {
         fuzz_check(metric == NULL && fault.text[0] != '\0', "a fault and no metric");

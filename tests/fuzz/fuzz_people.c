@@ -7,7 +7,8 @@ static void check_items(const struct iso_transfer *transfer)
     size_t n = 0, templates = 0;
     const struct iso_gallery_item *items = iso_transfer_items(transfer, &n);
     for (size_t i = 0; i < n; i++) {
-        fuzz_check(items[i].n >= 1 && items[i].n <= ISO_GALLERY_TEMPLATES_MAX, "templates counted");
+        fuzz_check(items[i].n >= 1 && items[i].n <= ISO_GALLERY_TEMPLATES_MAX,
+                   "each person has a valid number of templates");
         for (size_t t = 0; t < items[i].n; t++) {
             const uint8_t *bytes = items[i].templates[t].bytes;
             for (size_t at = 0; at < items[i].templates[t].size; at++) {

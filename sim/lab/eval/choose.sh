@@ -31,7 +31,7 @@ evaluate() {
 }
 
 # row METHOD TEXT: prints a text and the figures of a method in the current result; p is from the paired test over people of FNMR at
-# 1e-3, against the previous line of methods.csv
+# 1e-3, against the first method of the evaluation
 row() {
     awk -F, -v method="$1" -v first="$2" '
         function percent(value, low, high) { return sprintf("%5.1f [%4.1f, %5.1f]", 100 * value, 100 * low, 100 * high) }
