@@ -1,5 +1,5 @@
-# For scripts of tests with the daemon: `. "$VM_SOURCE/tests/vm/daemon.sh"`. It has the door's lines on a chip of gpio-sim with functions
-# for its wires, a bus, the daemon and its client.
+# For scripts of tests with the daemon: `. "$VM_SOURCE/tests/vm/daemon.sh"`. It makes the door's lines (gpio_wires.sh), starts a bus, and
+# has functions for the daemon and its client.
 . "$VM_SOURCE/tests/vm/gpio/gpio_wires.sh"
 isotherm=$VM_BUILD/enroll/isotherm
 isothermd=$VM_BUILD/firmware/isothermd

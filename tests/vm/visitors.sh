@@ -1,5 +1,5 @@
-# For scripts of tests with visitors before a camera: `. "$VM_SOURCE/tests/vm/visitors.sh"`, after daemon.sh. It has a bench
-# (tests/openni2/virtual_camera.h) with a shutter, visitors of the stored corpus, and checks of their visits.
+# For scripts of tests with visitors before a camera: `. "$VM_SOURCE/tests/vm/visitors.sh"`, after daemon.sh. It makes a bench
+# (tests/openni2/virtual_camera.h) with a shutter, and has functions that play visitors of the stored corpus and check their visits.
 corpus=$VM_SOURCE/sim/stored
 mkdir bench
 mkfifo bench/shutter

@@ -61,8 +61,8 @@ static struct iso_sensor *opened(void)
     return sensor;
 }
 
-/* A long time, for a host with other work: vivid then skips pictures of one camera, and pairs are
- * rare. */
+/* Waits for the next frame. The time is long because on a busy host vivid skips pictures of one
+ * camera, and pairs are rare. */
 static int next(struct iso_sensor *sensor, const struct iso_frame **frame, struct iso_fault *fault)
 {
     return iso_sensor_wait(sensor, monotonic_ns(NULL) + 200 * SECOND, frame, fault);
@@ -132,7 +132,7 @@ static void frames_come_in_order(void **state)
             assert_int_equal(frame->width_px, WIDTH);
             assert_int_equal(frame->height_px, HEIGHT);
             assert_true(i == 0 || (frame->sequence > sequence && frame->t_ns > t_ns));
-            /* The time of the frame is the present time of the given clock. */
+            /* The time of the frame is by the given clock, and recent. */
             assert_true(frame->t_ns <= monotonic_ns(NULL));
             assert_true(frame->t_ns > monotonic_ns(NULL) - 60 * SECOND);
             float brightest = 0.0f, darkest = 1.0f;

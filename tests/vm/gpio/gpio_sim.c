@@ -97,7 +97,7 @@ const char *gpio_sim_chip(const char *name)
     return chip;
 }
 
-/* .../sim_gpioN/WHAT */
+/* Makes the path of a line's attribute: .../sim_gpioN/WHAT */
 static void attribute(const char *name, unsigned line, const char *what, char path[PATH_SIZE])
 {
     char device[64];

@@ -22,7 +22,7 @@ const char *gpio_sim_chip(const char *name);
 /* Sets the level to which a line is pulled from outside. */
 void gpio_sim_pull(const char *name, unsigned line, bool high);
 
-/* The voltage of a line. */
+/* Whether the voltage of a line is high. */
 bool gpio_sim_voltage(const char *name, unsigned line);
 
 #endif

@@ -1,4 +1,4 @@
-# For scripts of tests with a door: `. "$VM_SOURCE/tests/vm/gpio/gpio_wires.sh"`. It has the door's lines on a chip of gpio-sim, and
+# For scripts of tests with a door: `. "$VM_SOURCE/tests/vm/gpio/gpio_wires.sh"`. It makes a chip of gpio-sim with the door's lines, and has
 # functions that set and read the wires.
 . "$VM_SOURCE/tests/vm/gpio/gpio_sim.sh"
 sim=/sys/kernel/config/gpio-sim/door
@@ -25,7 +25,7 @@ pull() {
     echo "pull-$2" >"$(line "$1")/pull"
 }
 
-# The door is shut, the button is not pressed, the housing is closed; see the wiring below.
+# The door is shut, the button is not pressed, the housing is closed; board/qemu/isotherm.conf has the wiring.
 rest_inputs() {
     pull $CONTACT down
     pull $BUTTON up

@@ -99,7 +99,7 @@ static void says_who_has_a_line(void **state)
 }
 
 /* Opens the line in another process, as a user without the permission. */
-static void says_that_it_may_not(void **state)
+static void says_that_the_permission_is_missing(void **state)
 {
     char path[64];
     int status = -1;
@@ -134,7 +134,7 @@ static void wait_for_edge(const struct iso_gpio_line *line)
     assert_int_equal(poll(&poll_fd, 1, PATIENCE_MS), 1);
 }
 
-static void edges_bear_the_monotonic_time(void **state)
+static void edges_have_the_monotonic_time(void **state)
 {
     const struct iso_times times = iso_times_system();
     struct iso_gpio_line *line = open_line("door:5 active-low", false);
@@ -163,7 +163,7 @@ static void edges_bear_the_monotonic_time(void **state)
 /* A process is killed while the relay of its door is on: the driver of the chip decides the level
  * of the line. With gpio-sim the line returns to its pull; other chips keep the level, which is why
  * `isothermd --rest-door` exists. In both cases another process can open the line. */
-static void a_killed_process_lets_its_lines_go(void **state)
+static void a_killed_process_releases_its_lines(void **state)
 {
     const struct iso_option relay = {"relay", "door:0"};
     const struct iso_times times = iso_times_system();
@@ -243,7 +243,7 @@ static void lose_and_find(struct iso_door_io *io, int round)
     assert_false(gpio_sim_voltage("door", 0));
 }
 
-static void a_chip_that_goes_and_comes(void **state)
+static void a_chip_is_unplugged_and_plugged_in_again(void **state)
 {
     const struct iso_times times = iso_times_system();
     struct iso_door_io *io = NULL;
@@ -256,7 +256,7 @@ static void a_chip_that_goes_and_comes(void **state)
         descriptors = i == 0 ? count_descriptors() : descriptors;
     }
     assert_int_equal(count_descriptors(), descriptors);
-    print_message("%d removals, each found and mended\n", REMOVALS);
+    print_message("%d removals, each detected and repaired\n", REMOVALS);
     iso_door_io_close(io);
 }
 
@@ -267,10 +267,10 @@ int main(void)
         cmocka_unit_test(says_what_is_not_there),
         cmocka_unit_test(refuses_names_that_are_taken_twice),
         cmocka_unit_test(says_who_has_a_line),
-        cmocka_unit_test(says_that_it_may_not),
-        cmocka_unit_test(edges_bear_the_monotonic_time),
-        cmocka_unit_test(a_killed_process_lets_its_lines_go),
-        cmocka_unit_test(a_chip_that_goes_and_comes),
+        cmocka_unit_test(says_that_the_permission_is_missing),
+        cmocka_unit_test(edges_have_the_monotonic_time),
+        cmocka_unit_test(a_killed_process_releases_its_lines),
+        cmocka_unit_test(a_chip_is_unplugged_and_plugged_in_again),
     };
     gpio_sim_make("door", "LINE");
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,7 +10,7 @@
 enum {
     FINE = 4,        /* samples of the pattern per pixel, along a row */
     SPECK_PX = 2,    /* size of the pattern's specks */
-    NOISE_LEVELS = 4 /* of a picture: uniform, so many either way */
+    NOISE_LEVELS = 4 /* the noise of a picture is uniform between -4 and 4 grey levels */
 };
 
 /* Neighbours whose depths differ by more belong to different surfaces: mm per mm of distance. */
@@ -18,9 +18,9 @@ static const float step = 0.03f;
 
 struct eye_pair {
     struct iso_camera camera;
-    uint8_t *pattern;  /* [height_px][FINE * width_px]: as the left camera sees it on any surface,
-                          since the projector stands where it stands */
-    float *nearest_mm; /* [width_px]: of a row of the right picture */
+    uint8_t *pattern; /* [height_px][FINE * width_px]: as the left camera sees it. It is the same on
+                         every surface, because the projector is in the place of that camera */
+    float *nearest_mm; /* [width_px]: depths drawn so far in a row of the right picture */
 };
 
 /* ---- the pattern ------------------------------------------------------------- */
@@ -30,7 +30,7 @@ static double smooth(double t)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* Brightness of a speck, at whole numbers. */
+/* Brightness, 0..1, of the speck at a crossing of the grid. */
 static double speck(int column, int row)
 {
     struct sim_random random = sim_random_seeded((uint64_t)(uint32_t)column,
@@ -38,7 +38,7 @@ static double speck(int column, int row)
     return sim_random_unit(&random);
 }
 
-/* Random specks, one at each crossing of a grid, with smooth transitions between them. */
+/* Draws random specks, one at each crossing of a grid, with smooth transitions between them. */
 static void draw_pattern(struct eye_pair *pair, const double *specks, int columns)
 {
     const int wide = FINE * pair->camera.width_px;
@@ -107,12 +107,13 @@ struct iso_stereo_calibration eye_pair_calibration(const struct eye_pair *pair)
 
 /* ---- pictures ---------------------------------------------------------------- */
 
-/* Draws the piece of surface between two neighbours of a row, which the right camera sees between
+/* The piece of surface between two neighbouring pixels of a row. The right camera sees it between
  * from_px and to_px. */
 struct piece {
     float from_px, to_px, from_mm, to_mm;
 };
 
+/* Draws a piece into a row of the right picture, where no nearer surface hides it. */
 static void see_piece(struct eye_pair *pair, const struct piece *piece, const uint8_t *pattern,
                       uint8_t *right)
 {

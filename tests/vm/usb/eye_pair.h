@@ -17,6 +17,7 @@ struct eye_pair;
 /* Makes a pair for frames of a pinhole camera without distortion. -ENOMEM. */
 int eye_pair_new(const struct iso_camera *camera, struct eye_pair **out)
     __attribute__((warn_unused_result));
+/* Frees the pair. NULL is accepted. */
 void eye_pair_free(struct eye_pair *pair);
 
 /* The calibration of the two cameras. */

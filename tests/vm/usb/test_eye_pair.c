@@ -1,5 +1,5 @@
-/* The product matches the pictures that the stereo cameras of the virtual machine show
- * (eye_pair.h), and finds the depths of the frame again. */
+/* The product's stereo matcher finds the depths of a frame again in the pictures that the stereo
+ * cameras of the virtual machine show of it (eye_pair.h). */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,8 +16,9 @@
 enum { ROOM_MM = 1000 }; /* nearer pixels belong to the person */
 
 struct seen {
-    int measured, missing, off; /* of the person's pixels; "off" is by more than 5 mm */
-    double sum_mm2;             /* of those not off */
+    int measured, missing, off; /* pixels of the person in the frame; those without a depth from the
+                                   matcher; those off by more than 5 mm */
+    double sum_mm2;             /* sum of the squared errors of all others */
 };
 
 static struct seen compare(const struct iso_frame *there, const struct iso_frame *seen)

@@ -17,7 +17,7 @@ struct usb_bench {
     uint16_t *counts; /* the samples of one picture */
     size_t pixels;
     double unit_mm;
-    int n_streams, index; /* of the last frame */
+    int n_streams, index; /* index: of the last frame */
     atomic_int started;   /* streams */
     atomic_uint starts;
 };
@@ -30,7 +30,8 @@ static void send(struct usb_bench *bench, int stream, const float *plane, double
     usb_camera_shoot(bench->camera, stream, bench->counts, spoilt);
 }
 
-/* If the picture before this one was lost on its way, it is sent cut short. */
+/* Sends the pictures of a frame. If frames before this one were lost, it first sends pictures that
+ * are cut short. */
 static void on_frame(void *context, const struct iso_frame *frame, int index, uint64_t t_us)
 {
     struct usb_bench *bench = context;
@@ -115,7 +116,7 @@ int usb_bench_new(const char *directory, bool with_intensity, struct usb_bench *
 void usb_bench_free(struct usb_bench *bench)
 {
     if (bench) {
-        /* The cable's thread reads the view, so it ends first. */
+        /* The cable's thread uses the view, so it must end first. */
         if (bench->camera) {
             (void)usb_camera_plug(bench->camera, false, NULL);
         }

@@ -17,13 +17,14 @@ int usb_bench_new(const char *directory, bool with_intensity, struct usb_bench *
 /* Unplugs the camera and frees it. NULL is allowed. */
 void usb_bench_free(struct usb_bench *bench);
 
-/* As usb_camera_node: 0 the depths, 1 the intensity. */
+/* Like usb_camera_node. Stream 0 has the depths, stream 1 the intensity. */
 const char *usb_bench_node(struct usb_bench *bench, int stream);
 
-/* The number of starts of streams since the camera was made. */
+/* How often streaming has begun since the camera was made. Two streams that start together count
+ * once. */
 unsigned usb_bench_starts(const struct usb_bench *bench);
 
-/* As usb_camera_halt. */
+/* Like usb_camera_halt. */
 void usb_bench_halt(struct usb_bench *bench);
 
 #endif

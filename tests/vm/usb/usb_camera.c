@@ -36,7 +36,7 @@ struct usb_camera {
     struct usb_camera_options options;
     char serial[32], node[64];
     struct usbip_cable *cable;
-    pthread_mutex_t lock; /* of the following fields */
+    pthread_mutex_t lock; /* protects `cable` and the streams */
     struct stream streams[USB_CAMERA_STREAMS];
 };
 
@@ -187,7 +187,7 @@ static int fill(void *self, unsigned endpoint, uint8_t *data, size_t room)
     return n;
 }
 
-/* Call with the lock held. */
+/* Tells the cable's thread that there is something to send. The caller holds the lock. */
 static void wake(const struct usb_camera *camera)
 {
     if (camera->cable) {

@@ -21,8 +21,8 @@ struct usb_camera_options {
     unsigned port;      /* of vhci-hcd, 0..7 */
     int n_streams;
     struct usb_camera_stream streams[USB_CAMERA_STREAMS];
-    /* OPTIONAL. Called with the number of started streams when it changes, by a thread of the
-     * camera or by usb_camera_plug. */
+    /* OPTIONAL. Called with the number of started streams: by a thread of the camera when the
+     * number changes, and by usb_camera_plug with 0 at each unplugging. */
     void (*started)(void *context, int n);
     void *context;
 };
@@ -32,6 +32,7 @@ struct usb_camera;
 /* Makes a camera that is not plugged in. -EINVAL for an unknown format, -ENOMEM. */
 int usb_camera_new(const struct usb_camera_options *options, struct usb_camera **out,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
+/* Unplugs the camera and frees it. NULL is accepted. */
 void usb_camera_free(struct usb_camera *camera);
 
 /* Plugs the cable in, or unplugs it, which cannot fail. The nodes appear and disappear a little
@@ -46,7 +47,8 @@ const char *usb_camera_node(struct usb_camera *camera, int stream);
  * no more than a few pictures wait. A spoilt picture is cut short, as when USB loses packets. */
 void usb_camera_shoot(struct usb_camera *camera, int stream, const void *picture, bool spoilt);
 
-/* Transfers fail from now on (the endpoints stall) until streams are started again. */
+/* Transfers of the started streams fail from now on (the endpoints stall) until the streams are
+ * stopped or started again. */
 void usb_camera_halt(struct usb_camera *camera);
 
 #endif

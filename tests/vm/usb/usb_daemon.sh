@@ -28,13 +28,13 @@ sleep 0.1
 pull $BUTTON up
 wait_for 10 'the exit button does not switch the relay' is_at $RELAY 1
 wait_for 60 'the relay does not drop after unlock_ms' is_at $RELAY 0
-say 'the exit button lets out'
+say 'the exit button switches the relay'
 
 pull $TAMPER up
 wait_for 10 'the buzzer is silent while the housing is open' is_at $BUZZER 1
 pull $TAMPER down
 wait_for 10 'the buzzer does not stop' is_at $BUZZER 0
-say 'the housing is watched'
+say 'the tamper switch switches the buzzer'
 
 echo 0 >$sim/live
 wait_for 10 'an unplugged chip is not reported as a fault' door_is fault
@@ -48,7 +48,7 @@ echo 1 >$sim/live
 rest_inputs
 wait_for 20 'the door does not recover' door_is locked
 kill -0 $daemon || die 'the daemon has ended'
-say 'the chip went and came'
+say 'the daemon has recovered after the chip was unplugged'
 
 pull $BUTTON down
 wait_for 10 'the exit button does not switch the relay' is_at $RELAY 1
@@ -67,4 +67,4 @@ grep -q "in use by 'isotherm'" busy.txt || die "the message does not name the ow
 kill -TERM $daemon
 wait $daemon || die 'the daemon ends with a failure'
 is_at $RELAY 0 || die 'the relay is on after the end'
-say 'ended, the relay is off'
+say 'the daemon has ended, the relay is off'

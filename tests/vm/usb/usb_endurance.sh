@@ -41,4 +41,4 @@ wait $daemon || code=$?
 ! grep -A 40 'Sanitizer' daemon.log || die 'the sanitizer has reported a fault'
 [ $code -eq 0 ] || die "the daemon ends with $code"
 is_at $RELAY 0 || die 'the relay is on after the end'
-say "the same daemon all the time; no leak"
+say 'the daemon has run all the time and has no leak'

@@ -31,4 +31,4 @@ p01_is_let_in
 kill -TERM $daemon
 wait $daemon || die 'the daemon ends with a failure'
 is_at $RELAY 0 || die 'the relay is on after the end'
-say 'ended, the relay is off'
+say 'the daemon has ended, the relay is off'

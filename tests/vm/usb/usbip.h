@@ -35,15 +35,15 @@ struct usbip_device {
 
 struct usbip_cable;
 
-/* Plugs the device into a port (0..7), which must be free. The device must exist longer than the
- * cable. */
+/* Plugs the device into a port (0..7), which must be free. The device must outlive the cable.
+ * -ENOMEM, the error of starting a thread, or the errno of the kernel's file `attach`. */
 int usbip_plug_in(const struct usbip_device *device, unsigned port, struct usbip_cable **out,
                   struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Unplugs the cable; returns when the kernel has released the port. NULL is allowed. */
 void usbip_pull_out(struct usbip_cable *cable);
 
-/* Says that the device has data. Any thread may call this. */
+/* Lets the cable's thread ask the device for data again. Any thread may call this. */
 void usbip_wake(struct usbip_cable *cable);
 
 #endif

@@ -134,7 +134,7 @@ static const struct sensor_stage depth_and_infrared = {
 struct eyes {
     struct usb_camera *cameras[ISO_EYES];
     atomic_int next; /* the next picture */
-    bool spoilt;     /* a picture was lost */
+    bool spoilt;     /* a picture was sent cut short */
     struct iso_stereo *stereo;
     struct iso_frame *expected;
 };
@@ -152,8 +152,8 @@ static void on_start(void *context, int n)
     }
 }
 
-/* Computes the depths of the same pictures by the product's matcher, with the default options of a
- * sensor. */
+/* Prepares the product's matcher with the default options of a sensor. expect_wall computes the
+ * expected depths with it. */
 static void prepare_matcher(struct eyes *eyes, const char *rig)
 {
     struct iso_stereo_calibration calibration;
@@ -267,7 +267,7 @@ static void expect_wall(const struct sensor_scene *scene, const struct iso_frame
     assert_int_equal(frame->height_px, WALL_HEIGHT);
     assert_memory_equal(frame->depth_mm, eyes->expected->depth_mm, bytes);
     assert_memory_equal(frame->intensity, eyes->expected->intensity, bytes);
-    assert_true(fabs((double)frame->depth_mm[middle] - z_mm) < 2.0); /* and that is the wall */
+    assert_true(fabs((double)frame->depth_mm[middle] - z_mm) < 2.0); /* the distance of the wall */
 }
 
 static const struct sensor_stage v4l2_stereo = {

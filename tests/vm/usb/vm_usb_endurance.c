@@ -104,7 +104,7 @@ static void let_out(void)
 
 /* ---- losses ---- */
 
-static void fifty_times_the_cable(void **state)
+static void the_cable_is_unplugged_fifty_times(void **state)
 {
     (void)state;
     for (int i = 0; i < UNPLUGS; i++) {
@@ -121,7 +121,7 @@ static void fifty_times_the_cable(void **state)
     print_message("%d times unplugged, %u starts\n", UNPLUGS, usb_bench_starts(bench));
 }
 
-static void twenty_times_no_picture(void **state)
+static void the_camera_stops_twenty_times(void **state)
 {
     (void)state;
     for (int i = 0; i < STALLS; i++) {
@@ -138,7 +138,7 @@ static void twenty_times_no_picture(void **state)
     print_message("%d times silent or halted, %u starts\n", STALLS, usb_bench_starts(bench));
 }
 
-static void twenty_times_the_lines(void **state)
+static void the_lines_are_unplugged_twenty_times(void **state)
 {
     (void)state;
     for (int i = 0; i < REMOVALS; i++) {
@@ -185,9 +185,9 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fifty_times_the_cable),
-        cmocka_unit_test(twenty_times_no_picture),
-        cmocka_unit_test(twenty_times_the_lines),
+        cmocka_unit_test(the_cable_is_unplugged_fifty_times),
+        cmocka_unit_test(the_camera_stops_twenty_times),
+        cmocka_unit_test(the_lines_are_unplugged_twenty_times),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
