@@ -14,6 +14,7 @@ int scratch_teardown(void **state);
 /* Returns DIRECTORY/NAME in one of 64 static buffers, which are used in turn. */
 const char *scratch_path(const char *directory, const char *name);
 
+/* Writes a file, and replaces an existing one. */
 void scratch_write(const char *path, const void *bytes, size_t size);
 void scratch_write_text(const char *path, const char *text);
 

@@ -20,7 +20,7 @@ static inline const char *shared_data(const char *name)
     return scratch_path(shared ? shared : ISOTHERM_SOURCE_DIR "/../shared", name);
 }
 
-/* The same; skips the test where it is missing. */
+/* The same; skips the running test if the data set is missing. */
 static inline const char *shared_data_or_skip(const char *name)
 {
     const char *path = shared_data(name);

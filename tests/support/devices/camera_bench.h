@@ -1,5 +1,5 @@
-/* A bench for the virtual OpenNI2 camera (tests/openni2/virtual_camera.h). Failures fail the
- * running cmocka test. */
+/* A bench for a virtual camera (tests/openni2/virtual_camera.h). Failures fail the running cmocka
+ * test. */
 #ifndef TESTS_SUPPORT_DEVICES_CAMERA_BENCH_H
 #define TESTS_SUPPORT_DEVICES_CAMERA_BENCH_H
 
@@ -17,7 +17,7 @@ void camera_bench_lose(int shutter_fd);
 /* Unplugs the cable, or plugs it in again. */
 void camera_bench_plug(const char *directory, bool in);
 
-/* Undoes everything that camera_bench_open() changed outside the directory. */
+/* Undoes everything that camera_bench_make() changed outside the directory. */
 void camera_bench_leave(int shutter_fd);
 
 #endif

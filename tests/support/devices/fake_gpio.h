@@ -1,6 +1,6 @@
 /* Replaces drivers/door/gpio_line.c in a test program: GPIO lines in memory, set and read by
  * voltage. A line can be missing, busy or forbidden, and the chip can be unplugged. It is stricter
- * than a kernel: a line that is not closed, or that is used without being open, fails the test. */
+ * than a kernel: the use of a line that is not open fails the test. */
 #ifndef TESTS_SUPPORT_DEVICES_FAKE_GPIO_H
 #define TESTS_SUPPORT_DEVICES_FAKE_GPIO_H
 
@@ -16,8 +16,8 @@ void fake_gpio_reset(const int64_t *now_ns);
 /* Opening the line fails with this error from now on; 0: it succeeds. */
 void fake_gpio_refuse(unsigned line, int error);
 
-/* Unplugs the chip: every operation is -ENODEV, and descriptors are readable. Or plugs it in again.
- */
+/* Unplugs the chip (every operation returns -ENODEV, and the descriptors of inputs are readable),
+ * or plugs it in again. */
 void fake_gpio_pull_out(bool out);
 
 /* Every operation on an open line fails with this error; 0: it succeeds. */
@@ -33,10 +33,10 @@ bool fake_gpio_voltage(unsigned line);
 bool fake_gpio_is_output(unsigned line);
 bool fake_gpio_is_input(unsigned line);
 
-/* How often outputs changed their voltage, including the first voltage at opening. */
+/* How often an output was switched; each opening counts once. */
 unsigned fake_gpio_changes(unsigned line);
 
-/* How many lines are open. */
+/* How many lines are open, so that a test can check that all were closed. */
 unsigned fake_gpio_open(void);
 
 #endif

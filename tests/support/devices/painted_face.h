@@ -7,7 +7,8 @@
 #include "isotherm/frame.h"
 #include "isotherm/landmark.h"
 
-/* The brightness of skin at 1 m; 0.1 is that of a Kinect v2. */
+/* Paints the frame's image. `level` is the brightness of skin at 1 m; 0.1 is that of a Kinect v2.
+ * The landmarks are in the camera frame. */
 void painted_face(struct iso_frame *frame, const struct iso_vec3 ibug_mm[ISO_LANDMARKS_IBUG],
                   double level);
 

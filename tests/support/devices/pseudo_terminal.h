@@ -15,8 +15,8 @@ struct pseudo_terminal {
 /* Opens a terminal with this number of columns. */
 void pseudo_terminal_open(struct pseudo_terminal *terminal, unsigned short columns);
 
-/* Returns the text that was written since the last call. Each line ends with "\r\n", as the kernel
- * makes it. Does not wait. */
+/* Reads the text that was written since the last call, at most size - 1 bytes. Each line ends with
+ * "\r\n", as the kernel makes it. Does not wait. */
 void pseudo_terminal_read(struct pseudo_terminal *terminal, char *text, size_t size);
 
 void pseudo_terminal_close(struct pseudo_terminal *terminal);

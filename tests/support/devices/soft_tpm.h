@@ -14,8 +14,9 @@ struct soft_tpm {
     char directory[96]; /* the directory of its memory */
 };
 
-/* Makes DIRECTORY/tpm and starts a TPM with empty memory there. False, with a line that says so, if
- * there is no swtpm on this machine: the caller skips the test. Any other failure fails the test.
+/* Makes DIRECTORY/tpm and starts a TPM with empty memory there. If there is no swtpm on this
+ * machine, prints a line and returns false: the caller then skips the test. Any other failure fails
+ * the test.
  */
 bool soft_tpm_start(struct soft_tpm *tpm, const char *directory);
 
@@ -27,7 +28,8 @@ void soft_tpm_make_device(struct soft_tpm *tpm, const char *directory);
 void soft_tpm_off(struct soft_tpm *tpm);
 void soft_tpm_on(struct soft_tpm *tpm);
 
-/* Switches the TPM off and deletes its memory: the next start makes another TPM. */
+/* Replaces the TPM with another one: switches it off, deletes its memory, and switches it on again
+ * at the same address. */
 void soft_tpm_replace(struct soft_tpm *tpm);
 
 #endif

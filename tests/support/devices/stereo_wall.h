@@ -1,5 +1,5 @@
-/* A wall before two parallel cameras 60 mm apart, by closed form: a smooth random texture whose
- * disparity is known. Failures fail the running cmocka test. */
+/* A wall before two parallel cameras 60 mm apart. Its smooth random texture has a closed formula,
+ * and its disparity is known. Failures fail the running cmocka test. */
 #ifndef TESTS_SUPPORT_DEVICES_STEREO_WALL_H
 #define TESTS_SUPPORT_DEVICES_STEREO_WALL_H
 

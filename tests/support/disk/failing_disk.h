@@ -1,8 +1,9 @@
 /* A disk on which the Nth call that writes fails. In a test program that is linked with this file,
  * all calls that change files pass through here, those of its own code and of its libraries (SQLite
  * among them): write, pwrite, fsync, fdatasync, ftruncate, rename, renameat2, unlink, open with
- * O_CREAT, and streams that are opened for writing. Calls that read fail for FAILING_DISK_DEAD
- * only. Pipes, sockets and memory files are not on the disk.
+ * O_CREAT, and the writes of streams that fdopen() makes. Those of fopen() do not pass through
+ * here. Calls that read fail for FAILING_DISK_DEAD only. Pipes, sockets and memory files are not on
+ * the disk.
  *
  * Synchronisation does nothing here: the files of these tests need not survive a power cut. */
 #ifndef TESTS_SUPPORT_DISK_FAILING_DISK_H
@@ -13,8 +14,8 @@
 enum failing_disk_kind {
     FAILING_DISK_ONCE,         /* one call fails with EIO, and does nothing */
     FAILING_DISK_FULL,         /* the same with ENOSPC */
-    FAILING_DISK_SHORT,        /* one write writes half; one other call fails with EIO */
-    FAILING_DISK_LIES,         /* one call does its work, and reports EIO nevertheless */
+    FAILING_DISK_SHORT,        /* one call: a write writes half, any other fails with EIO */
+    FAILING_DISK_LIES,         /* one call does its work, but reports EIO */
     FAILING_DISK_BROKEN,       /* from one call on, all calls that write fail with EIO */
     FAILING_DISK_DEAD,         /* the same, and all calls that read or open fail, too */
     FAILING_DISK_KILLS,        /* the process is killed before one call */

@@ -23,7 +23,7 @@ int slow_disk_waiting(void);
 /* Waits until a thread waits for the disk; fails the test after a minute. */
 void slow_disk_await(void);
 
-/* The next call stops the process (SIGSTOP) before it synchronises. */
+/* The next call stops the process (SIGSTOP) before it returns. */
 void slow_disk_stop_process(void);
 
 #endif

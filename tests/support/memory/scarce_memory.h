@@ -9,8 +9,8 @@
 extern long scarce_memory_left;
 
 /* Calls `action` again and again, and lets first the first allocation fail, then the second, and so
- * on, until none fails any more. `action` must return -ENOMEM with a fault that says so each time,
- * and 0 at last. Returns the number of failures, which is below `most`. */
+ * on, until none fails any more. `action` must return -ENOMEM with the fault "out of memory" each
+ * time, and 0 at last. Returns the number of failures, which is below `most`. */
 int scarce_memory_exhaust(int (*action)(void *context, struct iso_fault *fault), void *context,
                           int most);
 

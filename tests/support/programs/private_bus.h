@@ -15,18 +15,19 @@ struct private_bus {
 /* main() returns this to ctest if the test cannot run on this machine. */
 enum { TEST_SKIPPED = 77 };
 
-/* False, with a line that says so, if there is no dbus-daemon on this machine: the caller skips the
- * test. Any other failure fails the test. */
+/* Starts the bus. If there is no dbus-daemon on this machine, prints a line and returns false: the
+ * caller then skips the test. Any other failure fails the test. */
 bool private_bus_start(struct private_bus *bus);
 
 /* The first ends the daemon and keeps its directory. The second starts another daemon there, at the
- * same address. */
+ * same address, and returns false as private_bus_start does. */
 void private_bus_kill(struct private_bus *bus);
 bool private_bus_revive(struct private_bus *bus);
 
 /* Makes the next daemon in this directory read another configuration file, too. */
 void private_bus_include(const struct private_bus *bus, const char *file);
 
+/* Ends the daemon and removes the directory. */
 void private_bus_stop(struct private_bus *bus);
 
 #endif

@@ -1,5 +1,5 @@
-/* Runs a program and captures its output. A program that does not end within a minute is killed and
- * fails the test. */
+/* Runs a program and captures its output. A program that prints nothing for a minute and does not
+ * end is killed and fails the test. */
 #ifndef TEST_RUN_H
 #define TEST_RUN_H
 
@@ -16,7 +16,8 @@ struct run {
     size_t out_size, err_size;
 };
 
-/* argv ends with NULL; argv[0] is a path. Output beyond RUN_OUTPUT_SIZE fails the test. */
+/* Starts a program. argv ends with NULL; argv[0] is a path. Output beyond RUN_OUTPUT_SIZE fails the
+ * test. */
 void run_start(struct run *run, const char *const argv[]);
 
 /* The same, with standard output to the file at `out_path`; NULL: captured. */
@@ -25,13 +26,14 @@ void run_start_to(struct run *run, const char *const argv[], const char *out_pat
 /* Waits until the program has printed `text`. The test fails if the program ends before. */
 void run_until(struct run *run, const char *text);
 
-/* Waits for the end. */
+/* Waits until the program ends, and sets run->exit. */
 void run_finish(struct run *run);
 
 /* Fails the test unless the program ended with this code. The message has the command, its end and
  * its last line. */
 void run_expect(const struct run *run, int exit);
 
+/* Frees the output. */
 void run_free(struct run *run);
 
 #endif

@@ -67,7 +67,7 @@ static void the_last_lines_say_why(void **state)
     run_free(&run);
 }
 
-static void an_end_as_expected_says_nothing(void **state)
+static void an_expected_end_prints_nothing(void **state)
 {
     char err[CHILD_ERR_SIZE];
     struct child child;
@@ -87,7 +87,7 @@ static void an_end_as_expected_says_nothing(void **state)
 }
 
 /* If a child prints more than fits, the end is kept. */
-static void the_last_words_of_many_are_kept(void **state)
+static void the_end_of_a_long_output_is_kept(void **state)
 {
     char err[CHILD_ERR_SIZE];
     struct child child;
@@ -108,8 +108,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_last_lines_say_why),
-        cmocka_unit_test(an_end_as_expected_says_nothing),
-        cmocka_unit_test(the_last_words_of_many_are_kept),
+        cmocka_unit_test(an_expected_end_prints_nothing),
+        cmocka_unit_test(the_end_of_a_long_output_is_kept),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
