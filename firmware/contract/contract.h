@@ -36,7 +36,8 @@
  *                                        adds the people of such a file. A person who is known here
  *                                        stays as is, except with "replace" b. Options: "from" s,
  *                                        the address that has to have signed the file; "key" ay
- *   RotateKeys() -> s                    seals everything with new keys; a remark, or ""
+ *   RotateKeys() -> s                    gives gallery, log and anchors new keys; a remark, or "".
+ *                                        Records that the log has already keep their old key
  *   GetAddress() -> s                    the address of this appliance, 128 hexadecimal digits
  *   ClearLockout()                       ends a lock-out and clears the count of failures
  *   SetLockdown(b on)                    lets nobody in until it is switched off
@@ -53,9 +54,9 @@
  *                                        nothing for three seconds
  *
  * An action goes on until a status signal with `done` set. The Stop method ends it before that, and
- * is also legal after it. One client at a time has the claim. Nothing that a client does lets
- * anybody in: only the daemon's own identification opens the door, while nobody has the claim. The
- * one exception is TestDoor.
+ * is also legal after it. One client at a time has the claim. No call of a client opens the door,
+ * except TestDoor. The daemon's own identification opens it, while nobody has the claim; the exit
+ * button opens it at any time.
  *
  * A name belongs to one person without regard to case ("Ada" and "ada";
  * firmware/contract/person_name.h), and every method accepts any spelling of it. A caller of
@@ -104,9 +105,10 @@
  *   "sensor-calibration" s    the calibration; "" if the sensor calibrates itself. It begins with
  *                             "nominal" if the intrinsics are those of the model and were not
  *                             measured on this camera
- *   "sensor-devices" s        the devices that the back end sees; "" if it cannot tell, or not
- *                             while it is lost
- *   "clock-fault" s           the clock was set back to before the log; "" while it is right
+ *   "sensor-devices" s        the devices that the back end sees; "" if it cannot tell. If the
+ *                             state is not "started", only a back end that answers at once is asked
+ *   "clock-fault" s           the clock was set back to before the newest record of the log; ""
+ *                             while it is right
  *   "stale-fault" s           a grant has hardly enough time; "" while it has enough
  *   "storage-fault" s         the last error of the disk; "" once it works again
  *   "counter-fault" s         a fault of the counter of the state; "" while it works or none is
@@ -145,9 +147,9 @@
  * + "speed-mm-s" d, + "speed-deg-s" d
  * None of these tells one face from another. */
 /* clang-format on */
-/* A file of exported people begins with ISO_CONTRACT_PEOPLE_MAGIC. The byte at ..._LOCK_AT says who
- * can open it. The key of a passphrase is 32 bytes of Argon2id (crypto_pwhash of libsodium, 3
- * passes, 256 MiB) with the salt at ..._SALT_AT.
+/* A file of exported people begins with ISO_CONTRACT_PEOPLE_MAGIC. The byte at ..._LOCK_AT is
+ * ..._PASSPHRASE or ..._APPLIANCE: what opens the file. The key of a passphrase is 32 bytes of
+ * Argon2id (crypto_pwhash of libsodium, 3 passes, 256 MiB) with the salt at ..._SALT_AT.
  *
  * An audit record has "sequence" (1, 2, ...), "time" (UTC, RFC 3339), "event" and, where they
  * apply, "monotonic_ns", "person", "verdict", "door", "door_fault", "grant", "reason", "score",
@@ -236,14 +238,14 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_PROGRESS        "Progress"
 
 /* Result words after the prefix of the action. */
-#define ISO_CONTRACT_RESULT_STAGE_PASSED "stage-passed" /* enroll; it goes on */
+#define ISO_CONTRACT_RESULT_STAGE_PASSED "stage-passed" /* enroll: the action goes on */
 #define ISO_CONTRACT_RESULT_STAGE_MISFIT \
-    "stage-misfit"                                /* enroll; unlike the stages before, goes on */
+    "stage-misfit" /* enroll: a frame is unlike the stages before; the action goes on */
 #define ISO_CONTRACT_RESULT_COMPLETED "completed" /* enroll */
-#define ISO_CONTRACT_RESULT_FAILED    "failed"    /* enroll: not the same face throughout */
+#define ISO_CONTRACT_RESULT_FAILED    "failed"    /* enroll: several faces, or another fault */
 #define ISO_CONTRACT_RESULT_DUPLICATE "duplicate" /* enroll: known under another name */
 #define ISO_CONTRACT_RESULT_NOT_STORED \
-    "not-stored" /* enroll: the disk refused; nobody was enrolled */
+    "not-stored" /* enroll: an error of the disk; nobody was enrolled */
 #define ISO_CONTRACT_RESULT_OTHER_FACE \
     "other-face" /* enroll: unlike the templates enrolled under this name */
 #define ISO_CONTRACT_RESULT_MATCH        "match"    /* verify, identify */

@@ -2,8 +2,8 @@
 
 #include <string.h>
 
-/* What stands between two quotes; a quote within is escaped. `at` is the first quote. Returns what
- * is behind the second one, or NULL if there are no two. */
+/* Reads a text in quotes, in which a quote may be escaped. `at` is the place of the opening quote.
+ * Returns the place after the closing quote, or NULL if one of the two is missing. */
 static const char *read_text(const char *at, const char **begin, size_t *length)
 {
     if (*at != '"') {

@@ -15,7 +15,7 @@ bool iso_name_folding_drops(uint32_t character)
            uc_is_property_bidi_control(character);
 }
 
-/* Takes the characters away that folding drops, in place: the new size. */
+/* Removes the characters that folding drops, in place. Returns the new size. */
 static size_t drop_characters(uint8_t *text, size_t size)
 {
     size_t kept = 0;
@@ -40,8 +40,8 @@ static uint8_t *fold_once(const uint8_t *text, size_t size, size_t *folded_size)
     return folded;
 }
 
-/* Folds twice: compatibility characters, such as a square MHz, become letters with a case only by
- * the first normalisation. */
+/* Folds twice, because the first normalisation turns compatibility characters, such as a square
+ * MHz, into letters that have a case. */
 int iso_name_fold(const char *name, char **out)
 {
     const size_t size = strlen(name);

@@ -12,15 +12,16 @@
 
 /* ---- which characters a name may have ---- */
 
-/* Forges lines of a log or a list. */
+/* Whether a character could forge lines of a log or a list. */
 static bool is_control(uint32_t c)
 {
     return c < 0x20 || (c >= 0x7f && c < 0xa0) || (c >= 0x2028 && c <= 0x202e) ||
            (c >= 0x2066 && c <= 0x2069) || c == 0x200e || c == 0x200f || c == 0xfeff;
 }
 
-/* Two names that differ in such characters alone look the same: those that folding drops, the
- * Unicode category "format" (Cf), noncharacters, and a pattern without dots. */
+/* Whether two names that differ only in this character look the same. Such characters are those
+ * that folding drops, the Unicode category "format" (Cf), noncharacters, and a pattern without
+ * dots. */
 static bool is_unseen(uint32_t c)
 {
     static const uint32_t braille_blank = 0x2800;
@@ -33,7 +34,8 @@ static bool is_blank(uint32_t c)
     return uc_is_property_white_space(c);
 }
 
-/* What is refused in a name that is given now; in a stored name only what always was. */
+/* Returns what is wrong with a character, or NULL. A stored name may contain characters that a new
+ * name must not contain. */
 static const char *character_flaw(uint32_t c, bool stored)
 {
     if (is_control(c)) {
@@ -86,7 +88,7 @@ static void digest_name(const uint8_t *folded, size_t size, struct iso_person_na
     (void)crypto_generichash(out->bytes, sizeof out->bytes, folded, size, NULL, 0);
 }
 
-/* Most names need neither tables nor memory: what they fold to is the lower case. */
+/* Most names are ASCII. They need neither tables nor memory, because they fold to lower case. */
 static bool fold_ascii(const char *name, size_t size, uint8_t *folded)
 {
     for (size_t i = 0; i < size; i++) {

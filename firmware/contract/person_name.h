@@ -18,8 +18,8 @@ enum {
  * what is wrong with it. */
 const char *iso_person_name_flaw(const char *name);
 
-/* The rule for a name that is already in a store: an earlier version allowed invisible
- * characters. */
+/* The rule for a name that is already in a store: an earlier version allowed invisible characters,
+ * and blanks at both ends. Returns true if the name fulfils it. */
 bool iso_person_name_can_be_stored(const char *name);
 
 /* Two names are one person's if their keys are the same ("Ada" and "ada", "STRASSE" and "Straße",

@@ -16,6 +16,7 @@ struct iso_validity_change {
     bool expired;               /* a limit in the past is intended */
 };
 
+/* The limits after a change of the limits `before`. */
 struct iso_validity iso_validity_after(const struct iso_validity *before,
                                        const struct iso_validity_change *change);
 
@@ -25,7 +26,7 @@ enum { ISO_VALIDITY_TEXT_SIZE = 80, ISO_VALIDITY_FLAW_SIZE = 160 };
 
 /* Whether the resulting limits make sense. Returns false, with a line for people, if one is before
  * 1970, if the end is not after the beginning, or if the change names an end before now_s and does
- * not set `expired`. The last cannot be judged while the clock was never set. */
+ * not set `expired`. The end is not compared with now_s while the clock is not set. */
 bool iso_validity_is_fine(const struct iso_validity *before,
                           const struct iso_validity_change *change, int64_t now_s,
                           char flaw[ISO_VALIDITY_FLAW_SIZE]);
