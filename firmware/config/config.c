@@ -11,17 +11,18 @@
 #include "firmware/config/config_options.h"
 #include "firmware/config/config_value.h"
 
-/* libinih cuts lines at its ini_max_line of 200 bytes, silently: longer ones are refused first. */
+/* libinih cuts lines at its ini_max_line of 200 bytes, without a report. Therefore a line of more
+ * than LINE_MAX_BYTES is a fault. */
 enum { LINE_MAX_BYTES = 190, FILE_MAX_BYTES = 65536 };
 
-/* What is gathered while libinih goes through the text. */
+/* The state of parsing while libinih goes through the text. */
 struct parse {
     struct iso_config config;
-    const char *rest;                        /* what libinih has not asked for yet */
-    int line;                                /* of the line it asked for last, from 1 */
+    const char *rest;                        /* the text that libinih has not asked for yet */
+    int line;                                /* number of the line that it asked for last, from 1 */
     bool seen[ISO_CONFIG_KEYS_MAX];          /* keys[i] was given */
     struct iso__config_pending sensor, door; /* keys that are for the back ends */
-    int fault_line;                          /* of the first line at fault, 0: none */
+    int fault_line;                          /* number of the first line at fault; 0: none */
     struct iso_fault reason;
 };
 
@@ -49,7 +50,7 @@ static bool section_is_known(const char *name, size_t length)
     return false;
 }
 
-/* Notes the fault of the first line only. */
+/* Notes a fault, unless this line or an earlier one has a fault already. */
 __attribute__((format(printf, 3, 4))) static void refuse(struct parse *parse, int line,
                                                          const char *format, ...)
 {
@@ -63,7 +64,8 @@ __attribute__((format(printf, 3, 4))) static void refuse(struct parse *parse, in
     va_end(arguments);
 }
 
-/* libinih tells of no section without keys. */
+/* Checks the length of a line, and the name of a section. libinih does not report a section that
+ * has no keys. */
 static void check_line(struct parse *parse, const char *line, size_t length)
 {
     if (length > LINE_MAX_BYTES) {
@@ -80,7 +82,7 @@ static void check_line(struct parse *parse, const char *line, size_t length)
     }
 }
 
-/* libinih's reader: one line at a time, so that the handler knows where it is. */
+/* The reader of libinih: passes one line at a time, so that the handler knows its number. */
 static char *next_line(char *line, int size, void *context)
 {
     struct parse *parse = context;
@@ -98,8 +100,8 @@ static char *next_line(char *line, int size, void *context)
     return line;
 }
 
-/* A key that is not the appliance's: an obsolete one, an option of a back end, or an unknown one.
- */
+/* Handles a key that is not the appliance's: an obsolete one, an option of a back end, or an
+ * unknown one. Returns 0 if the line is at fault. */
 static int on_other_key(struct parse *parse, const char *section, const char *name,
                         const char *value)
 {
@@ -128,7 +130,7 @@ static int on_other_key(struct parse *parse, const char *section, const char *na
     return 0;
 }
 
-/* libinih's handler: 0 makes this line one at fault. */
+/* The handler of libinih. Returns 0 if the line is at fault. */
 static int on_key(void *context, const char *section, const char *name, const char *value)
 {
     struct parse *parse = context;
@@ -150,7 +152,7 @@ static int on_key(void *context, const char *section, const char *name, const ch
     return 1;
 }
 
-/* At the end of the file, where the back ends are known. */
+/* Called at the end of the file, when the names of the back ends are known. */
 static void resolve_options(struct parse *parse)
 {
     struct iso_config *config = &parse->config;
@@ -175,7 +177,8 @@ struct iso_config iso_config_default(void)
     return config;
 }
 
-/* What is wrong with a text that was parsed, of which the parser refused `line` (0: none). */
+/* Reports what is wrong with a parsed text. `line`: the first line at fault that libinih reports;
+ * 0: none. */
 static int judge_text(const struct parse *parse, const char *name, int line,
                       struct iso_fault *fault)
 {

@@ -6,8 +6,8 @@
  * table (drivers/base/option.h) controls the same things. These are refused with "FILE:LINE: what
  * is wrong": an unknown section or key, an option that only other back ends have (the fault names
  * them; an option without a value is accepted), a bad value, a repeated key, and a line that is not
- * `key = value`. ';' or '#' begins a line of comment; " ;" begins a comment after a value. A line
- * has at most 190 bytes. */
+ * `key = value`. Keys that contradict each other are refused with "FILE: what is wrong". ';' or '#'
+ * begins a line of comment; " ;" begins a comment after a value. A line has at most 190 bytes. */
 #ifndef ISO_FIRMWARE_CONFIG_CONFIG_H
 #define ISO_FIRMWARE_CONFIG_CONFIG_H
 
@@ -66,7 +66,8 @@ struct iso_config_match {
     enum iso_icp_transform transform;
 };
 
-/* The security level of a match, as the false match rate of a comparison: 1e-2, 1e-3, 1e-4. */
+/* The security level: the share of the visits of strangers that may be let in, which is 1e-2, 1e-3
+ * or 1e-4 (iso_config_threshold_among). */
 enum iso_level { ISO_LEVEL_CONVENIENT = 0, ISO_LEVEL_BALANCED, ISO_LEVEL_STRICT };
 
 struct iso_config_decision {
@@ -111,8 +112,7 @@ struct iso_config_seal {
     char key[ISO_CONFIG_TEXT_SIZE]; /* "": next to the gallery */
     enum iso_counter_kind counter;
     char counter_tcti[ISO_CONFIG_TEXT_SIZE], counter_index[ISO_CONFIG_TEXT_SIZE];
-    char
-        credentials[ISO_CONFIG_TEXT_SIZE]; /* directory from the service manager; not in the file */
+    char credentials[ISO_CONFIG_TEXT_SIZE]; /* directory of the service manager; not in the file */
     bool migrate;
 };
 
@@ -210,8 +210,8 @@ int iso_config_parse(const char *name, const char *text, struct iso_config *out,
 int iso_config_load(const char *path, struct iso_config *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The options with which the back end of [sensor], or of [door], is opened. They point into the
- * configuration. Returns their number. */
+/* Lists the options with which the back end of [sensor], or of [door], is opened. They point into
+ * the configuration. Returns their number. */
 size_t iso_config_sensor_options(const struct iso_config *config,
                                  struct iso_option out[ISO_CONFIG_OPTIONS_MAX]);
 size_t iso_config_door_options(const struct iso_config *config,
@@ -220,9 +220,9 @@ size_t iso_config_door_options(const struct iso_config *config,
 /* The value of an option of a back end, or "" if it is not set. */
 const char *iso_config_option(const struct iso_config_options *options, const char *name);
 
-/* Sets an option of the back end that `config->sensor.backend` names, as a line of a file would.
- * -EINVAL with a fault that names the option: there is no such option, its value is bad, or there
- * are too many. */
+/* Adds an option for the back end that `config->sensor.backend` names, as a line of a file would.
+ * An empty value adds nothing. -EINVAL with a fault that names the option: there is no such option,
+ * its value is bad or too long, or there are too many. */
 int iso_config_set_sensor_option(struct iso_config *config, const char *name, const char *value,
                                  struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -5,7 +5,8 @@
 
 #define AT(section, field) offsetof(struct iso_config, section.field)
 
-/* What the list of recognition methods says of them: "|a|b", and a line of help. */
+/* The names of the recognition methods, "|a|b", and a line of help for them, both from the list of
+ * methods. */
 #define METHOD(name, about) "|" #name
 static const char method_choices[] =
 #include "firmware/recognise/method/methods.def"

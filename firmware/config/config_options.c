@@ -71,8 +71,8 @@ static void list_owners(const struct iso__config_class *class, const char *optio
     }
 }
 
-/* An option that this back end does not have. One without a value sets nothing: it is let pass if
- * another back end has it. */
+/* Handles an option that this back end does not have. An option without a value sets nothing, and
+ * is accepted if another back end has it. */
 static int refuse_option(const struct iso__config_class *class, const char *back_end,
                          const char *name, const char *value, struct iso_fault *fault)
 {

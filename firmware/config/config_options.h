@@ -26,14 +26,15 @@ struct iso__config_class {
 
 extern const struct iso__config_class iso__config_sensor_class, iso__config_door_class;
 
-/* Notes a key. -EINVAL with a fault: it was noted before, or there are too many. */
+/* Notes a key. -EINVAL with a fault: it was noted before, it or its value is too long, or there are
+ * too many. */
 int iso__config_pending_add(struct iso__config_pending *pending, const char *name,
                             const char *value, int line, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Passes the collected keys to the back end of this name. -EINVAL with a fault; *line is then the
- * wrong line. A back end that is not in the registry is not a fault here, because opening it
- * reports the existing ones. */
+/* Checks the collected keys against the options of the back end of this name, and adds those with a
+ * value to *out. -EINVAL with a fault; *line is then the number of the wrong line. A back end that
+ * is not in the registry is not a fault here, because opening it reports the existing ones. */
 int iso__config_pending_resolve(const struct iso__config_class *class, const char *back_end,
                                 const struct iso__config_pending *pending,
                                 struct iso_config_options *out, int *line, struct iso_fault *fault)

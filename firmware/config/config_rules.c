@@ -1,4 +1,4 @@
-/* What the keys of a configuration mean together. */
+/* Rules for several keys of a configuration together. */
 #include <math.h>
 
 #include "firmware/config/config_options.h"

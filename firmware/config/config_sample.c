@@ -16,7 +16,7 @@ static void print_key(const struct iso_config_key *key, FILE *out)
     fprintf(out, "\n#%s =%s%s\n", key->name, *key->standard ? " " : "", key->standard);
 }
 
-/* What a section has besides the keys of the table. */
+/* Prints the options of back ends, if the section has any. */
 static void print_options(const char *section, FILE *out)
 {
     static const struct iso__config_class *const classes[] = {&iso__config_sensor_class,

@@ -11,7 +11,7 @@ int iso__config_store(const struct iso_config_key *key, const char *value,
 /* Describes the values that a key accepts. */
 void iso__config_describe(const struct iso_config_key *key, char *text, size_t size);
 
-/* Checks keys that are right alone but may contradict each other: returns what is wrong, or NULL.
+/* Checks keys that are right alone but may contradict each other. Returns what is wrong, or NULL.
  * (config_rules.c) */
 const char *iso__config_find_conflict(const struct iso_config *config);
 
