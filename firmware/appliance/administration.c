@@ -20,7 +20,7 @@ static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fa
                : 0;
 }
 
-/* Puts on record what will be done. If this fails, it must not be done. */
+/* Records what will be done. If this fails, it must not be done. */
 static int announce_event(struct iso_appliance *appliance, const char *event, const char *note,
                           struct iso_fault *fault)
 {
@@ -30,7 +30,7 @@ static int announce_event(struct iso_appliance *appliance, const char *event, co
     return error ? error : iso__appliance_record_first(appliance, &record, fault);
 }
 
-/* Puts on record what came of it. The system's log is not sealed, so names do not go there. */
+/* Records the result. The system's log is not sealed, so names do not go there. */
 static void conclude_event(struct iso_appliance *appliance, const char *event, int error,
                            const struct iso_fault *fault, const char *note)
 {
@@ -189,8 +189,8 @@ int iso_appliance_import(struct iso_appliance *appliance, const struct iso_impor
     return 0;
 }
 
-/* A change of one person is put on record before it is made, and again if it could not be made.
- * Names go only into the sealed log. */
+/* Records a change of one person before it is made; conclude_change records again if it could not
+ * be made. Names go only into the sealed log. */
 static int record_change(struct iso_appliance *appliance, const struct iso_audit_record *record,
                          struct iso_fault *fault)
 {
@@ -328,7 +328,7 @@ int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *f
 
 /* ---- keys ---- */
 
-/* The keys of the anchors are those of gallery, log and lock-out file. */
+/* The keys of the use ISO_KEY_ANCHOR seal the anchors of gallery and log, and the lock-out file. */
 static int rotate_anchors(struct iso_appliance *appliance, struct iso_audit *audit,
                           struct iso_fault *fault)
 {

@@ -1,6 +1,6 @@
-/* What an administrator does to an appliance: renames people, limits the time of their access,
- * copies them from door to door, rotates keys, tests the relay. Each act is recorded before it is
- * done, and its result after it. */
+/* The acts of an administrator: renames people, limits the time of their access, copies them from
+ * door to door, rotates keys, tests the relay. Each act is recorded before it is done. Its result
+ * is recorded after it. */
 #ifndef ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_H
 #define ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_H
 
@@ -11,9 +11,9 @@
 #include "firmware/gallery/transfer.h"
 
 /* Errors of all these functions: -EBUSY while an action of a client goes on, or an error of the log
- * if the act could not be recorded; then nothing was done. */
+ * if the act could not be recorded; then nothing was done.  */
 
-/* Unlocks the door for ISO_DOOR_TEST_MS, so that the installer hears the relay click. Only this
+/* Unlocks the door for ISO_DOOR_TEST_MS, so that the installer hears the relay click. Besides this
  * function, the identification at the door and the exit button unlock the door. -EBUSY a client has
  * the camera, or the door is not locked; -EPERM lockdown or lock-out; -ENODEV the door has no
  * relay, or its lines do not work. */
@@ -21,8 +21,8 @@ int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *f
     __attribute__((warn_unused_result));
 
 /* Writes people to an open, empty file: those of a list that NULL ends, or all if the list is NULL
- * or empty. -EINVAL it is not a file, or not empty; also the errors of iso_transfer_write and of
- * writing. */
+ * or empty. *n is then their number. -EINVAL it is not a file, or not empty; also the errors of
+ * iso_transfer_write and of writing. */
 int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *const *people,
                          const struct iso_transfer_lock *lock,
                          const struct iso_work_listener *listener, size_t *n,
@@ -36,9 +36,9 @@ struct iso_import_request {
     const struct iso_work_listener *listener;
 };
 
-/* Adds people from a file. *known is the number of people who were known here already and stay as
- * they are. Errors of iso_transfer_read, iso_gallery_import and of reading; then nobody was
- * added. */
+/* Adds people from a file. *added is the number of people who were added or replaced. *known is the
+ * number of the others: they were known here already, and stay as they are. Errors of
+ * iso_transfer_read, iso_gallery_import and of reading; then nobody was added. */
 int iso_appliance_import(struct iso_appliance *appliance, const struct iso_import_request *request,
                          size_t *added, size_t *known, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -57,9 +57,11 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
                                const struct iso_validity_change *change, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Seals gallery, log and anchors with new keys and drops the old ones. Then gives the ring another
- * key of the appliance, unless that key is a credential of the system; *remark says so then, else
- * it is "". */
+/* Seals the gallery, the anchors and the lock-out file with new keys, and drops the old ones. The
+ * log goes on with a new key; its closed segments keep the old key, which is dropped when the last
+ * of them is deleted. Then gives the ring another key of the appliance, unless that key is a
+ * credential of the system; *remark says so then, else it is "". After an error some of the keys
+ * may be new. */
 int iso_appliance_rotate_keys(struct iso_appliance *appliance,
                               const struct iso_work_listener *listener, const char **remark,
                               struct iso_fault *fault) __attribute__((warn_unused_result));

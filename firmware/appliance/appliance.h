@@ -1,22 +1,25 @@
 /* The appliance: everything between a sensor and a door, stepped by an injected clock.
  *
- *   WATCH     who comes to the door is identified, and let in
- *   CLAIMED   a client has the camera and does nothing: frames are not looked at
- *   ENROLL, VERIFY, IDENTIFY   ... and does this; nothing of it opens the door
- * (iso_appliance_test_door, in administration.h, does, in WATCH)
+ *   WATCH     people who come to the door are identified; those who are recognised are let in
+ *   CLAIMED   a client has the camera, and no action goes on: faces are not looked for
+ *   ENROLL, VERIFY, IDENTIFY   a client has the camera, and this action goes on
+ *
+ * Besides the exit button, only an identification in WATCH and iso_appliance_test_door
+ * (administration.h) open the door.
  *
  *   WATCH    claim -> CLAIMED          a visit that has begun is forgotten
- *   CLAIMED  enroll, verify, identify  -> that;  release, or claim_ms without an action -> WATCH
+ *   CLAIMED  enroll, verify, identify  -> that action
+ *            release, or claim_ms without an action -> WATCH
  *   ENROLL, VERIFY, IDENTIFY           stop, or its end -> CLAIMED;  release -> WATCH
  *
  * The door does not depend on the mode: exit button, alarms and times work in each.
  *
- * All calls come from one thread. A step takes at most one frame in; it neither sleeps nor waits
- * for the sensor, and takes as long as the extraction of a template. With `threads` the door and
- * the log have threads of their own (door_guard.h, audit_writer.h): the door does not wait for a
- * step, and a step waits for the disk only as long as a grant may wait for its record, and for what
- * an administrator does. Events are reported from within calls of this header; a handler must not
- * call back into it, but for the status. */
+ * All calls come from one thread. A step handles at most one frame; it neither sleeps nor waits for
+ * the sensor, and takes as long as the work on that frame. With `threads` the door and the log have
+ * threads of their own (door_guard.h, audit_writer.h): the door does not wait for a step, and a
+ * step waits for the disk only for the record of a grant (for a limited time), for enrolled and
+ * learned templates, and for the lock-out file. Events are reported from within calls of this
+ * header. A handler may call iso_appliance_status, and no other function of this header. */
 #ifndef ISO_FIRMWARE_APPLIANCE_APPLIANCE_H
 #define ISO_FIRMWARE_APPLIANCE_APPLIANCE_H
 
@@ -51,7 +54,8 @@ enum iso_appliance_mode {
 /* "watch", "claimed", "enroll", "verify", "identify"; NULL outside. */
 const char *iso_appliance_mode_name(enum iso_appliance_mode mode);
 
-/* A decision of the door, and what the door did; reported after both were recorded. */
+/* A decision of the door, and what the door did. It is reported after the records of both were
+ * given to the log. */
 struct iso_visit {
     struct iso_verdict verdict;
     enum iso_door_answer door;
@@ -65,7 +69,8 @@ struct iso_visit {
 struct iso_appliance_events {
     /* `result` is one of the words ISO_CONTRACT_RESULT_... of firmware/contract/contract.h. The
      * word for a retry is followed by a word of capture.h: a hint, given as hint_filter.h says.
-     * person: for a duplicate, the name under which the face is enrolled, else "". */
+     * person: for a duplicate, the name under which the face is enrolled; for "not-stored", the
+     * error of the disk; else "". */
     void (*enroll_status)(void *context, const char *result, bool done, unsigned stage,
                           unsigned stages, double quality, const char *person);
     /* mode: VERIFY or IDENTIFY. person: "" when unknown. score: NaN if there is none. */
@@ -74,10 +79,10 @@ struct iso_appliance_events {
     void (*visit)(void *context, const struct iso_visit *visit);
     /* WATCH: a hint for the person at the door. */
     void (*hint)(void *context, enum iso_capture capture);
-    /* What the sensor sees; only while iso_appliance_aim is on, some ten times a second. */
+    /* What the sensor sees; only while iso_appliance_aim is on, at most ten times a second. */
     void (*view)(void *context, const struct iso_view *view);
     /* The frame that iso_appliance_picture asked for, valid during the call. NULL: no picture
-     * comes, because the camera shows nothing or the claim has ended. */
+     * comes, because the camera shows nothing, the claim has ended or an action begins. */
     void (*picture)(void *context, const struct iso_frame *frame);
     /* Words of door.h. */
     void (*door_changed)(void *context, const char *state, const char *cause);
@@ -112,7 +117,8 @@ struct iso_appliance_borrowed {
 
 struct iso_appliance;
 
-/* -ENOMEM; with threads moreover -EAGAIN, or an errno of descriptors. */
+/* Makes an appliance of these parts; nothing is started yet. -ENOMEM; with threads also -EAGAIN (no
+ * thread can be had), or an errno of making descriptors. */
 int iso_appliance_new(const struct iso_appliance_borrowed *borrowed, struct iso_appliance **out)
     __attribute__((warn_unused_result));
 
@@ -121,7 +127,7 @@ void iso_appliance_free(struct iso_appliance *appliance);
 
 /* Starts the door, then opens the sensor. A missing sensor is not a failure: the appliance tries
  * again, and the door is in FAULT meanwhile. -EINVAL, -ENOENT: the configuration asks for a sensor
- * that cannot exist. */
+ * that cannot exist. -EAGAIN, -ENOMEM: the door gets no thread. */
 int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -144,21 +150,23 @@ uint64_t iso_appliance_progress(const struct iso_appliance *appliance);
 
 /* ---- what a client can ask for ---- */
 
-/* Takes the claim. -EBUSY another client has it. */
+/* Takes the claim: WATCH -> CLAIMED. -EBUSY a client has it already. */
 int iso_appliance_claim(struct iso_appliance *appliance) __attribute__((warn_unused_result));
+
+/* Gives the claim back, and ends an action without a status. Does nothing in WATCH. */
 void iso_appliance_release(struct iso_appliance *appliance);
 
 struct iso_enroll_request {
     const char *person;
     struct iso_validity_change
-        validity; /* limits of a new person; a limit that is not named does not exist */
+        validity; /* a limit that is not named stays as it is stored; a new person has none */
     bool allow_duplicate;
 };
 
-/* Errors of all three, each with a fault: -EACCES not claimed, -EBUSY an action goes on, -ENODEV no
- * sensor. Enroll: -EINVAL bad name or limits, -EDQUOT no room. Verify and identify: -EPERM locked
- * out or lockdown. Verify: -ENOENT no such person, -EINVAL all templates of this person are of
- * another algorithm. */
+/* Begins an action. Errors of all three, each with a fault: -EACCES not claimed, -EBUSY an action
+ * goes on, -ENODEV no sensor, -EIO the gallery is out of service. Enroll: -EINVAL bad name or
+ * limits, -EDQUOT no room. Verify and identify: -EPERM locked out or lockdown. Verify: -ENOENT no
+ * such person, -EINVAL all templates of this person are of another algorithm. */
 int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enroll_request *request,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
 int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
@@ -175,13 +183,15 @@ int iso_appliance_stop_action(struct iso_appliance *appliance, enum iso_applianc
 int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Clears failures and attacks, which ends a lock (lockout.h), and records it. After an error of the
- * log nothing has changed. */
+/* Clears failures and attacks, which ends a lock (lockout.h), and records it. Also accepts the date
+ * of a clock that is behind the log. After an error of the log or of the lock-out file nothing has
+ * changed. -EIO while the lock-out file cannot be read. */
 int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Begins or ends the lockdown, in which nobody is let in, and records it. After an error of the log
- * a lockdown does not end. A lockdown begins in spite of such an error, which is reported. */
+ * or of the lock-out file, a lockdown does not end. A lockdown begins in spite of such an error,
+ * which is returned. */
 int iso_appliance_lockdown(struct iso_appliance *appliance, bool on, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -244,6 +254,7 @@ struct iso_appliance_status {
     int64_t uptime_ns;
 };
 
+/* The present state. Its texts belong to the appliance and are valid until the next call. */
 struct iso_appliance_status iso_appliance_status(const struct iso_appliance *appliance);
 
 #endif

@@ -1,4 +1,4 @@
-/* What a client does with a camera that it has claimed. */
+/* The claim of a client, and the actions that it begins. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -65,7 +65,7 @@ int iso__appliance_may_act(const struct iso_appliance *appliance, struct iso_fau
     return error ? error : iso_gallery_state(appliance->borrowed.gallery, fault);
 }
 
-/* During a lock-out nobody learns on the bus, either, whether a face is known. */
+/* During a lock-out the bus does not tell either whether a face is known. */
 static int may_recognise(const struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const enum iso_reason refusal = iso__appliance_lock_reason(appliance);
@@ -177,7 +177,8 @@ static const char *result_of(const struct iso_verdict *verdict)
     }
 }
 
-/* Whom a recognition names: VERIFY the person asked for, IDENTIFY the person found; "": nobody. */
+/* The name in the result of a recognition: with VERIFY the person asked for, with IDENTIFY the
+ * person found, or "". */
 static const char *name_found(const struct iso_appliance *appliance,
                               const struct iso_verdict *verdict)
 {

@@ -25,11 +25,12 @@ int iso__appliance_say_fault(struct iso_appliance *appliance, int error,
 /* Writes a fault to the system's log as a warning. */
 void iso__appliance_warn(struct iso_appliance *appliance, const struct iso_fault *fault);
 
-/* Writes a record and waits until it is on the disk. Used if the recorded act must not happen
- * without the record. A failure is written to the system's log, and returned. */
+/* Writes a record and waits until it is on the disk. A failure is written to the system's log, and
+ * returned. */
 int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audit_record *record);
 
-/* The same for an act that is not done if this fails. The failure is reported to the caller. */
+/* The same for an act that must not be done if this fails. The failure goes to the caller, and not
+ * to the system's log. */
 int iso__appliance_record_first(struct iso_appliance *appliance,
                                 const struct iso_audit_record *record, struct iso_fault *fault);
 
@@ -61,7 +62,7 @@ void iso__appliance_note_storage(struct iso_appliance *appliance, int error,
 /* Reports the results of posted records, as far as the writer of the log knows them. */
 void iso__appliance_tell_log(struct iso_appliance *appliance);
 
-/* Says that it is t_ns. Once a second it tries to bring a gallery that is out of service back. */
+/* Does what is due at t_ns: tries once a second to bring a gallery that is out of service back. */
 void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns);
 int64_t iso__appliance_storage_due_ns(const struct iso_appliance *appliance);
 
@@ -99,14 +100,15 @@ const char *iso__appliance_sensor_state(const struct iso_appliance *appliance);
 int iso__appliance_new_door(struct iso_appliance *appliance);
 void iso__appliance_free_door(struct iso_appliance *appliance);
 
-/* Starts the door, unless it has started already. -EAGAIN, -ENOMEM: no thread can be had. */
+/* Starts the door, unless it has started already, and warns if its thread has no real-time
+ * priority. -EAGAIN, -ENOMEM: no thread can be had. */
 int iso__appliance_start_door(struct iso_appliance *appliance, struct iso_fault *fault);
 
 /* Records what the door has done since it was started, and from then on each change. */
 void iso__appliance_record_door(struct iso_appliance *appliance);
 
-/* Reports what the door has done, and which changes could not be recorded. Changes of an input that
- * chatters are only counted (door_events.h). */
+/* Reports changes of the door, how many of them were missed, and the results of posted records.
+ * Changes of an input that chatters are only counted (door_events.h). */
 void iso__appliance_tell_door(struct iso_appliance *appliance);
 
 /* Records and reports all changes that were only counted. Called before the end. */
@@ -115,11 +117,12 @@ void iso__appliance_flush_door(struct iso_appliance *appliance);
 /* When iso__appliance_tell_door has to record counted changes, by the clock of the steps. */
 int64_t iso__appliance_door_events_due_ns(struct iso_appliance *appliance);
 
+/* Shows a refusal at the door. */
 void iso__appliance_refuse_at_door(struct iso_appliance *appliance);
 
-/* Lets a person in who was seen at since_ns, by the clock of the frames. -ESTALE, without any
- * effect, if that is longer ago than stale_ms; the time for which the machine was suspended counts,
- * too. */
+/* Lets a person in who was seen at since_ns, by the clock of the frames. *answer says what the door
+ * did. -ESTALE, without any effect, if that is longer ago than stale_ms; the time for which the
+ * machine was suspended counts, too. */
 int iso__appliance_grant_at_door(struct iso_appliance *appliance, int64_t since_ns,
                                  enum iso_door_answer *answer);
 
@@ -169,7 +172,8 @@ void iso__appliance_decide_anew(struct iso_appliance *appliance);
 void iso__appliance_reset_hints(struct iso_appliance *appliance);
 void iso__appliance_forget_hint(struct iso_appliance *appliance);
 
-/* Says that a frame has come, or that none has come until t_ns. */
+/* Handles a frame that arrived at arrival_ns; or the time t_ns, until which no other frame has
+ * come. */
 void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_frame *frame,
                           int64_t arrival_ns);
 void iso__appliance_time(struct iso_appliance *appliance, int64_t t_ns);
@@ -189,8 +193,9 @@ void iso__appliance_show(struct iso_appliance *appliance, enum iso_capture captu
 int iso__appliance_new_repeats(struct iso_appliance *appliance); /* -ENOMEM */
 void iso__appliance_free_repeats(struct iso_appliance *appliance);
 
-/* Whether the usable frame just extracted repeats one of the last ten minutes, and therefore proves
- * nothing. Remembers the frame. A sensor that keeps repeating frames is reported as a fault. */
+/* Whether the usable frame just extracted repeats one of the last ten minutes, and therefore is no
+ * evidence. Remembers the frame. A sensor that keeps repeating frames is reported as a fault. A
+ * replay whose frames may count more than once never repeats. */
 bool iso__appliance_repeats(struct iso_appliance *appliance, const struct iso_frame *frame);
 
 /* The sensor was opened again, so its earlier repetitions are no longer a fault. The frames are
@@ -199,10 +204,11 @@ void iso__appliance_repeat_reset(struct iso_appliance *appliance);
 
 /* ---- the time that a grant needs (appliance_stale.c) ---- */
 
-/* The sensor was opened: uses its rate, and warns if there is too little time. */
+/* Called when the sensor was opened: uses its rate, and warns if grants have too little time. */
 void iso__appliance_stale_sensor(struct iso_appliance *appliance);
 
-/* The work on a usable frame has ended: uses its duration, and warns as above. */
+/* Called when a usable frame was extracted and judged: uses the time since its exposure, and warns
+ * as above. The comparison with the gallery comes later and does not count. */
 void iso__appliance_stale_frame(struct iso_appliance *appliance, const struct iso_frame *frame);
 
 /* ---- a clock that was set back (appliance_clock.c) ---- */
@@ -214,14 +220,15 @@ bool iso__appliance_clock_is_behind(const struct iso_appliance *appliance);
  * ISO_FAULT_NONE. */
 enum iso_fault_code iso__appliance_clock_code(const struct iso_appliance *appliance);
 
-/* The date by which limits are judged while the clock is not behind, in seconds since 1970. It does
- * not go back by the minute that is tolerated. */
+/* The date by which limits are judged while the clock is not behind, in seconds since 1970: that of
+ * the clock, or the latest one in the log if that is later. */
 int64_t iso__appliance_date_s(const struct iso_appliance *appliance);
 
 /* Reports and records that the clock is behind, or right again. */
 void iso__appliance_clock_time(struct iso_appliance *appliance);
 
-/* An administrator says that the clock is right and the log's date was wrong. This is recorded. */
+/* Accepts the date of a clock that is behind, because an administrator says so. This is recorded.
+ */
 void iso__appliance_accept_clock(struct iso_appliance *appliance);
 
 /* ---- a picture (appliance_picture.c) ---- */
@@ -241,7 +248,8 @@ struct iso_decision_options iso__appliance_decision_options(const struct iso_con
 /* The score that a face needs now. It depends on how many people the face is compared with. */
 double iso__appliance_threshold(const struct iso_appliance *appliance);
 
-/* WATCH: the verdict of a visit. Logs it, tells the door, reports it. */
+/* WATCH: handles the verdict of a visit. Records it, switches the door, reports it, and may learn
+ * from it. */
 void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict verdict);
 
 /* Counts a frame with a cue of an attack. */
@@ -250,8 +258,8 @@ void iso__appliance_count_attack_frame(struct iso_appliance *appliance);
 /* Wipes the name of a person who was removed from the text of the last visit. */
 void iso__appliance_forget_outcome(struct iso_appliance *appliance, const char *name);
 
-/* WATCH: keeps the template just extracted, if the visit that it ended is one to learn from. This
- * is the last step of a visit, because nobody waits for it. */
+/* WATCH: stores the template just extracted, if the visit that it ended is one to learn from. This
+ * is the last step of a visit, so that nobody waits for it. */
 void iso__appliance_learn(struct iso_appliance *appliance, const struct iso_verdict *verdict);
 
 /* Deletes the learned templates if the configuration learns none any more, and records it. */
@@ -274,7 +282,7 @@ void iso__appliance_start_lockout(struct iso_appliance *appliance);
  * existing file could not be read yet and is therefore not replaced. */
 int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_fault *fault);
 
-/* Says that it is t_ns: a lock may be over, or it may be time to read the file. */
+/* Does what is due at t_ns: ends a lock, reads the file, or writes it. */
 void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns);
 
 int64_t iso__appliance_lockout_due_ns(const struct iso_appliance *appliance);
@@ -289,7 +297,7 @@ enum iso_reason iso__appliance_lock_reason(const struct iso_appliance *appliance
  * that cannot be read yet, or a gallery that is out of service. */
 bool iso__appliance_is_shut(const struct iso_appliance *appliance);
 
-/* Replaces the verdict by that reason if nobody is let in. */
+/* Replaces the verdict by a refusal with the reason, if nobody is let in. */
 void iso__appliance_shut_out(const struct iso_appliance *appliance, struct iso_verdict *verdict);
 
 /* Counts a verdict that was reported. A lock may begin. */
@@ -304,6 +312,8 @@ void iso__appliance_init_claim(struct iso_appliance *appliance);
  * why the gallery is out of service. */
 int iso__appliance_may_act(const struct iso_appliance *appliance, struct iso_fault *fault);
 
+/* Begins an action, which ends after duration_ms at the latest. Visit, hints and a picture that is
+ * awaited are dropped. */
 void iso__appliance_begin_action(struct iso_appliance *appliance, enum iso_appliance_mode mode,
                                  int duration_ms);
 
@@ -322,7 +332,7 @@ void iso__appliance_tell_hint(struct iso_appliance *appliance, enum iso_capture 
 void iso__appliance_action_deadline(struct iso_appliance *appliance, int64_t now_ns);
 int64_t iso__appliance_action_due_ns(const struct iso_appliance *appliance);
 
-/* The sensor is gone. */
+/* Ends an action because the sensor is lost. The claim stays. */
 void iso__appliance_action_disconnect(struct iso_appliance *appliance);
 
 /* Wipes the person of the last action. */

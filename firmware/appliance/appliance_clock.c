@@ -27,7 +27,8 @@ int64_t iso__appliance_date_s(const struct iso_appliance *appliance)
     return now_s < latest_s && !iso__appliance_clock_is_behind(appliance) ? latest_s : now_s;
 }
 
-/* `first`: waits for the disk, because what the record announces must not happen without it. */
+/* Records an event of the clock. `first`: waits for the disk, because the announced act must not
+ * happen without the record. */
 static bool record(struct iso_appliance *appliance, const char *reason, int64_t before_s,
                    bool first)
 {

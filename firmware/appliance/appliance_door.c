@@ -15,7 +15,7 @@ static bool is_alarm(const struct iso_door_news *news)
            news->state == ISO_DOOR_FAULT || news->tamper;
 }
 
-/* A record of what happened so long ago. */
+/* Posts a record of an event that happened age_ns ago. */
 static void post(struct iso_appliance *appliance, const char *reason, const char *note,
                  int64_t age_ns)
 {

@@ -1,4 +1,4 @@
-/* ENROLL: somebody is put into the gallery. */
+/* ENROLL: adds a person, or a template of a person, to the gallery. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -59,7 +59,7 @@ int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enrol
     return 0;
 }
 
-/* Whom the enrolment that ends duplicates; NULL: nobody. */
+/* The person whose face the enrolment shows under another name; NULL: nobody. */
 static const struct iso_person *duplicate_of(const struct iso_appliance *appliance)
 {
     return appliance->enrolling.enrolment.state == ISO_ENROLMENT_DUPLICATE
@@ -68,7 +68,7 @@ static const struct iso_person *duplicate_of(const struct iso_appliance *applian
                : NULL;
 }
 
-/* `detail`: whom it duplicates, what the disk refused, or "". */
+/* `detail`: the name of that person, the error of the disk, or "". */
 static void tell_enrolment(const struct iso_appliance *appliance, const char *result, bool done,
                            double quality, const char *detail)
 {
@@ -135,8 +135,7 @@ static int add_person(struct iso_appliance *appliance, struct iso_fault *fault)
     return error;
 }
 
-/* Puts the template into the gallery, after the record of it. Without a record nothing is stored.
- */
+/* Stores the template, after the record of it. Without a record nothing is stored. */
 static int keep_enrolment(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     appliance->enrolling.person.enrolled_s = iso_times_wall_ns(&appliance->borrowed.times) /
@@ -157,7 +156,8 @@ static int keep_enrolment(struct iso_appliance *appliance, struct iso_fault *fau
     return 0;
 }
 
-/* What the record of an enrolment that failed says besides its result; NULL: nothing. */
+/* The note in the record of an enrolment that failed: the cue of an attack, or the name of a
+ * duplicate; NULL: none. */
 static const char *enrolment_note(const struct iso_appliance *appliance)
 {
     const struct iso_person *duplicate = duplicate_of(appliance);
@@ -167,8 +167,7 @@ static const char *enrolment_note(const struct iso_appliance *appliance)
     return duplicate ? duplicate->name : NULL;
 }
 
-/* What clients are told besides the result: whom the face duplicates, or why the disk has not
- * stored the template; "": nothing. */
+/* The detail for clients: the name of a duplicate, or the error of the disk; "": none. */
 static const char *enrolment_detail(const struct iso_appliance *appliance, int error,
                                     const struct iso_fault *fault)
 {

@@ -109,7 +109,7 @@ enum iso_capture iso__appliance_judge(struct iso_appliance *appliance,
                                                    : ISO_CAPTURE_OK;
 }
 
-/* How long a scene that moved counts as one with somebody in it. */
+/* For so long after a movement, a scene counts as one with a person in it. */
 static const int64_t scene_quiet_ns = 2 * ISO_NS_PER_S;
 
 enum iso_capture iso__appliance_tell_of(struct iso_appliance *appliance,
@@ -140,8 +140,8 @@ bool iso__appliance_is_stale(struct iso_appliance *appliance, const struct iso_f
     return true;
 }
 
-/* Whether a frame is identical to the one before it. Such a frame must not agree with itself.
- * (Some more of them are an attack, see is_lifeless.) */
+/* Whether a frame is identical to the one before it. Such a frame must not agree with itself. (More
+ * of them in a row are an attack: see is_lifeless.) */
 static bool is_echo(const struct iso_appliance *appliance)
 {
     return appliance->borrowed.config->motion.frozen_frames > 0 &&

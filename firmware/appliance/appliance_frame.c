@@ -1,4 +1,4 @@
-/* What becomes of a frame, by mode. */
+/* Handles a frame as the mode asks. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +8,7 @@
 #include "drivers/terminal/words.h"
 #include "firmware/appliance/appliance_calls.h"
 
-/* The longest attempt that is one record. */
+/* An attempt that lasts longer becomes several records. */
 static const int64_t attack_longest_ns = 60 * ISO_NS_PER_S;
 
 void iso__appliance_init_visit(struct iso_appliance *appliance)
@@ -122,7 +122,7 @@ static void follow_track(struct iso_appliance *appliance)
     }
 }
 
-/* Takes in a usable face. Returns OK, or why the face cannot be used after all. */
+/* Handles a usable face. Returns OK, or the reason why the face cannot be used after all. */
 static enum iso_capture recognise_face(struct iso_appliance *appliance, int64_t t_ns,
                                        int64_t arrival_ns)
 {
@@ -140,7 +140,7 @@ static enum iso_capture recognise_face(struct iso_appliance *appliance, int64_t 
     follow_track(appliance);
     face.t_ns = t_ns;
     face.track = appliance->face.motion.track;
-    /* Who somebody is does not depend on the time; whether the door opens does. */
+    /* The time of day matters for opening the door, and not for telling who a person is. */
     face.valid = appliance->mode != ISO_APPLIANCE_WATCH ||
                  iso__appliance_is_valid(appliance, face.person);
     if (appliance->visit.decision.n_frames == 0) {
@@ -162,7 +162,7 @@ static enum iso_capture take_face(struct iso_appliance *appliance, int64_t t_ns,
     return recognise_face(appliance, t_ns, arrival_ns);
 }
 
-/* Takes in a frame that shows a picture, a screen or a mask. */
+/* Handles a frame that shows a picture, a screen or a mask. */
 static void take_attack(struct iso_appliance *appliance, enum iso_capture cue, int64_t t_ns,
                         int64_t arrival_ns)
 {
@@ -181,9 +181,8 @@ static void take_attack(struct iso_appliance *appliance, enum iso_capture cue, i
     }
 }
 
-/* Whether a word may become a hint. An empty scene never does. For a client's action, a person is
- * there and waits for hints; at the door somebody has to be seen, and a face that has got its
- * verdict needs none. */
+/* Whether a word may become a hint. An empty scene never does. During a client's action a person is
+ * there and waits for hints. At the door, only a face that has no verdict yet gets hints. */
 static bool may_hint(const struct iso_appliance *appliance, enum iso_capture capture)
 {
     if (capture == ISO_CAPTURE_NOBODY) {
@@ -195,8 +194,8 @@ static bool may_hint(const struct iso_appliance *appliance, enum iso_capture cap
     return capture != ISO_CAPTURE_NO_FACE && appliance->visit.decision.state != ISO_DECISION_SPENT;
 }
 
-/* The interval between hints is measured when they are given: the times of late frames do not
- * matter to the person. */
+/* Gives a hint if one is due. The interval between hints is measured by the time at which they are
+ * given, and not by the times of the frames. */
 static void give_hint(struct iso_appliance *appliance, enum iso_capture capture)
 {
     const int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
@@ -207,7 +206,7 @@ static void give_hint(struct iso_appliance *appliance, enum iso_capture capture)
     }
 }
 
-/* Counts what the image said of the face. */
+/* Counts the result of the image check. */
 static void note_image(struct iso_appliance *appliance)
 {
     const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;

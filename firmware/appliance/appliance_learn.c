@@ -60,7 +60,7 @@ static void keep(struct iso_appliance *appliance, const struct iso_verdict *verd
     if (!known || iso_gallery_room(gallery, known->name, NULL)) {
         return;
     }
-    const struct iso_person person = *known; /* the gallery's own moves when it grows */
+    const struct iso_person person = *known; /* a copy: the gallery's array may move */
     record.person = person.name;
     record.score = verdict->score;
     if (iso__appliance_record(appliance, &record)) {

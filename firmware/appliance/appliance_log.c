@@ -1,4 +1,4 @@
-/* What the appliance puts on record, and what it tells the system's log. */
+/* Records for the audit log, and lines for the system's log. */
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -50,7 +50,7 @@ int iso__appliance_record(struct iso_appliance *appliance, const struct iso_audi
     return iso__appliance_say_fault(appliance, error, &fault);
 }
 
-/* The writer keeps the fault, and iso__appliance_tell_log tells it. */
+/* The writer keeps a fault of the disk; iso__appliance_tell_log reports it. */
 int iso__appliance_note(struct iso_appliance *appliance, const struct iso_audit_record *record)
 {
     const int error = iso_audit_writer_post(appliance->log, record, NULL);
@@ -58,8 +58,8 @@ int iso__appliance_note(struct iso_appliance *appliance, const struct iso_audit_
     return error;
 }
 
-/* A record that was in time by the clock of the wait may have come too late by the one that counts
- * on during a suspension. */
+/* The clock by which the writer waits stops during a suspension. So the time is measured again by
+ * the clock that runs on. */
 int iso__appliance_record_grant(struct iso_appliance *appliance,
                                 const struct iso_audit_record *record, struct iso_fault *fault)
 {

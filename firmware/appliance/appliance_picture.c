@@ -3,7 +3,7 @@
 
 #include "firmware/appliance/appliance_calls.h"
 
-/* A camera that works shows a frame sooner than that. */
+/* A camera that works delivers a frame in less time. */
 static const int64_t patience_ns = 3 * ISO_NS_PER_S;
 
 static int may_ask(const struct iso_appliance *appliance, struct iso_fault *fault)

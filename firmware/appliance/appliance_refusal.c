@@ -1,4 +1,4 @@
-/* Lock-out and lockdown: everybody is refused, whatever the face. */
+/* Lock-out and lockdown: nobody is let in, whatever the face. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -122,7 +122,7 @@ static void take_file(struct iso_appliance *appliance, const struct iso_lockout_
     iso_lockout_restore(&appliance->lockout.state, &file->record, iso__appliance_now_ns(appliance));
     const bool added = lockdown && !appliance->lockout.state.lockdown;
     appliance->lockout.state.lockdown = lockdown || appliance->lockout.state.lockdown;
-    if (file->number == 0 || added) { /* from now on there is a sealed one, and it is known */
+    if (file->number == 0 || added) { /* writes a sealed file, which the other stores then know */
         (void)!save_lockout(appliance, NULL);
     }
     if (iso_lockout_refusal(&appliance->lockout.state) != ISO_REASON_NONE) {
@@ -160,8 +160,8 @@ static void try_again_later(struct iso_appliance *appliance, const struct iso_fa
     }
 }
 
-/* Reads the file, for the first time or again. What it knows of the other stores was compared with
- * them before the start, unless it could not be read then. */
+/* Reads the file, for the first time or again. Before the start its knowledge of the other stores
+ * was compared with them, unless it could not be read then; in that case this is done now. */
 static void read_file(struct iso_appliance *appliance)
 {
     const bool again = iso__appliance_lockout_is_unread(appliance);
@@ -182,7 +182,7 @@ static void read_file(struct iso_appliance *appliance)
     }
     take_file(appliance, &file);
     if (again) {
-        iso__appliance_decide_anew(appliance); /* who was not compared begins anew */
+        iso__appliance_decide_anew(appliance); /* faces were not compared until now */
         iso__appliance_say(appliance, LOG_NOTICE, "the lock-out file can be read again");
         record_reading(appliance, "readable", NULL);
     }
@@ -257,7 +257,7 @@ void iso__appliance_lockout_time(struct iso_appliance *appliance, int64_t t_ns)
         struct iso_audit_record record = iso_audit_record_of("lockout");
         record.reason = "over";
         (void)iso__appliance_note(appliance, &record);
-        iso__appliance_decide_anew(appliance); /* who was not compared begins anew */
+        iso__appliance_decide_anew(appliance); /* faces were not compared until now */
     }
     (void)!save_lockout(appliance, NULL);
 }
@@ -318,7 +318,7 @@ int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_faul
 {
     const struct iso_lockout before = appliance->lockout.state;
     if (iso__appliance_lockout_is_unread(
-            appliance)) { /* it may hold a lockdown, which this does not end */
+            appliance)) { /* it may contain a lockdown, which this must not end */
         return iso_fault_set_code(fault, appliance->lockout.fault.code, -EIO, "%s",
                                   appliance->lockout.fault.text);
     }
@@ -337,7 +337,7 @@ int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_faul
     return error;
 }
 
-/* A lockdown begins whatever the disk says. */
+/* A lockdown begins even if the disk reports an error. */
 static int begin_lockdown(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const int error = record_act(appliance, "lockdown", "on", fault);
@@ -352,7 +352,7 @@ static int begin_lockdown(struct iso_appliance *appliance, struct iso_fault *fau
     return iso_fault_set_code(fault, own.code, unkept, "%s", own.text);
 }
 
-/* This also replaces a file that cannot be read. */
+/* Ends a lockdown. This also replaces a file that cannot be read. */
 static int end_lockdown(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const struct iso_lockout before = appliance->lockout.state;

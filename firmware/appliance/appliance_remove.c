@@ -1,17 +1,17 @@
-/* People are removed: from the gallery, and from what is left of them in memory. */
+/* Removes people from the gallery, and wipes the data of them that is left in memory. */
 #include <errno.h>
 #include <stdio.h>
 
 #include "firmware/appliance/appliance_calls.h"
 
-/* Wipes what is left in memory of a person of this name, who is not in the gallery any more. */
+/* Wipes the data in memory of a person of this name, who is not in the gallery any more. */
 static void forget_person(struct iso_appliance *appliance, const char *name)
 {
     const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
     const bool idle = appliance->mode == ISO_APPLIANCE_WATCH ||
                       appliance->mode == ISO_APPLIANCE_CLAIMED;
     iso__appliance_forget_outcome(appliance, name);
-    if (idle) { /* else somebody is looked at now, for whom these are */
+    if (idle) { /* during an action they belong to the person who is seen now */
         iso__appliance_forget_claim(appliance);
         iso__appliance_forget_enrolment(appliance);
     }
@@ -26,7 +26,7 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
     struct iso_audit_record record = iso_audit_record_of("delete");
     struct iso_fault own = {.text = ""};
     const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery, person);
-    char name[ISO_PERSON_NAME_SIZE]; /* as it is spelt; the gallery's own goes with the person */
+    char name[ISO_PERSON_NAME_SIZE]; /* as the gallery spells it */
     if (iso_gallery_state(appliance->borrowed.gallery, fault)) {
         return -EIO;
     }

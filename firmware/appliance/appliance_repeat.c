@@ -1,4 +1,4 @@
-/* Frames that come again: a camera that is stuck, or fed with stored ones. */
+/* Frames that repeat earlier ones: the camera is stuck, or somebody feeds it with stored frames. */
 #include <errno.h>
 #include <stdio.h>
 #include <syslog.h>

@@ -95,7 +95,7 @@ int iso__appliance_open_sensor(struct iso_appliance *appliance, int64_t now_ns,
     return 0;
 }
 
-/* A step that is late by so much was held up by the disk, by a frame that took long, or by other
+/* A step that is late by this time was held up by the disk, by a frame that took long, or by other
  * work of the machine, and not by the sensor. */
 static const int64_t stall_ns = 50 * ISO_NS_PER_MS;
 
@@ -107,7 +107,8 @@ static void excuse_stall(struct iso_appliance *appliance, int64_t now_ns)
     }
 }
 
-/* Called after the look: the time that the driver takes in it counts for the sensor. */
+/* Notes when the next look is due. Called after a look, so that the time that the driver takes in
+ * it counts against the sensor. */
 static void note_next_look(struct iso_appliance *appliance)
 {
     const int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
@@ -122,7 +123,7 @@ void iso__appliance_look_at_sensor(struct iso_appliance *appliance, int64_t now_
     const enum iso_sensor_news news = iso_sensor_supervisor_look(&appliance->sensor.supervisor,
                                                                  now_ns, &frame);
     note_next_look(appliance);
-    follow_sight(appliance); /* before what was seen now is looked at */
+    follow_sight(appliance); /* before the news is handled */
     switch (news) {
     case ISO_SENSOR_FRAME:
         iso__appliance_frame(appliance, frame, now_ns);

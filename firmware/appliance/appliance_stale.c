@@ -1,7 +1,7 @@
 /* Whether grants have enough time: the sensor's rate and the working time against stale_ms. */
 #include "firmware/appliance/appliance_calls.h"
 
-/* The system's log is told once, until the sensor is opened anew. */
+/* Compares the needed time with stale_ms. Warns once, until the sensor is opened again. */
 static void judge(struct iso_appliance *appliance)
 {
     struct iso_fault fault = {.text = ""};

@@ -34,7 +34,7 @@ struct iso_appliance_sensor {
 
 /* Whether usable frames repeat earlier ones. (appliance_repeat.c) */
 struct iso_appliance_repeats {
-    struct iso_frame_memory *shown; /* the frames that were evidence */
+    struct iso_frame_memory *shown; /* usable frames of the last ten minutes */
     struct iso_repeat_watch watch;
 };
 
@@ -62,7 +62,7 @@ struct iso_appliance_visit {
 /* The outcome of visits. (appliance_visit.c) */
 struct iso_appliance_outcome {
     char text[48 + ISO_PERSON_NAME_SIZE]; /* of the last visit, for the status */
-    char person[ISO_PERSON_NAME_SIZE];    /* the person whom the text names; "" */
+    char person[ISO_PERSON_NAME_SIZE];    /* the person whom the text names; "": nobody */
     struct iso_fault card_fault;          /* why the last card number was not sent */
     struct iso_door_look door_look;       /* the door after the last grant */
     struct iso_appliance_counts counts;
@@ -134,7 +134,8 @@ struct iso_appliance_picture {
 };
 
 struct iso_appliance {
-    /* The parts of the appliance, set once. (appliance.c; `door`: appliance_door.c) */
+    /* The parts of the appliance, set once. (appliance.c; `door`: appliance_door.c;
+     * `borrowed.lockout_path`: appliance_refusal.c makes "" of NULL) */
     struct iso_appliance_borrowed borrowed;
     struct iso_audit_writer *log;
     struct iso_door_guard *door;

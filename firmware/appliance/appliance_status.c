@@ -1,4 +1,4 @@
-/* What people see of the appliance: its status, and what the sensor sees. */
+/* The status of the appliance, and the view of its sensor. */
 #include <stdio.h>
 
 #include "firmware/appliance/appliance_calls.h"
@@ -51,7 +51,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
     return status;
 }
 
-/* ---- the view of the sensor, for whoever aims it ---- */
+/* ---- the view of the sensor, for the person who aims it ---- */
 
 /* A person who turns a camera cannot follow more. */
 static const int64_t view_interval_ns = 100 * ISO_NS_PER_MS;
@@ -59,7 +59,7 @@ static const int64_t view_interval_ns = 100 * ISO_NS_PER_MS;
 void iso_appliance_aim(struct iso_appliance *appliance, bool on)
 {
     appliance->aim.on = on;
-    /* Whoever begins to aim sees the next frame at once, however short ago another one was told. */
+    /* The next frame is shown at once, however short ago another one was shown. */
     appliance->aim.told_ns = iso_times_now_ns(&appliance->borrowed.times) - ISO_NS_PER_S;
 }
 

@@ -1,6 +1,6 @@
-/* What the appliance knows of its disk and of the counter of its state: a gallery that is out of
- * service comes back, a fault of the counter is told, and a change that no record follows is
- * counted all the same. */
+/* The state of the disk, and of the counter of the state. Brings a gallery that is out of service
+ * back, reports faults of the counter, and makes sure that the counter also counts a change after
+ * which no record is written. */
 #include <errno.h>
 #include <syslog.h>
 
@@ -31,7 +31,7 @@ const struct iso_fault *iso__appliance_storage_fault(const struct iso_appliance 
                                                        : &appliance->storage.fault;
 }
 
-/* Each fault of the log is told once, until the log is written again. */
+/* Each fault of the log is reported once, until the log can be written again. */
 void iso__appliance_tell_log(struct iso_appliance *appliance)
 {
     struct iso_fault fault;
@@ -70,14 +70,15 @@ void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns)
         return;
     }
     appliance->storage.gallery_retry_ns = ISO_NEVER_NS;
-    iso__appliance_decide_anew(appliance); /* who was not compared begins anew */
+    iso__appliance_decide_anew(appliance); /* faces were not compared until now */
     iso__appliance_say(appliance, LOG_NOTICE, "the gallery is in service again");
     iso__appliance_record_gallery(appliance, "gallery", "read from the disk again");
 }
 
 /* ---- the counter of the state directory ---- */
 
-/* Longer than the log needs for a record: with each record the number is due for a moment. */
+/* Longer than the log needs for a record, because the number is due for a moment with each record.
+ */
 static const int64_t counter_patience_ns = 2 * ISO_NS_PER_S;
 
 static void take_counter_news(struct iso_appliance *appliance)
@@ -99,7 +100,8 @@ static void take_counter_news(struct iso_appliance *appliance)
     }
 }
 
-/* A record makes the log write its anchor, and the number with it. One such record is enough. */
+/* Writes a record if the number is due for long. The record makes the log write its anchor, and the
+ * number with it. One such record is enough. */
 static void follow_counter(struct iso_appliance *appliance, int64_t now_ns)
 {
     if (!iso_state_counter_is_due(appliance->borrowed.counter)) {

@@ -1,4 +1,4 @@
-/* WATCH: what becomes of a visit. */
+/* WATCH: handles the verdict of a visit. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -64,7 +64,7 @@ static const char *verdict_word(const struct iso_verdict *verdict)
     return verdict->allow ? "allow" : "deny";
 }
 
-/* What a record of a visit says of the verdict. `image` lends room for the note. */
+/* Makes a record of a verdict. Its note may point into `image`. */
 static struct iso_audit_record record_of(const struct iso_appliance *appliance, const char *event,
                                          const char *person, const struct iso_verdict *verdict,
                                          char image[ISO_IMAGE_TALLY_TEXT_SIZE])
@@ -93,7 +93,8 @@ static void deny_verdict(struct iso_verdict *verdict, enum iso_reason reason)
     verdict->reason = reason;
 }
 
-/* The reason of a refusal for want of a record: the record was late, or the log refused it. */
+/* The reason of a refusal because the record was not written: the record was late, or the log
+ * refused it. */
 static enum iso_reason reason_of(int error)
 {
     return error == -ETIMEDOUT || error == -ENOBUFS ? ISO_REASON_NOT_ON_RECORD
@@ -143,7 +144,7 @@ static void send_card(struct iso_appliance *appliance, struct iso_visit *visit)
     const struct iso_card *card = card_of(appliance, visit->person);
     int error = -ENOENT;
     if (iso_door_guard_look(appliance->door).state != ISO_DOOR_UNLOCKED) {
-        return; /* a fault lasts: nobody is let in, here or there */
+        return; /* not at a fault; and a door that stands open gets no number */
     }
     if (card) {
         error = iso_door_guard_send_card(appliance->door, &card->number, fault);
@@ -178,10 +179,10 @@ static enum iso_reason open_door(struct iso_appliance *appliance, struct iso_vis
     return ISO_REASON_NONE;
 }
 
-/* Nobody is let in without a record on the disk, and what the door did is known only afterwards:
- * the record "grant" is written before the lock is switched, and "visit", which repeats it and says
- * what the door did, after that. A crash in between leaves a grant without a visit. A grant that
- * comes to the disk too late has a "visit" behind it that denies. */
+/* Nobody is let in without a record on the disk, and what the door did is known only afterwards.
+ * Therefore there are two records: "grant" is written before the lock is switched; "visit" is
+ * written after that, repeats the grant and says what the door did. A crash in between leaves a
+ * grant without a visit. If a grant gets to the disk too late, its "visit" is a denial. */
 static void let_in(struct iso_appliance *appliance, struct iso_visit *visit)
 {
     char image[ISO_IMAGE_TALLY_TEXT_SIZE];
@@ -212,7 +213,7 @@ static void count_verdict(struct iso_appliance_counts *counts, const struct iso_
     counts->attacks += verdict->reason == ISO_REASON_ATTACK;
 }
 
-/* The text of the last visit ends before the name then. */
+/* Cuts the text of the last visit before the name. */
 void iso__appliance_forget_outcome(struct iso_appliance *appliance, const char *name)
 {
     if (*name && strcmp(appliance->outcome.person, name) == 0) {

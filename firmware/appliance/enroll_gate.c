@@ -18,7 +18,7 @@ struct iso_enroll_gate iso_enroll_gate_of(const struct iso_config_enroll *config
 
 enum side { MIDDLE, RIGHT, LEFT };
 
-/* Where a landmark is on the face: whose half, and what to uncover. */
+/* The half of the face on which a landmark is, and the hint if it is covered. */
 static const struct place {
     enum side side;
     enum iso_capture covered;
@@ -49,9 +49,10 @@ static double landmark_coverage(const struct iso_template *tmpl, int landmark)
     return sum / (tmpl->n_radii * tmpl->n_points);
 }
 
-/* How far the mouth is open: the middles of the inner lips. It tells an open mouth better than the
- * strength of the expression does. Of real frames (Kinect v2, 8 recordings, heads turned by up to
- * 24 degrees) 39 of 42 with the mouth half or wide open exceed 8 mm, and 0 of 57 calm ones. */
+/* How far the mouth is open: the distance between the middles of the inner lips. It shows an open
+ * mouth better than the strength of the expression does. Of real frames (Kinect v2, 8 recordings,
+ * heads turned by up to 24 degrees) 39 of 42 with the mouth half or wide open exceed 8 mm, and 0 of
+ * 57 calm ones. */
 static double mouth_mm(const struct iso_extraction *extraction)
 {
     enum { UPPER_LIP = 62, LOWER_LIP = 66 }; /* of the 68 points */
