@@ -137,9 +137,9 @@ const struct iso_card *iso_cards_find(const struct iso_cards *cards, const char 
     for (size_t i = 0; i < cards->n; i++) {
         if (iso_person_name_key_is_same(&cards->rows[i].key, &key)) {
             if (found) {
-                return NULL;
                 /* Two spellings match the name, and it is not certain which card is this
                  * person's. */
+                return NULL;
             }
             found = &cards->rows[i].card;
         }

@@ -3,7 +3,8 @@
  *   FACILITY NUMBER NAME
  *
  * such as "17 4711 anna". The name is everything after the second blank. Empty lines and lines that
- * begin with '#' are ignored. The file is read strictly: no name and no number may occur twice. */
+ * begin with '#' are ignored. The file is read strictly: no spelling of a name and no card may
+ * occur twice. */
 #ifndef ISO_FIRMWARE_DOOR_CARDS_H
 #define ISO_FIRMWARE_DOOR_CARDS_H
 
@@ -12,11 +13,12 @@
 
 struct iso_cards;
 
-/* -EBADMSG with "FILE:LINE: what is wrong", -ENOMEM, or an error of opening and reading it. */
+/* Reads the file. -EBADMSG with "FILE:LINE: what is wrong", -ENOMEM, or an error of opening and
+ * reading it. */
 int iso_cards_load(const char *path, struct iso_cards **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* NULL is fine. */
+/* Frees them. NULL is accepted. */
 void iso_cards_free(struct iso_cards *cards);
 
 /* One line of the file. Belongs to the cards. */

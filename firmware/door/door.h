@@ -21,7 +21,8 @@
  *   every one  stop -> STOPPED
  *
  * Besides the state there are three flags: a fault lasts (fault, recovered), the housing is open
- * (tamper, tamper-ended), and somebody was refused less than refused_ms ago (refuse).
+ * (tamper, tamper-ended), and somebody was refused less than refused_ms ago and not let in since
+ * (refuse).
  *
  * Outputs, from state and flags alone:
  *   relay        unlocks in UNLOCKED, for no longer than pulse_ms if that is given (for locks that
@@ -29,7 +30,7 @@
  *                locks again as soon as the door has opened, so that it is locked when it falls
  *                shut; without power in STOPPED and FAULT
  *   led_granted  UNLOCKED, OPENED
- *   led_refused  while somebody was just refused
+ *   led_refused  while the flag of a refusal is set
  *   buzzer       HELD_OPEN, FORCED, and while the housing is open; not in STOPPED
  *   projector    in every state but STOPPED: a sensor that needs it looks all the time */
 #ifndef ISO_FIRMWARE_DOOR_DOOR_H

@@ -32,7 +32,7 @@ void iso_door_control_init(struct iso_door_control *control, const struct iso_do
     iso_door_init(&control->door, options);
 }
 
-/* An alarm is reported even if the state stays the same. */
+/* Whether an event is reported even if the state stays the same. */
 static bool is_alarm(enum iso_door_event event)
 {
     return event == ISO_DOOR_ON_TAMPER || event == ISO_DOOR_ON_TAMPER_ENDED;
@@ -48,7 +48,7 @@ static void tell_change(struct iso_door_control *control, enum iso_door_event ev
 
 /* ---- lines ---- */
 
-/* Notes whether the lines work, and tells the state machine when that changes. */
+/* Notes whether the lines work. Passes a change of that to the state machine. */
 static void note_lines(struct iso_door_control *control, const struct iso_fault *fault, bool broken,
                        int64_t now_ns)
 {

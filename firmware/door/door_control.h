@@ -34,15 +34,15 @@ struct iso_door_control {
     struct iso_door door;
     struct iso_door_timing timing;
     struct iso_door_io *io;
-    struct iso_door_inputs inputs;   /* as read last */
-    struct iso_door_outputs outputs; /* as switched last */
+    struct iso_door_inputs inputs;   /* as they were read last */
+    struct iso_door_outputs outputs; /* as they were switched last */
     bool known;                      /* the levels of the outputs are certain */
     bool broken;                     /* the lines do not work */
     bool relay_failed;               /* the relay did not switch as it should */
-    bool asked_fault;                /* the appliance has reported a fault of its own */
-    int64_t read_ns;                 /* when the inputs are read next */
-    int64_t open_ns;                 /* when lost lines are opened next */
-    int64_t wait_ns;                 /* the wait after the next failure */
+    bool asked_fault; /* a fault outside the door lasts (iso_door_control_set_fault) */
+    int64_t read_ns;  /* time of the next reading of the inputs */
+    int64_t open_ns;  /* time of the next attempt to open lost lines */
+    int64_t wait_ns;  /* the wait after the next failure */
     /* Called after each event that changed the state or concerns the housing. */
     void (*changed)(void *context, enum iso_door_event cause);
     void *context;
@@ -55,14 +55,16 @@ void iso_door_control_init(struct iso_door_control *control, const struct iso_do
                            void (*changed)(void *context, enum iso_door_event cause),
                            void *context);
 
-/* Reads the inputs and starts the machine. With lost lines the machine starts in FAULT. */
+/* Reads the inputs, starts the machine, and switches the outputs. With lost lines the machine
+ * starts in FAULT. */
 void iso_door_control_start(struct iso_door_control *control, int64_t now_ns);
 
 /* Switches every output off. */
 void iso_door_control_stop(struct iso_door_control *control, int64_t now_ns);
 
-/* Lets somebody in. A grant whose relay could not be switched is withdrawn at once: the door does
- * not unlock later, when its lines work again. `changed` is called after the switching. */
+/* Lets somebody in, and returns what the door did. A grant whose relay could not be switched is
+ * withdrawn at once: the door does not unlock later, when its lines work again. `changed` is called
+ * after the switching. */
 enum iso_door_answer iso_door_control_grant(struct iso_door_control *control, int64_t now_ns);
 
 /* Withdraws a grant that has just unlocked the door: the lock goes to rest. */
@@ -81,14 +83,14 @@ int iso_door_control_test(struct iso_door_control *control, int64_t now_ns, stru
 int iso_door_control_may_test(const struct iso_door_control *control, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* A fault outside the door begins or ends. */
+/* Notes that a fault outside the door, such as one of the sensor, begins or ends. */
 void iso_door_control_set_fault(struct iso_door_control *control, bool fault, int64_t now_ns);
 
 /* Opens lost lines and reads the inputs if they are due, or reads them at once if `now` is set.
  * Then lets time pass, and switches outputs. */
 void iso_door_control_step(struct iso_door_control *control, bool now, int64_t now_ns);
 
-/* The time of the next step. */
+/* The time of the next step; ISO_NEVER_NS: no time is set. */
 int64_t iso_door_control_due_ns(const struct iso_door_control *control);
 
 #endif

@@ -6,8 +6,9 @@
  * kind separately (event_limit.h). All others are reported: they come from decisions and from
  * times of the door.
  *
- * Of changes that are only counted, their times and the states in between are lost. What is kept:
- * the first changes, the number of the others, how long they took, and the state after them. */
+ * The times of changes that are only counted, and the states between them, are lost. The first
+ * changes of a burst are kept, and of the others their number, how long they took, and the state
+ * after them. */
 #ifndef ISO_FIRMWARE_DOOR_DOOR_EVENTS_H
 #define ISO_FIRMWARE_DOOR_DOOR_EVENTS_H
 
@@ -46,7 +47,8 @@ bool iso_door_events_take(struct iso_door_events *events, const struct iso_door_
 bool iso_door_events_next(struct iso_door_events *events, bool ending, int64_t now_ns,
                           struct iso_door_burst *out);
 
-/* The time at which iso_door_events_next will have a report; ISO_NEVER_NS if nothing is due. */
+/* The time at which iso_door_events_next has to be called again; ISO_NEVER_NS if nothing was
+ * counted. */
 int64_t iso_door_events_due_ns(const struct iso_door_events *events);
 
 #endif

@@ -142,8 +142,9 @@ static bool arm_timer(const struct iso_door_guard *guard, int64_t due_ns)
     return timerfd_settime(guard->timer_fd, TFD_TIMER_ABSTIME, &when, NULL) == 0;
 }
 
-/* Waits for an edge, for the time that is due, or until it is woken. A descriptor of lines that do
- * not work may stay readable; the caller then polls the lines by time only. */
+/* Waits for an edge of the lines, for the time that is due, or until it is woken. The descriptor of
+ * lines that do not work may stay readable; the caller then passes -1, and reads the lines by time
+ * only. */
 static void wait_for_something(const struct iso_door_guard *guard, int lines_fd, int64_t due_ns)
 {
     struct pollfd ready[] = {

@@ -38,18 +38,19 @@ struct iso_door_guard_options {
     struct iso_clock clock;
     struct iso_door_io *io; /* may be lost; must outlive the guard */
     bool threaded;
-    /* NULL: see iso_door_guard_attach. */
+    /* Called for every change. NULL: see iso_door_guard_attach. */
     void (*record)(void *context, const struct iso_door_news *news);
     void *context;
 };
 
 struct iso_door_guard;
 
-/* A stopped door. -ENOMEM, or an errno of the descriptors. */
+/* Makes a stopped door. -ENOMEM, or with `threaded` an errno of making descriptors. */
 int iso_door_guard_new(const struct iso_door_guard_options *options, struct iso_door_guard **out)
     __attribute__((warn_unused_result));
 
-/* Ends the thread. iso_door_guard_stop must be called before. NULL is fine. */
+/* Ends the thread, and frees the guard. iso_door_guard_stop must be called before. NULL is
+ * accepted. */
 void iso_door_guard_free(struct iso_door_guard *guard);
 
 /* Passes the changes since the start to `record`, the oldest first, and from then on each change at
@@ -59,13 +60,13 @@ size_t iso_door_guard_attach(struct iso_door_guard *guard,
                              void (*record)(void *context, const struct iso_door_news *news),
                              void *context);
 
-/* The log is about to close, so the guard stops calling `record`. NULL is fine. */
+/* Stops the calls of `record`, because the log is about to close. NULL is accepted. */
 void iso_door_guard_detach(struct iso_door_guard *guard);
 
 /* Starts the door and its thread. -EAGAIN, -ENOMEM: no thread can be had. */
 int iso_door_guard_start(struct iso_door_guard *guard) __attribute__((warn_unused_result));
 
-/* Switches every output off permanently. */
+/* Switches every output off for good: the thread, if there is one, ends. */
 void iso_door_guard_stop(struct iso_door_guard *guard);
 
 /* Lets somebody in, unless it is later than until_ns by the guard's clock. Then it returns -ESTALE,

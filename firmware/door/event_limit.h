@@ -33,12 +33,13 @@ struct iso_event_report {
 /* Handles an event. True: it passes. False: it was counted. */
 bool iso_event_limit_take(struct iso_event_limit *limit, int64_t now_ns);
 
-/* Returns true if a report is due, and fills in *out. `ending`: all counted events are due. Call it
- * before iso_event_limit_take with the same time, and at iso_event_limit_due_ns. */
+/* Makes the report that is due. Returns true, with the report in *out, if events were counted for
+ * it. `ending`: all counted events are due. Call it before iso_event_limit_take with the same time,
+ * and at iso_event_limit_due_ns. */
 bool iso_event_limit_report(struct iso_event_limit *limit, bool ending, int64_t now_ns,
                             struct iso_event_report *out);
 
-/* The time at which iso_event_limit_report will have a report; ISO_NEVER_NS if nothing is due. */
+/* The time at which iso_event_limit_report has to be called; ISO_NEVER_NS in PASSING. */
 int64_t iso_event_limit_due_ns(const struct iso_event_limit *limit);
 
 #endif
