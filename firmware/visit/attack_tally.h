@@ -3,11 +3,12 @@
  *
  *   QUIET    a frame with a cue                           -> ATTEMPT
  *   ATTEMPT  a frame with a cue                           -> ATTEMPT, counted
- *            none for quiet_ns                            -> QUIET, the attempt is told
- *            longest_ns after its first frame             -> QUIET, likewise; what follows is a new
- *                                                            one, so that a picture on the wall
- *                                                            opposite does not fill the log
- *            end                                          -> QUIET, likewise */
+ *            no such frame for quiet_ns                   -> QUIET, the attempt is reported
+ *            longest_ns after its first frame             -> QUIET, the attempt is reported
+ *            end                                          -> QUIET, the attempt is reported
+ *
+ * Frames after longest_ns belong to a new attempt. So a picture on the opposite wall makes one
+ * record in longest_ns, and does not fill the log. */
 #ifndef ISO_FIRMWARE_VISIT_ATTACK_TALLY_H
 #define ISO_FIRMWARE_VISIT_ATTACK_TALLY_H
 
@@ -31,6 +32,7 @@ struct iso_attack_tally {
     int64_t first_ns, last_ns;
 };
 
+/* Begins in QUIET. */
 void iso_attack_tally_init(struct iso_attack_tally *tally, int64_t quiet_ns, int64_t longest_ns);
 
 /* Counts a frame with a cue. Call iso_attack_tally_time with the time of the frame before. */

@@ -153,8 +153,8 @@ bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_
         return false;
     }
     if (decision->n_frames > 0 && decision->track != frame->track) {
-        forget_face(decision);
         /* The caller did not report the new track: frames of two tracks must not agree. */
+        forget_face(decision);
     }
     decision->track = frame->track;
     note_frame(decision, frame);

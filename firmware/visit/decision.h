@@ -11,7 +11,7 @@
  *                                                                   frame; attack frames still count
  *          no frame of either kind for gap_ns          IDLE         deny if there was a usable frame
  *   SPENT  no frame of either kind for gap_ns          IDLE         none
- *          refractory_ns after the verdict             IDLE         none; whoever stays is the next
+ *          refractory_ns after the verdict             IDLE         none; a new visit may begin
  *   every  reset                                       IDLE         none */
 /* clang-format on */
 /* A usable face is a frame that gave a template. It counts for the best person of the gallery if
@@ -41,14 +41,15 @@ enum iso_reason {
     ISO_REASON_NOT_VALID, /* a known person who may not enter at this time */
     ISO_REASON_UNLOGGED,  /* the audit log cannot be written */
     ISO_REASON_ATTACK,    /* a picture, a screen, a mask */
-    /* Reasons of the lock-out (lockout.h), which is asked before the decision. */
+    /* Reasons for which nobody is let in, whatever the face. They replace the reason of the
+     * decision: lock-out and lockdown (lockout.h), then faults of the stores. */
     ISO_REASON_LOCKED_OUT,
     ISO_REASON_LOCKDOWN,
     ISO_REASON_NO_GALLERY, /* the gallery is out of service (gallery.h) */
     ISO_REASON_NO_LOCKOUT, /* the lock-out file cannot be read yet */
-    /* Reasons of the door, after the decision. */
+    /* Reasons that replace an admission after the decision. */
     ISO_REASON_NOT_ON_RECORD, /* the record did not get to the disk in time */
-    ISO_REASON_STALE,         /* its frames were too old when the lock was to be switched */
+    ISO_REASON_STALE,         /* the frames were too old when the lock was to be switched */
     ISO_REASONS
 };
 
@@ -109,6 +110,7 @@ struct iso_decision {
     int by_cue[ISO_CAPTURES];
 };
 
+/* Begins in IDLE. */
 void iso_decision_init(struct iso_decision *decision, const struct iso_decision_options *options);
 
 /* Sets the threshold for all later frames. Earlier frames are not judged again. */
@@ -120,7 +122,7 @@ void iso_decision_reset(struct iso_decision *decision);
 /* The four functions below return true and fill in *verdict if there is a verdict. Otherwise
  * *verdict is unchanged. */
 
-/* Reports that the face has this track from now on. Call it before iso_decision_face. */
+/* Tells the decision that the face has this track from now on. Call it before iso_decision_face. */
 bool iso_decision_track(struct iso_decision *decision, uint64_t track, struct iso_verdict *verdict);
 
 /* Handles a usable face. Call iso_decision_time with its t_ns, and iso_decision_track with its
@@ -133,7 +135,7 @@ bool iso_decision_face(struct iso_decision *decision, const struct iso_decision_
 bool iso_decision_attack(struct iso_decision *decision, enum iso_capture cue, int64_t t_ns,
                          struct iso_verdict *verdict);
 
-/* Reports that there were no other frames of either kind until t_ns. */
+/* Tells the decision that there were no other frames of either kind until t_ns. */
 bool iso_decision_time(struct iso_decision *decision, int64_t t_ns, struct iso_verdict *verdict);
 
 /* The time at which iso_decision_time will have an effect; ISO_NEVER_NS if nothing is due. */

@@ -3,8 +3,8 @@
  * argument.
  *
  * The words of the last frames vote. The word that most frames have (of two equal ones, the newer)
- * becomes the hint if at least `hold` frames have it and the newest frame is one of them. So a
- * fault that is over is not told any more. At least interval_ns passes between two hints. A hint
+ * becomes the hint if at least `hold` frames have it and the newest frame is one of them. So no
+ * hint is given for a fault that is over. At least interval_ns passes between two hints. A hint
  * that still applies is repeated.
  *
  * A usable frame votes for no hint: as long as some frames can be used, the visit makes progress.
@@ -39,6 +39,7 @@ struct iso_hint_filter {
     int64_t given_ns;
 };
 
+/* Begins with no votes and no hint. */
 void iso_hint_filter_init(struct iso_hint_filter *filter, const struct iso_hint_options *options);
 
 /* Something new begins: no earlier frame votes, and the first hint does not wait for the

@@ -27,7 +27,7 @@
 #include "firmware/visit/decision.h"
 
 struct iso_lockout_options {
-    int failures, attacks;        /* 0: the door is never locked */
+    int failures, attacks;        /* 0: this kind never locks the door */
     int64_t first_ns, longest_ns; /* 1 <= first_ns <= longest_ns */
     int64_t forget_ns;            /* 1 or more */
 };
@@ -56,10 +56,12 @@ void iso_lockout_init(struct iso_lockout *lockout, const struct iso_lockout_opti
 /* Restores the state of a record. A number out of range becomes the strictest one in the range. */
 void iso_lockout_restore(struct iso_lockout *lockout, const struct iso_lockout_record *record,
                          int64_t now_ns);
+
+/* The record of the state at now_ns. */
 struct iso_lockout_record iso_lockout_record_of(const struct iso_lockout *lockout, int64_t now_ns);
 
 /* Handles a verdict that was given in OPEN. Only failures (iso_lockout_counts) and admissions have
- * an effect. Returns true if the door is locked now. Call iso_lockout_time with the same now_ns
+ * an effect. Returns true if it locks the door. Call iso_lockout_time with the same now_ns
  * before. */
 bool iso_lockout_verdict(struct iso_lockout *lockout, const struct iso_verdict *verdict, int agree,
                          int64_t now_ns);
@@ -69,8 +71,8 @@ bool iso_lockout_verdict(struct iso_lockout *lockout, const struct iso_verdict *
  * known person who comes at the wrong time is no stranger. Neither counts. */
 bool iso_lockout_counts(const struct iso_verdict *verdict, int agree);
 
-/* Reports that it is now_ns. Returns true if something has changed: a lock is over, or all failures
- * are forgotten. */
+/* Does what is due at now_ns. Returns true if something has changed: a lock is over, or all
+ * failures are forgotten. */
 bool iso_lockout_time(struct iso_lockout *lockout, int64_t now_ns);
 
 /* The time at which iso_lockout_time will have an effect; ISO_NEVER_NS if nothing is due. */

@@ -163,8 +163,8 @@ int iso_lockout_load(const char *path, const struct iso_key_ring *ring,
     struct iso_lockout_file file;
     int error = iso_lockout_read(path, ring, &file, fault);
     if (!error) {
-        /* A power failure may still undo this write, so the other stores must not learn of it
-         * yet. */
+        /* The last write may not be on the disk yet, and a power failure could still undo it. So
+         * the directory is synchronised before the other stores learn of the file. */
         error = iso_directory_sync(path, fault);
     }
     if (error && error != -ENOENT) {

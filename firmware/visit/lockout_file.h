@@ -3,10 +3,10 @@
  *   ISOLOCK2 | number of the key u32 | sealed: number of the file u64, failures u32, attacks u32,
  *   locks u32, remaining_ms u64, lockdown u8, heads (heads.h)
  *
- * Sealed with the anchors' key, so that nobody without the key ring writes one, and numbered: each
- * write has the next number, which the other stores know. So an older file is refused, and so is a
- * missing one where there was one. The file is written beside its place and then moved there:
- * after a power cut it is the old one or the new one.
+ * The file is sealed with the anchors' key, so that nobody can write one without the key ring. Each
+ * write has the next number, which the other stores know. So an older file is refused; a missing
+ * file is refused if there was one before. The file is written beside its place and then moved
+ * there: after a power cut it is the old one or the new one.
  *
  * Format 1 was a line of text with a CRC-32, which anyone could write. It is read as long as no
  * store knows of a sealed file; the next write replaces it. */
@@ -22,7 +22,7 @@
 enum { ISO_LOCKOUT_PLAIN_BYTES = 8 + 3 * 4 + 8 + 1 + ISO_HEADS_BYTES };
 
 struct iso_lockout_file {
-    uint64_t number; /* 0: of format 1, which had no number */
+    uint64_t number; /* 0: format 1, which had no number */
     struct iso_lockout_record record;
     struct iso_heads known;
 };
@@ -36,15 +36,16 @@ int iso_lockout_load(const char *path, const struct iso_key_ring *ring,
                      struct iso_lockout_file *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Reads the file, whatever the other stores know. -ENOENT (the fault is unchanged then),
- * -EBADMSG. */
+/* Reads the file, whatever the other stores know. After an error *out is unchanged: -ENOENT there
+ * is none (the fault is unchanged then), -EBADMSG it is damaged or sealed with another key, or an
+ * errno of reading the file. */
 int iso_lockout_read(const char *path, const struct iso_key_ring *ring,
                      struct iso_lockout_file *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Writes the file with the next number; it is on the disk when this returns. An error of
+/* Writes the file with the next number; it is on the disk when this returns 0. An error of
  * storage_fault.h: then the file has the old contents, or the new ones without being synchronised;
- * iso_lockout_read finds out. */
+ * iso_lockout_read finds out which. */
 int iso_lockout_save(const char *path, const struct iso_key_ring *ring,
                      const struct iso_lockout_record *record, struct iso_fault *fault)
     __attribute__((warn_unused_result));
