@@ -5,14 +5,14 @@
 
 #include "drivers/base/times.h"
 
-/* How often a back end is asked that has neither a descriptor nor next_due_ns: it cannot say when
- * it has something. */
+/* The interval of looks at a back end that has neither a descriptor nor next_due_ns, and so cannot
+ * tell when it has something. */
 enum { LOOK_NS = 5 * ISO_NS_PER_MS };
 
-/* How often one with a descriptor is asked although the descriptor wakes up the caller. A caller
- * that comes later than that was held up, and says so by iso_sensor_supervisor_excuse; without such
- * a time it could not tell a stall of its own from a sensor that has nothing. A camera with 30
- * frames a second is never asked because of it. */
+/* The interval of looks at a back end with a descriptor, although the descriptor wakes up the
+ * caller. A caller that comes later was held up, and reports this by iso_sensor_supervisor_excuse.
+ * Without such an interval it could not tell a stall of its own from a sensor that has nothing. For
+ * a camera of 30 frames a second the interval never ends, because its frames come sooner. */
 enum { BEAT_NS = 50 * ISO_NS_PER_MS };
 
 void iso_sensor_supervisor_init(struct iso_sensor_supervisor *supervisor,
@@ -51,7 +51,7 @@ static void close_sensor(struct iso_sensor_supervisor *supervisor, int64_t now_n
     }
 }
 
-/* A try that comes to an end, well or not, is a sign that the program lives: a sensor that is
+/* An attempt that ends, with success or not, is a sign that the program lives: a sensor that is
  * unplugged is no reason for the watchdog to kill a door that is in its safe state. */
 static enum iso_sensor_news try_to_open(struct iso_sensor_supervisor *supervisor, int64_t now_ns)
 {
@@ -72,14 +72,15 @@ static enum iso_sensor_news try_to_open(struct iso_sensor_supervisor *supervisor
     return ISO_SENSOR_BACK;
 }
 
-/* What was there at t_ns is known. */
+/* Notes that the scene was observed at t_ns. */
 static void sign_of_sight(struct iso_sensor_supervisor *supervisor, int64_t t_ns)
 {
     supervisor->seen_ns = t_ns;
     supervisor->sees = true;
 }
 
-/* Nothing of any use has come. Returns true if it has become too long just now. */
+/* Called when no usable frame has come. Clears `sees` if the last one is too old. Returns true if
+ * it has done so. */
 static bool loses_sight(struct iso_sensor_supervisor *supervisor, int64_t now_ns)
 {
     if (!supervisor->sees || now_ns - supervisor->seen_ns < supervisor->options.pause_ns) {
@@ -89,7 +90,7 @@ static bool loses_sight(struct iso_sensor_supervisor *supervisor, int64_t now_ns
     return true;
 }
 
-/* The same; it is the fault. */
+/* Does the same, and notes it as a fault. */
 static void doubt_sight(struct iso_sensor_supervisor *supervisor, int64_t now_ns)
 {
     struct iso_fault fault;
@@ -110,7 +111,7 @@ static void sign_of_life(struct iso_sensor_supervisor *supervisor, int64_t now_n
     supervisor->wait_ns = supervisor->options.retry_ns;
 }
 
-/* The back end had nothing. Whether that is a sign of life, or silence. */
+/* Called when the back end has no frame. Decides whether that is a sign of life, or silence. */
 static enum iso_sensor_news note_nothing(struct iso_sensor_supervisor *supervisor, int64_t now_ns)
 {
     int64_t due_ns;
@@ -134,7 +135,7 @@ static enum iso_sensor_news note_nothing(struct iso_sensor_supervisor *superviso
     return ISO_SENSOR_GONE;
 }
 
-/* A frame shows what was there when it was exposed, not when it comes. */
+/* Notes what a frame shows. It shows the scene at its exposure, and not at its arrival. */
 static void note_sight(struct iso_sensor_supervisor *supervisor, int64_t t_ns, int64_t now_ns)
 {
     const int64_t age_ns = now_ns - t_ns;
@@ -200,8 +201,9 @@ static int64_t earlier_time(int64_t a_ns, int64_t b_ns)
     return a_ns < b_ns ? a_ns : b_ns;
 }
 
-/* The descriptor tells of new frames. Of the frames behind the one that was just taken it may not
- * tell: the back end may have fetched them with that one. */
+/* The descriptor is readable when a new frame has come. It may not be readable for a frame that the
+ * back end fetched together with the one just taken, so after a frame the next look is due at once.
+ */
 static int64_t due_with_descriptor(const struct iso_sensor_supervisor *supervisor, int64_t now_ns)
 {
     const struct iso_sensor_supervisor_options *options = &supervisor->options;

@@ -10,8 +10,9 @@
  *
  * A camera that pauses is not opened again at once, but nobody can be seen meanwhile: `sees` says
  * that sooner. It becomes false when the sensor is lost, and pause_ns after the exposure of the
- * last frame that was whole and not late. It becomes true with the next such frame, not when the
- * sensor is opened, which has still to show that it works.
+ * last frame that was whole and not late. It becomes true with the next such frame, or when a back
+ * end with next_due_ns has nothing to show; and not when the sensor is opened, because it has still
+ * to show that it works.
  *
  * Both times count only what the sensor is responsible for. While the caller itself is held up,
  * for example by a slow disk, nobody reads the sensor; the caller reports that by
@@ -26,7 +27,7 @@
 #include "core/base/fault.h"
 #include "drivers/sensor/contract/sensor.h"
 
-/* Opens the sensor again. The errors are those of iso_sensor_open. */
+/* Opens the sensor, for the first time or again. The errors are those of iso_sensor_open. */
 struct iso_sensor_source {
     int (*open)(void *context, struct iso_sensor **out, struct iso_fault *fault);
     void *context;
@@ -45,7 +46,7 @@ struct iso_sensor_supervisor {
     int64_t try_ns;            /* AWAY: the next attempt to open it */
     int64_t wait_ns;           /* the delay after the next failure */
     int64_t heard_ns;          /* RUNNING: the last sign of life */
-    int64_t seen_ns;           /* RUNNING: exposure of the last usable frame */
+    int64_t seen_ns;           /* RUNNING: time of the last observation of the scene */
     bool sees;                 /* the present scene is known */
     bool found;                /* RUNNING: the last look found a frame */
     uint64_t progress;         /* counts signs of life, for the watchdog */
@@ -63,7 +64,7 @@ enum iso_sensor_news {
     ISO_SENSOR_FRAME, /* *frame is there */
     ISO_SENSOR_FLAW,  /* a frame was lost or damaged, or the sensor could not be opened again; see
                          ->fault */
-    ISO_SENSOR_BACK,  /* it runs again */
+    ISO_SENSOR_BACK,  /* it runs, for the first time or again */
     ISO_SENSOR_GONE,  /* it no longer runs; see ->fault */
 };
 
@@ -78,7 +79,7 @@ enum iso_sensor_news iso_sensor_supervisor_look(struct iso_sensor_supervisor *su
                                                 int64_t now_ns, const struct iso_frame **frame);
 
 /* Call this before the next look if the caller was held up for the last held_up_ns and could not
- * look. A dead sensor is noticed later by exactly this time. */
+ * look. This time does not count as silence, so a dead sensor is noticed so much later. */
 void iso_sensor_supervisor_excuse(struct iso_sensor_supervisor *supervisor, int64_t held_up_ns,
                                   int64_t now_ns);
 

@@ -19,7 +19,7 @@ struct iso_view {
     bool fitted;         /* if the head model was fitted to it: */
     double residual_mm;  /* distance of the measured surface from the fitted one */
     double fit_coverage; /* share of the visible fitted face that was measured, 0..1 */
-    double coverage;     /* share of the face patch, 0..1; 0 if it was not reached */
+    double coverage;     /* measured share of the face patch, 0..1; 0: not computed */
     double sigma_mm;     /* of the least certain landmark */
     double expression;   /* strength in standard deviations */
 
