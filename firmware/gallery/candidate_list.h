@@ -26,6 +26,7 @@ struct iso_candidate_list {
     uint64_t version;
 };
 
+/* Whether there are no candidates. */
 static inline bool iso_candidates_none(const struct iso_candidate_list *among)
 {
     return !among->index && among->n_entries == 0;

@@ -1,5 +1,5 @@
-/* The gallery: the enrolled people and their templates, sealed in an SQLite database. In memory
- * are the people, and what a search uses: an index of vectors if there is a metric
+/* The gallery: the enrolled people and their templates, sealed in an SQLite database. The people,
+ * and the data for a search, are also in memory: with a metric an index of vectors
  * (isotherm/index.h, 632 bytes a person), else the templates.
  *
  * Every change is one transaction that is on the disk when the call returns: after a kill at any
@@ -7,13 +7,14 @@
  * its place and moved there when it is whole. A damaged database is never repaired or replaced:
  * opening it returns -EBADMSG, and the fault says what to do. Templates of another algorithm (or
  * template version) are kept and counted, and take no part in searches. One process at a time has
- * the database. What is deleted is overwritten; what a journal or a flash memory still holds of it
- * is sealed, and the next rotation of keys makes it unreadable for ever.
+ * the database. Deleted data is overwritten. Copies of it that a journal or a flash memory still
+ * holds are sealed, and the next rotation of keys makes them unreadable for ever.
  *
- * Without the key ring a database tells how many people there are, how many templates of which
- * algorithm each has, and nothing else. A record that was changed, lies in the place of another,
- * is missing, or is of an earlier time is found when it is opened (-EBADMSG); so is a database as
- * a whole that is of an earlier time (-ESTALE), as far as anchor.h says.
+ * Without the key ring, a reader of the database learns how many people there are and how many
+ * templates of which algorithm each has, and nothing else. A record that was changed, lies in the
+ * place of another, is missing, or is of an earlier time is detected when the database is opened
+ * (-EBADMSG). A whole database of an earlier time is detected, too (-ESTALE), as far as anchor.h
+ * says.
  *
  * A name belongs to one person only, whatever its spelling (person_name.h), and every spelling
  * finds that person; the gallery keeps the spelling of the first enrolment. An old gallery may
@@ -23,8 +24,8 @@
  * After an error of the disk, the gallery reads from the disk what came of the change before it
  * returns, so that memory, result and file always agree (gallery_truth.c).
  *
- * Used by one thread. Everything handed out is valid until the next add, import, remove or close.
- * Templates and vectors are wiped from memory when they are freed. */
+ * Used by one thread. Everything handed out is valid until the next add, import, remove, recover,
+ * forget_learned or close. Templates and vectors are wiped from memory when they are freed. */
 #ifndef ISO_FIRMWARE_GALLERY_GALLERY_H
 #define ISO_FIRMWARE_GALLERY_GALLERY_H
 
@@ -119,9 +120,9 @@ int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct
 /* ---- out of service ---- */
 
 /* Returns 0, or -EIO with the reason while the gallery is out of service. That happens if the disk
- * reported an error of a change and then could not be read, so that nobody knows whether the change
- * is on it. Meanwhile nobody is found and nobody is a candidate, and every change and every export
- * returns -EIO. */
+ * reported an error of a change and then could not be read, so that it is not known whether the
+ * change is on it. Meanwhile nobody is found and nobody is a candidate. Every change and every
+ * export fails: with -EIO, or with -ENOENT if it names a person. */
 int iso_gallery_state(const struct iso_gallery *gallery, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -144,10 +145,10 @@ struct iso_gallery_item {
 };
 
 /* Adds people, all of them or none, in one transaction. A person whose name is known replaces the
- * one here if `replace` is set, and is left out otherwise; *added is the number of people added.
- * -EINVAL a name, template or repetition that cannot be, -EDQUOT the gallery would be too full;
- * else as iso_gallery_add. The listener is told of people: first of those who are added, then of
- * everybody, as all are read back. */
+ * one here if `replace` is set, and is left out otherwise; *added is the number of people who were
+ * added or have replaced another. -EINVAL a name, template or repetition that cannot be, -EDQUOT
+ * the gallery would be too full; else as iso_gallery_add. The listener counts people: first those
+ * of the import as they are stored, then everybody as the whole gallery is read back. */
 int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
                        bool replace, const struct iso_work_listener *listener, size_t *added,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
@@ -161,7 +162,7 @@ int iso_gallery_export(struct iso_gallery *gallery, const char *name,
                                    struct iso_fault *fault),
                        void *context, struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Deletes all learned templates, in one transaction; *n is how many there were. People who had
+/* Deletes learned templates, in one transaction; *n is how many were deleted. People who had
  * learned templates get another id; names, dates and enrolled templates stay. People who have only
  * learned templates keep them. Errors of iso_gallery_export and iso_gallery_import; then nothing
  * has changed. */

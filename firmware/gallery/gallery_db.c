@@ -67,8 +67,9 @@ int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault
     return iso__gallery_anchor_is_sealing(db) ? write_anchor(db, fault) : 0;
 }
 
-/* Tells the board what the gallery and its anchor know of the other stores, and which count the
- * others may know. If one of the two is behind, it is the anchor. */
+/* Tells the board what the gallery and its anchor know of the other stores, and the count of the
+ * gallery, which is the value of the anchor. If another store knows a higher count while the head
+ * is ahead of the anchor, the anchor is the old file. */
 static void tell_heads(const struct iso_gallery_db *db)
 {
     struct iso_heads_board *board = iso_key_ring_board(db->ring);
@@ -286,8 +287,9 @@ int iso_gallery_db_begin(struct iso_gallery_db *db, struct iso_fault *fault)
     return iso__gallery_execute(db, "BEGIN IMMEDIATE", fault);
 }
 
-/* Whether the transaction is certainly undone, and the database is as before it. If the transaction
- * is no longer open, SQLite has ended it because of an error of the disk. */
+/* Rolls the transaction back. Returns true if it is certainly undone, and the database is as before
+ * it. If the transaction is no longer open, SQLite has ended it because of an error of the disk,
+ * and the result is false. */
 static bool roll_back(struct iso_gallery_db *db)
 {
     return !sqlite3_get_autocommit(db->sqlite) && iso__gallery_execute(db, "ROLLBACK", NULL) == 0;

@@ -23,7 +23,7 @@ struct iso_gallery_db;
 int iso_gallery_db_open(const struct iso_gallery_options *options, struct iso_gallery_db **out,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Wipes it; closes it and frees it. NULL is accepted. */
+/* Closes, wipes and frees it. NULL is accepted. */
 void iso_gallery_db_close(struct iso_gallery_db *db);
 
 /* Receives the contents. Functions return 0, or a negative errno with *fault set. */
@@ -48,15 +48,15 @@ int iso_gallery_db_templates(struct iso_gallery_db *db, int64_t person,
 
 /* ---- changes: iso_gallery_db_begin, then some of the others, then iso_gallery_db_end ---- */
 
-/* -EIO: the anchor of the change before still cannot be written, or the database is out of
- * service. */
+/* Begins a change. -EIO: the anchor of the change before still cannot be written, or the database
+ * is out of service. */
 int iso_gallery_db_begin(struct iso_gallery_db *db, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Commits the changes since begin, all or none; with `error` (negative, from one of them) none.
- * Returns that error, or its own. It returns 0 only when the changes are on the disk, and an error
- * only when they are not: if the disk reports an error, its contents are read again. If they cannot
- * be read, the error is -EIO and the database is out of service. */
+ * Returns that error, or its own. After 0 the changes are on the disk, and after an error they are
+ * not: if the disk reports an error, its contents are read again. The exception is that they cannot
+ * be read: then the error is -EIO, and the database is out of service. */
 int iso_gallery_db_end(struct iso_gallery_db *db, int error, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -66,6 +66,7 @@ int iso_gallery_db_put_person(struct iso_gallery_db *db, const struct iso_person
                               int64_t *id, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* Adds a template (iso_template_serialise) to a person. */
 int iso_gallery_db_put_template(struct iso_gallery_db *db, int64_t person_id, uint32_t algorithm,
                                 const void *bytes, size_t size, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -76,9 +77,9 @@ int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso
 
 /* ---- out of service ---- */
 
-/* Returns 0 if the database is in service. It is out of service if its contents after a change are
- * not known, because the disk cannot be read: then every call except these and close returns
- * -EIO. */
+/* Returns 0 if the database is in service, else -EIO with the reason. It is out of service if its
+ * contents after a change are not known, because the disk cannot be read. Then every call that can
+ * fail, except iso_gallery_db_recover, returns -EIO. */
 int iso_gallery_db_state(const struct iso_gallery_db *db, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -101,6 +102,7 @@ int iso_gallery_db_rotate(struct iso_gallery_db *db, const struct iso_work_liste
 int iso_gallery_db_renew_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* As iso_gallery_version. */
 struct iso_gallery_version iso_gallery_db_version(const struct iso_gallery_db *db);
 
 /* "PATH: damaged (WHAT); ...": the fault of a database that cannot be trusted. Returns -EBADMSG. */

@@ -27,6 +27,8 @@ struct iso_gallery_db {
  * while a database of version 1 is being sealed. */
 #define ISO__GALLERY_ANCHOR "gallery"
 
+/* The state of an anchor with these contents; and whether the anchor says that a database of
+ * version 1 is being sealed. */
 struct iso_anchor_state iso__gallery_anchor_state(uint64_t changes,
                                                   const uint8_t id[ISO_GALLERY_ID_BYTES],
                                                   bool sealing);
@@ -34,7 +36,11 @@ bool iso__gallery_anchor_is_sealing(const struct iso_gallery_db *db);
 
 /* ---- SQLite, with its failures in words (gallery_sql.c) ---- */
 
+/* Sets the fault of the last error of SQLite. Returns it as a negative errno. */
 int iso__gallery_fail(const struct iso_gallery_db *db, struct iso_fault *fault);
+
+/* Runs SQL text, or prepares one statement, which the caller finalizes. Errors of
+ * iso__gallery_fail. */
 int iso__gallery_execute(const struct iso_gallery_db *db, const char *sql, struct iso_fault *fault);
 int iso__gallery_prepare(const struct iso_gallery_db *db, const char *sql, sqlite3_stmt **out,
                          struct iso_fault *fault);
@@ -43,10 +49,12 @@ int iso__gallery_prepare(const struct iso_gallery_db *db, const char *sql, sqlit
 int iso__gallery_finish(const struct iso_gallery_db *db, sqlite3_stmt *statement,
                         struct iso_fault *fault);
 
-/* The first column of the first row: the result of a check. */
+/* Writes the first column of the first row of a query as text; "" if there is no row. */
 int iso__gallery_ask(const struct iso_gallery_db *db, const char *sql, char *answer, size_t size,
                      struct iso_fault *fault);
 
+/* Opens the file at `path` with SQLite, which must be a regular file. -EMEDIUMTYPE, or an errno of
+ * opening it. */
 int iso__gallery_connect(struct iso_gallery_db *db, const char *path, struct iso_fault *fault);
 void iso__gallery_disconnect(struct iso_gallery_db *db);
 
@@ -63,7 +71,9 @@ int iso__gallery_in_service(const struct iso_gallery_db *db, struct iso_fault *f
 /* Reads the head row with the key that it names; within a transaction. */
 int iso__gallery_read_head(struct iso_gallery_db *db, struct iso_fault *fault);
 
-/* Compares the head with the anchor, which is written if the head is one change ahead. -ESTALE. */
+/* Compares the head with the anchor. The head may be one change ahead of it; the anchor is then
+ * written before the next change, and not here. It is written here only at the end of the sealing
+ * of version 1. -ESTALE, or an error of writing it. */
 int iso__gallery_check_anchor(struct iso_gallery_db *db, struct iso_fault *fault);
 
 /* ---- making a database (gallery_make.c) ---- */
@@ -81,9 +91,9 @@ int iso__gallery_insert_head(struct iso_gallery_db *db, struct iso_fault *fault)
 int iso__gallery_make_beside(struct iso_gallery_db *db, struct iso_gallery_db *beside,
                              struct iso_fault *fault);
 
-/* Ends its transaction with the head in place, and moves it to its place; may replace an existing
- * one if `replace` is set. Returns the earlier error or its own; after an error nothing of it is
- * left. */
+/* Ends its transaction with the head in place, and moves it to its place; replaces an existing one
+ * only if `replace` is set. Returns the earlier error or its own. After an error nothing of it is
+ * left, unless it was moved and only the directory could not be synchronised. */
 int iso__gallery_move_in(struct iso_gallery_db *db, struct iso_gallery_db *beside, bool replace,
                          int error, struct iso_fault *fault);
 

@@ -153,7 +153,8 @@ static void insert_entry(struct iso_gallery_memory *memory, int64_t person,
     memory->n_entries++;
 }
 
-/* The caller has made room, and nobody has more templates than an index takes. */
+/* Adds the template, or its vector, to the memory. The caller has made room, and nobody has more
+ * templates than an index takes. */
 static int insert_vector(struct iso_gallery_memory *memory, int64_t person,
                          struct iso_gallery_kept *kept)
 {

@@ -41,6 +41,8 @@ struct iso_gallery_kept {
  * of iso_template_parse; -EINVAL of another algorithm or not fit for the metric, -ENOMEM. */
 int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *bytes, size_t size,
                                struct iso_gallery_kept *out) __attribute__((warn_unused_result));
+
+/* Wipes and frees what is still in it. */
 void iso_gallery_memory_discard(struct iso_gallery_kept *kept);
 
 /* Adds the prepared template to this person. A person who is not known yet is added with the values
@@ -48,6 +50,7 @@ void iso_gallery_memory_discard(struct iso_gallery_kept *kept);
 void iso_gallery_memory_add(struct iso_gallery_memory *memory, const struct iso_person *row,
                             struct iso_gallery_kept *kept);
 
+/* Removes a person with all templates. */
 void iso_gallery_memory_remove(struct iso_gallery_memory *memory, int64_t person);
 
 /* Returns NULL if there is no such person. */

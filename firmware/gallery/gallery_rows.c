@@ -131,7 +131,8 @@ int iso_gallery_db_templates(struct iso_gallery_db *db, int64_t person,
 
 /* ---- writing ---- */
 
-/* Runs a statement whose last parameter is the sealed record. */
+/* Seals a record, adds it to the draft's digest, and runs a statement with it: ?1 number, ?2 person
+ * and ?3 algorithm of its place, ?4 the sealed record. */
 static int write_record(struct iso_gallery_db *db, const char *sql,
                         const struct iso_gallery_place *place, const void *plain, size_t size,
                         struct iso_fault *fault)
@@ -258,9 +259,9 @@ int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso
 
 /* ---- another key ---- */
 
-/* Seals the row with the next number after *after again: it was sealed with `old`, and now with
- * db->seal. *after is then its number. Returns 1, 0 if there is no such row, or a negative
- * errno. */
+/* Seals one row again: the first whose number is above *after. It was sealed with `old`, and is
+ * then sealed with db->seal. *after becomes its number. Returns 1, 0 if there is no such row, or a
+ * negative errno. */
 static int reseal_next(struct iso_gallery_db *db, const struct iso_gallery_seal *old,
                        const char *select, const char *update, int64_t *after,
                        struct iso_fault *fault)
@@ -348,8 +349,9 @@ int iso_gallery_db_rotate(struct iso_gallery_db *db, const struct iso_work_liste
         iso_gallery_seal_wipe(&db->seal);
         db->seal = old;
     } else if (iso__gallery_execute(db, "VACUUM", NULL)) {
-        /* VACUUM should have removed the free pages, too. They stay in the file, overwritten, but
-         * not with records of the new key. After the error the connection cannot be trusted. */
+        /* VACUUM removes the free pages. After a failure they stay in the file; their contents are
+         * overwritten already (secure_delete). The connection cannot be trusted after the error, so
+         * the head is read from the disk again. */
         error = iso__gallery_settle(db, 0, fault);
     }
     if (!error) {

@@ -50,11 +50,13 @@ struct iso_gallery_place {
     uint32_t algorithm;
 };
 
+/* The seal of a gallery, with keys derived from key `key_number` of the ring. */
 struct iso_gallery_seal iso_gallery_seal_of(const uint8_t gallery[ISO_GALLERY_ID_BYTES],
                                             uint32_t key_number, const struct iso_seal_key *key);
 void iso_gallery_seal_wipe(struct iso_gallery_seal *seal);
 
-/* Seals or opens a record at its place; sealed has size + ISO_SEAL_OVERHEAD bytes. */
+/* Seals or opens a record at its place; sealed has size + ISO_SEAL_OVERHEAD bytes in close, and
+ * `size` bytes in open. open: -EBADMSG. */
 void iso_gallery_record_close(const struct iso_gallery_seal *seal,
                               const struct iso_gallery_place *place, const void *plain, size_t size,
                               uint8_t *sealed);
@@ -74,11 +76,11 @@ void iso_gallery_person_put(const struct iso_person *person,
 int iso_gallery_person_get(const uint8_t *plain, size_t size, struct iso_person *out)
     __attribute__((warn_unused_result));
 
+/* Seals or opens the head. open: -EBADMSG. A head of the earlier format, without knowledge about
+ * other stores, can be opened, too; its knowledge is all zero. */
 void iso_gallery_head_close(const struct iso_gallery_seal *seal,
                             const struct iso_gallery_head *head,
                             uint8_t sealed[ISO_GALLERY_HEAD_SEALED]);
-/* Heads that were written before they contained knowledge about other stores can be opened, too;
- * they then contain none. */
 int iso_gallery_head_open(const struct iso_gallery_seal *seal, const void *sealed, size_t size,
                           struct iso_gallery_head *out) __attribute__((warn_unused_result));
 

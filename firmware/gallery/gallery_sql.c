@@ -10,9 +10,9 @@
 #include "drivers/file/storage_fault.h"
 #include "firmware/gallery/gallery_db_state.h"
 
-enum { BUSY_MS = 1000 }; /* another process may be making a copy */
+enum { BUSY_MS = 1000 }; /* how long to wait for another process, which may make a copy */
 
-/* More than 400,000 people need: a longer file is not a gallery. */
+/* More than 400,000 people need. A longer file is not a gallery. */
 static const uint64_t bytes_max = (uint64_t)1 << 32;
 
 /* The journal is deleted when a change is complete; EXTRA then synchronises the directory, too.
@@ -132,7 +132,8 @@ int iso__gallery_ask(const struct iso_gallery_db *db, const char *sql, char *ans
     return error;
 }
 
-/* SQLite opens the database and its journal itself, and would wait for a FIFO in their place. */
+/* Refuses files that are not regular. SQLite opens the database and its journal itself, and would
+ * wait for a FIFO in their place. */
 static int check_files(const char *path, struct iso_fault *fault)
 {
     static const char *const suffixes[] = {"", "-journal", "-wal"};

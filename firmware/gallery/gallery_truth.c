@@ -1,11 +1,11 @@
 /* Finds out what the disk holds after a change whose outcome is not known.
  *
- * An error of COMMIT says nothing about the transaction: SQLite may report that the last
- * synchronisation failed although the transaction is on the disk, and its cache may then differ
- * from the file. Therefore the connection is given up. A new connection plays back a journal that
- * is still valid, and reads the head, which is either the one before the change or the one after
- * it. The journal is then deleted and the directory synchronised, so that a power failure cannot
- * bring the other state back.
+ * An error of COMMIT does not tell whether the transaction is on the disk: SQLite may report that
+ * the last synchronisation failed although the transaction is on the disk, and its cache may then
+ * differ from the file. Therefore the connection is given up. A new connection plays back a journal
+ * that is still valid, and reads the head, which is either the one before the change or the one
+ * after it. The journal is then deleted and the directory synchronised, so that a power failure
+ * cannot bring the other state back.
  *
  * Until this succeeds the database is out of service: nothing is read from it, and nothing is
  * written to it. */

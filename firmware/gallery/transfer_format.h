@@ -25,10 +25,12 @@ struct iso__transfer_pair {
     uint8_t public[ISO__TRANSFER_PUBLIC_BYTES], secret[crypto_sign_SECRETKEYBYTES];
 };
 
+/* The pair for which others seal files; the caller wipes it. */
 struct iso__transfer_pair iso__transfer_receiving_pair(const struct iso_key_ring *ring);
 void iso__transfer_wipe_pair(struct iso__transfer_pair *pair);
 
-/* The two halves of an address: the key of the signer, and the key for sealing. -EINVAL. */
+/* Reads the two halves of an address: the key that verifies signatures, and the key for sealing.
+ * -EINVAL. */
 int iso__transfer_parse_address(const char *address, uint8_t halves[2][ISO__TRANSFER_PUBLIC_BYTES],
                                 struct iso_fault *fault);
 
