@@ -13,7 +13,7 @@
 
 enum { CLAIMS_MAX = 16 };
 
-/* What one file knows of the stores. */
+/* The knowledge of one file about the stores. */
 struct claim {
     char witness[PATH_MAX];
     struct iso_heads known;
@@ -23,7 +23,7 @@ struct claim {
 struct store {
     bool found;
     char path[PATH_MAX];
-    uint64_t count; /* as found, or as written since then while stores are upgraded */
+    uint64_t count; /* as it was found, or as it was written since then */
 };
 
 struct iso_heads_board {
@@ -117,8 +117,9 @@ void iso_heads_found(struct iso_heads_board *board, enum iso_head head, const ch
     (void)pthread_mutex_unlock(&board->lock);
 }
 
-/* Returns the claim of this witness, or a new one; NULL if there is no room. The counts of such a
- * witness are still used, but without its name. */
+/* Returns the claim of this witness, or a new one; NULL if there is no room. A witness without a
+ * claim still raises the counts of the board, but iso_heads_check does not compare its knowledge.
+ */
 static struct claim *claim_of(struct iso_heads_board *board, const char *witness)
 {
     for (size_t i = 0; i < board->n; i++) {

@@ -45,7 +45,8 @@ struct iso_heads {
     uint8_t link[ISO_HEADS_LINK_BYTES]; /* the link after record count[ISO_HEAD_LOG] */
 };
 
-/* Every sequence of ISO_HEADS_BYTES bytes is one; they are authenticated where they are sealed. */
+/* Writes the knowledge as bytes, and reads it. Any ISO_HEADS_BYTES bytes can be read: the seal
+ * around them proves that they are genuine. */
 void iso_heads_put(const struct iso_heads *heads, uint8_t bytes[ISO_HEADS_BYTES]);
 struct iso_heads iso_heads_get(const uint8_t bytes[ISO_HEADS_BYTES]);
 
@@ -57,6 +58,7 @@ struct iso_heads iso_heads_get_counts(const uint8_t bytes[ISO_HEADS_COUNT_BYTES]
 
 struct iso_heads_board;
 
+/* Makes an empty board. -ENOMEM. */
 int iso_heads_board_new(struct iso_heads_board **out) __attribute__((warn_unused_result));
 
 /* Frees it. NULL is accepted. */
@@ -64,11 +66,12 @@ void iso_heads_board_free(struct iso_heads_board *board);
 
 /* ---- when a store is opened ---- */
 
-/* Reports that the store at `path` has this count on the disk. */
+/* Reports that a store has this count on the disk. `path`: the file that a fault names as the old
+ * one. */
 void iso_heads_found(struct iso_heads_board *board, enum iso_head head, const char *path,
                      uint64_t count);
 
-/* Reports what the file at `witness` knows. */
+/* Reports the knowledge of the file at `witness`, in place of its earlier report. */
 void iso_heads_claim(struct iso_heads_board *board, const char *witness,
                      const struct iso_heads *known);
 

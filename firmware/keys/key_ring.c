@@ -206,7 +206,7 @@ static int add_key(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *nu
     return error;
 }
 
-/* A change begins with a copy of the present keys as the draft. */
+/* Begins a change, with a copy of the present keys as the draft. */
 static void begin_change(struct iso_key_ring *ring)
 {
     (void)pthread_mutex_lock(&ring->changing);
@@ -274,8 +274,9 @@ int iso_key_ring_renew(struct iso_key_ring *ring, struct iso_fault *fault)
     return error;
 }
 
-/* The new key is written to FILE.new before the ring is sealed with it, and replaces the old key
- * afterwards. So the key of the ring is on the disk at all times. */
+/* Changes the key of the appliance. The new key is written to FILE.new before the ring is sealed
+ * with it, and replaces the old key afterwards. So the key of the ring is on the disk at all times.
+ */
 static int change_key(struct iso_key_ring *ring, struct iso_fault *fault)
 {
     char beside[PATH_MAX + 8];

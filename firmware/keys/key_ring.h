@@ -9,10 +9,10 @@
  *   this key, too, unless the file is on another disk.
  *
  * The keys of a store are rotated in three steps: a new key is made, everything is sealed with it,
- * and the older keys are dropped. The ring holds both meanwhile, so that after a kill at any moment
- * every record has its key.
- * A ring is written whole (iso_data_file_replace), with a number that rises and what it knows of
- * the other stores (heads.h). A ring whose key is gone is never replaced.
+ * and the older keys are dropped. (The log seals only new records with it, and drops an older key
+ * with its last segment.) The ring holds both meanwhile, so that after a kill at any moment every
+ * record has its key. A ring is written whole (iso_data_file_replace), with a number that rises and
+ * what it knows of the other stores (heads.h). A ring whose key is gone is never replaced.
  *
  * Several threads may use one ring as long as the keys of one use belong to one thread at a time:
  * that thread makes and drops them, and looks for them. A key that is in the ring does not move.
@@ -27,7 +27,7 @@
 #include "firmware/keys/heads.h"
 #include "firmware/keys/seal.h"
 
-/* What a key is for. The numbers stand in the file. */
+/* The use of a key. The numbers are in the file. */
 enum iso_key_use {
     ISO_KEY_GALLERY = 1, /* records of people and templates */
     ISO_KEY_LOG = 2,     /* records of the audit log */
@@ -55,7 +55,7 @@ struct iso_key_ring;
 int iso_key_ring_open(const struct iso_key_place *place, struct iso_key_ring **out,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Wipes it; closes it and frees it. NULL is accepted. */
+/* Wipes and frees it. NULL is accepted. */
 void iso_key_ring_close(struct iso_key_ring *ring);
 
 /* The key of this use and number; NULL if there is none. Valid until that key is dropped. */
@@ -75,8 +75,8 @@ int iso_key_ring_add(struct iso_key_ring *ring, enum iso_key_use use, uint32_t *
 int iso_key_ring_drop(struct iso_key_ring *ring, enum iso_key_use use, uint32_t number,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Gives the ring another key of the appliance. -EPERM: the key is a credential, which the
- * administrator changes. */
+/* Gives the ring another random key of the appliance, in the place of the old file. -EPERM: the key
+ * is a credential, which the administrator changes. */
 int iso_key_ring_change_key(struct iso_key_ring *ring, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -88,7 +88,7 @@ int iso_key_ring_renew(struct iso_key_ring *ring, struct iso_fault *fault)
  * ring. */
 struct iso_heads_board *iso_key_ring_board(const struct iso_key_ring *ring);
 
-/* Whether the appliance's key is a credential of the service manager, or a file. */
+/* Whether the appliance's key is a credential of the service manager, and not a file. */
 bool iso_key_ring_has_credential(const struct iso_key_ring *ring);
 
 #endif

@@ -28,11 +28,12 @@ struct iso_key_ring {
 
 /* ---- the file of the ring (key_ring_file.c) ---- */
 
-/* No file is larger. */
+/* The largest size of the file. */
 size_t iso__key_ring_file_bytes(void);
 
-/* Writes the draft, sealed with `master`. Only after success do both become valid. After an error
- * of the disk the ring is as before, or `unsure`. */
+/* Writes the draft, sealed with `master`. The keys of the draft and `master` come into use when the
+ * new file is in its place. After an error of the disk the ring is as before, or `unsure`. The
+ * draft is wiped. */
 int iso__key_ring_commit(struct iso_key_ring *ring, const struct iso_seal_key *master,
                          struct iso_fault *fault);
 

@@ -3,7 +3,7 @@
  *
  * XChaCha20-Poly1305 (draft-irtf-cfrg-xchacha-03, with the IETF construction of RFC 8439) by
  * libsodium; a sealed record is nonce[24] | ciphertext | tag[16]. The nonce is random: with 192
- * bits no nonce occurs twice. The label says what the record is. It is bound to the record and not
+ * bits no nonce occurs twice. The label tells what the record is. It is bound to the record and not
  * stored: under another label the record does not open. */
 #ifndef ISO_FIRMWARE_KEYS_SEAL_H
 #define ISO_FIRMWARE_KEYS_SEAL_H
@@ -25,8 +25,8 @@ struct iso_seal_key {
     uint8_t bytes[ISO_SEAL_KEY_BYTES];
 };
 
-/* Says what a record is: a kind, then numbers and bytes of fixed width, so that different labels
- * of one kind never have the same bytes. */
+/* The place and kind of a record: a kind, then numbers and bytes of fixed width, so that different
+ * labels of one kind never have the same bytes. */
 struct iso_seal_label {
     uint8_t bytes[ISO_SEAL_LABEL_BYTES];
     size_t size;
@@ -36,7 +36,8 @@ struct iso_seal_label {
  * does not start. */
 int iso_seal_start(struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* kind: a constant of the source, below 64 characters. */
+/* Begins a label with its kind (a constant of the source, below 64 characters), and adds a number
+ * of 8 bytes or some bytes to it. The whole label has at most ISO_SEAL_LABEL_BYTES bytes. */
 struct iso_seal_label iso_seal_label_of(const char *kind);
 void iso_seal_label_number(struct iso_seal_label *label, uint64_t number);
 void iso_seal_label_bytes(struct iso_seal_label *label, const void *bytes, size_t size);

@@ -1,4 +1,4 @@
-/* Wipes what functions that have returned left on the stack: names, templates, texts. */
+/* Wipes the data that functions have left on the stack: names, templates, texts. */
 #ifndef ISO_FIRMWARE_KEYS_STACK_WIPE_H
 #define ISO_FIRMWARE_KEYS_STACK_WIPE_H
 

@@ -16,7 +16,7 @@ enum { RETRY_S = 1, RETRY_MOST_S = 60 };
 
 struct iso_state_counter {
     const struct iso_times *times;
-    struct iso_counter device; /* used by the thread once it runs, and by the caller before that */
+    struct iso_counter device; /* only the thread uses it while it runs; otherwise the callers */
     pthread_t thread;
     bool threaded;
     pthread_mutex_t mutex; /* protects all members below; not held while the device works */

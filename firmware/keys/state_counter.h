@@ -1,6 +1,7 @@
 /* Shows that a whole state directory was put back from an earlier time, by a counter in hardware
- * (drivers/counter/counter.h) that nobody can turn back. What the stores know of each other
- * (heads.h) cannot show that, as files that lay on the disk together at one moment agree.
+ * (drivers/counter/counter.h) that nobody can turn back. The knowledge of the stores about each
+ * other (heads.h) cannot show that, because files that were on the disk together at one moment
+ * agree.
  *
  * The anchor of the log has the counter's number. Since the stores know the log's head, and the
  * log theirs, this one number stands for all of them. To raise it takes two steps, in this order:
@@ -16,13 +17,14 @@
  * it is not raised for every record. (A daemon that its watchdog ends every 30 s would use 100,000
  * increments in 35 days.) It is raised
  *   - at the start, before anybody is let in, and at an orderly end
- *   - with a record that says what an administrator has changed: the gallery, the keys, a lockdown,
- *     what was accepted
- *   - with the record of a lock-out, but not sooner than half an hour after the last time: anybody
- * at the door can cause a lock-out again and again, and must not wear out the TPM
+ *   - with a record of a change of the gallery, of the keys or of a lockdown, and with the record
+ *     that stores were accepted
+ *   - with the record of a lock-out, but not sooner than half an hour after the last time, because
+ *     anybody at the door can cause lock-outs again and again, and must not wear out the TPM
  *   - with any other record when an hour has passed since the last time.
- * The number is raised with the write of the anchor that the record brings anyway, and the counter
- * is incremented by a thread of its own. Neither the door nor a visitor waits for it. While an
+ *
+ * The record makes the log write its anchor anyway, and the number is raised with it. A thread of
+ * its own then increments the counter. Neither the door nor a visitor waits for it. While an
  * increment is under way, further changes wait for the record that comes after it.
  *
  * If the counter cannot be incremented while the appliance runs, the thread tries again and the
