@@ -3,7 +3,7 @@
  *
  * A store counts its changes. It writes a change first, and then the anchor. So the count of the
  * store equals the anchor, or is one more if the program was killed between the two. The log writes
- * groups of records, so its count may be ahead by as many records as the group has. A store that is
+ * records in groups, so its count may be ahead by as many records as one group has. A store that is
  * behind its anchor is an old one. If the anchor cannot be written, the store is ahead of it, and
  * has to catch up (iso_anchor_set again) before the next change.
  *
@@ -36,20 +36,22 @@ struct iso_anchor_state {
 struct iso_anchor;
 
 /* Opens the anchor at `path`. kind (a constant of the source) distinguishes the anchors of
- * different stores. ring must outlive it. -ENOENT there is none (the fault is not set), -EBADMSG
- * damaged or of another store, -EIO, -ENOMEM, ... */
+ * different stores. sync: every write is synchronised. ring must outlive it. -ENOENT there is none
+ * (the fault is not set), -EBADMSG damaged or of another store, -EIO, -ENOMEM, ... */
 int iso_anchor_open(const char *path, const char *kind, const struct iso_key_ring *ring, bool sync,
                     struct iso_anchor **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Makes an anchor in this state, which replaces an existing one, and opens it. */
+/* Makes an anchor in this state, which replaces an existing one, and opens it. Errors of
+ * iso_data_file_replace and iso_anchor_open, but -EIO instead of -ENOENT. */
 int iso_anchor_make(const char *path, const char *kind, const struct iso_key_ring *ring, bool sync,
                     const struct iso_anchor_state *state, struct iso_anchor **out,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Closes it and frees it. NULL is accepted. */
+/* Closes and frees it. NULL is accepted. */
 void iso_anchor_close(struct iso_anchor *anchor);
 
+/* The state that was read or written last. Valid as long as the anchor is open. */
 const struct iso_anchor_state *iso_anchor_state(const struct iso_anchor *anchor);
 
 /* The knowledge of the anchor about the other stores. Each write takes it from the ring's board. */

@@ -55,7 +55,7 @@ int iso__audit_begin_segment(struct iso_audit *audit, int fd, struct iso_fault *
     return 0;
 }
 
-/* PATH is empty: the log begins here, or after its newest closed segment. */
+/* Called when PATH is empty. Begins the log, or continues it after its newest closed segment. */
 static int begin_log(struct iso_audit *audit, struct iso_fault *fault)
 {
     size_t torn = 0;

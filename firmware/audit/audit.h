@@ -3,24 +3,24 @@
  *   {"sequence":17,"time":"2026-11-21T08:30:15.250Z","monotonic_ns":81250000000,"event":"visit",
  *    "person":"anna","verdict":"allow","reason":"match","score":7.25,"threshold":4,"frames":2}
  *
- * Sequences are 1, 2, ... without a gap. It holds no biometric data: no template, no frame, no
- * landmark. On the disk every record is sealed, because it has names in it, and chained to the
+ * Sequences are 1, 2, ... without a gap. The log contains no biometric data: no template, no frame,
+ * no landmark. On the disk every record is sealed, because it may contain names, and chained to the
  * record before it (audit_line.h). An anchor (anchor.h) beside it, PATH.anchor, has the last
- * sequence and the head of the chain. So an edit, a gap, a repetition and a missing end are found:
- * in the segment that is written when the log is opened, and in all segments by iso_audit_verify.
- * anchor.h says what cannot be found.
+ * sequence and the head of the chain. So an edit, a gap, a repetition and a missing end are
+ * detected: when the log is opened, in its newest segment; by iso_audit_verify, in all segments.
+ * anchor.h says what cannot be detected.
  *
  * The log is bounded: a full segment is closed and renamed to PATH.FIRST, and the oldest segments
  * are deleted with their keys. The first record of a segment ("log-rotated") says so.
  *
  * A record is written by one write(); with `sync` the record and the anchor are on the disk when
  * append returns. Records that are appended as a group are synchronised together: if that fails,
- * none of them is written; a crash leaves the first few of them, or none. Without `sync` the
+ * none of them is written; a crash leaves all of them, the first few, or none. Without `sync` the
  * anchor is written only at open, at close and with each segment, so that it never reaches the
  * disk before the records that it counts; then a missing end is found only up to that point. A
  * record that does not fit on the disk leaves nothing behind. A line that a crash has cut short is
  * removed at the next open, and a record says so (if there is room). Only one process at a time
- * can open the log. / */
+ * can open the log. */
 #ifndef ISO_FIRMWARE_AUDIT_AUDIT_H
 #define ISO_FIRMWARE_AUDIT_AUDIT_H
 
@@ -39,15 +39,15 @@ struct iso_audit_record {
     const char *person, *verdict, *reason, *note;
     const char *sensor; /* its state at a decision: "started", "silent", "repeats", "lost" */
     /* Of a visit with the verdict "allow": what the door did (iso_door_answer_name), why it did not
-     * unlock (if so), and the sequence of the "grant" record that was written before the lock was
-     * switched (0: not known). */
+     * unlock (NULL: it did), and the sequence of the "grant" record that was written before the
+     * lock was switched (0: not known). */
     const char *door, *door_fault;
     uint64_t grant;
     const char *before, *after; /* the old and the new value of what an administrator changed */
     double score, threshold;
     int frames, attack_frames;
-    /* The gallery and its number of changes (iso_gallery_version). They show if an old gallery is
-     * put back later. NULL, 0: not known. */
+    /* The gallery and its number of changes (iso_gallery_version). They show later whether an old
+     * gallery was put back. NULL, 0: not known. */
     const char *gallery;
     uint64_t gallery_changes;
     /* The time of the event by both clocks. 0, 0: the time at which the record is written. */
@@ -88,7 +88,7 @@ int iso_audit_open(const struct iso_audit_options *options, const struct iso_tim
                    struct iso_audit **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Wipes it; closes it and frees it. NULL is accepted. */
+/* Writes the anchor if it is behind; then closes, wipes and frees the log. NULL is accepted. */
 void iso_audit_close(struct iso_audit *audit);
 
 /* Writes a record. If this fails, the act that the record announces must not happen. -ENOSPC the
@@ -108,7 +108,8 @@ struct iso_audit_entry {
 /* Writes n records in order and synchronises them together, so that many records take no more time
  * than one. A record that cannot be written (it is too long, the disk is full) does not prevent the
  * others from being written. If they cannot be synchronised, none is written. A group that reaches
- * the end of a segment is split in two. The entries contain the results. */
+ * the end of a segment is split; then this applies to each part. The entries contain the results.
+ */
 void iso_audit_append_group(struct iso_audit *audit, struct iso_audit_entry *entries, size_t n);
 
 /* Sequence of the last record, 0 if there is none; sequence of the oldest record that is kept. */
@@ -124,12 +125,14 @@ uint64_t iso_audit_gallery_changes(const struct iso_audit *audit, const char *ga
 int64_t iso_audit_latest_s(const struct iso_audit *audit);
 
 /* Passes at most `max` records (without newline) from sequence `from` on to `each`. Ends early if
- * `each` returns non-zero, and returns that value. -EIO, -EBADMSG, -ENOMEM. */
+ * `each` returns non-zero, and returns that value. -EIO, -EBADMSG, -ENOMEM; after a fault of the
+ * disk also the errors of iso_audit_open. */
 int iso_audit_read(struct iso_audit *audit, uint64_t from, uint32_t max,
                    int (*each)(void *context, const char *line), void *context)
     __attribute__((warn_unused_result));
 
-/* Closes the present segment, and goes on with a new key. */
+/* Closes the present segment, and goes on with a new key. Closed segments stay sealed with their
+ * keys, which are dropped with them. Errors of the key ring and of iso_audit_append. */
 int iso_audit_rotate_key(struct iso_audit *audit, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

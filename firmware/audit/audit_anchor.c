@@ -88,8 +88,8 @@ int iso__audit_write_anchor(struct iso_audit *audit, struct iso_fault *fault)
     return error;
 }
 
-/* Tells the board what the anchor, as it was found, and the newest record know of the other
- * stores. */
+/* Called before the segments are read. Tells the board the count of the log (the value of the
+ * anchor) and what the anchor knows of the other stores. */
 void iso__audit_tell_anchor(const struct iso_audit *audit)
 {
     struct iso_heads_board *board = iso_key_ring_board(audit->options.ring);

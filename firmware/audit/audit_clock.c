@@ -37,7 +37,7 @@ void iso__audit_note_clock(struct iso_audit *audit, const char *text)
         audit->latest_s = written_s;
         return;
     }
-    /* The record repeats the latest date of before, because the records that had it may have been
+    /* The record repeats the latest date before it, because the records of that date may have been
      * deleted. */
     const bool has_known = of_clock || member_is(text, "event", "log-rotated");
     const int64_t known_s = has_known ? date_of(text, "before") : 0;

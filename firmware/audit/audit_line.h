@@ -42,6 +42,7 @@ struct iso_audit_header {
     struct iso_audit_link link;
 };
 
+/* The keys for sealing and chaining, derived from key `key_number` of the ring. */
 struct iso_audit_seal iso_audit_seal_of(uint32_t key_number, const struct iso_seal_key *key);
 void iso_audit_seal_wipe(struct iso_audit_seal *seal);
 

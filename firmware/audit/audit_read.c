@@ -31,7 +31,8 @@ static int segment_path(const struct iso_audit *audit, size_t i, char path[PATH_
     return 0;
 }
 
-/* Moves to a record. In the present segment it starts at the nearest mark before the record. */
+/* Moves to record `from`. In the present segment the search starts at the nearest mark before it.
+ */
 static int seek_record(const struct iso_audit *audit, size_t i, struct iso_audit_reader *reader,
                        uint64_t from)
 {

@@ -36,9 +36,9 @@ static int drop_keys(struct iso_audit *audit, struct iso_fault *fault)
             (void)fclose(file);
         }
         if (!read || iso_audit_header_get(line, &header)) {
+            /* The segment cannot be read, so no key is deleted. The check of the whole log
+             * reports it. */
             return 0;
-            /* The check of the whole log reports this segment. No key is deleted because of
-             * it. */
         }
         number = header.key_number;
     }
@@ -109,7 +109,7 @@ static int exchange(struct iso_audit *audit, const char *beside, uint64_t first,
     return iso_directory_sync(audit->path, fault);
 }
 
-/* The state of a segment. It is restored if the next segment cannot begin. */
+/* The state of the present segment, which is restored if the next segment cannot begin. */
 struct segment {
     struct iso_audit_seal seal;
     uint64_t first;
@@ -164,7 +164,8 @@ int iso__audit_rotate(struct iso_audit *audit, struct iso_fault *fault)
         snprintf(beside, sizeof beside, "%s.new", audit->path) >= PATH_MAX) {
         return iso_fault_set(fault, -EIO, "%s: no segment can be added", audit->path);
     }
-    /* The header of the new segment proves that the anchor is up to date. */
+    /* The header of a segment counts as a proof that the anchor was up to date. Therefore the
+     * anchor is written first. */
     int error = iso__audit_catch_up(audit, fault);
     if (!error) {
         error = begin_beside(audit, beside, &fd, fault);

@@ -20,7 +20,7 @@ int iso_audit_segment_path(const char *path, uint64_t first, char out[PATH_MAX],
                : iso_fault_set(fault, -ENAMETOOLONG, "%s: the name is too long", path);
 }
 
-/* ---- which there are ---- */
+/* ---- the closed segments ---- */
 
 /* The first sequence in a file name such as "audit.log.00000000000000000001"; 0 if there is
  * none. */
@@ -82,7 +82,7 @@ int iso_audit_segments_find(const char *path, struct iso_audit_segments *out,
     return 0;
 }
 
-/* ---- going over one ---- */
+/* ---- reading one ---- */
 
 /* Reads one line without its newline. Returns its length, -ENODATA at the end (and sets `torn` to
  * the length of an incomplete line), -EIO, or -EBADMSG for a line that is too long. */

@@ -34,22 +34,22 @@ struct iso_audit_reader {
     struct iso_audit_seal seal;
     struct iso_audit_header header;
     uint64_t next;  /* sequence of the next record */
-    off_t position; /* begin of the next record; at the end: the end of complete lines */
+    off_t position; /* where the next record begins; at the end: the end of complete lines */
     size_t torn;    /* bytes after the last complete line, once the end is reached */
     struct iso_audit_link link; /* the next record has to begin with it, except after a seek */
     bool sought;
     struct iso_audit_opened record; /* the last record that was read */
     char line[ISO_AUDIT_LINE_MAX + 2];
-    const char *flaw; /* description of the flaw; NULL */
+    const char *flaw; /* description of the flaw; NULL: none */
 };
 
 /* Opens a segment and reads its header. -EBADMSG with ->flaw set if it is not a regular file, has
- * no valid header, or its key is not in the ring; else the errno of opening. Call _close in any
- * case. */
+ * no valid header, or its key is not in the ring; else the errno of opening. Call
+ * iso_audit_reader_close in any case. */
 int iso_audit_reader_open(struct iso_audit_reader *reader, const char *path,
                           const struct iso_key_ring *ring) __attribute__((warn_unused_result));
 
-/* Wipes it; closes it. NULL is accepted. */
+/* Closes the file, if it is open, and wipes the reader. */
 void iso_audit_reader_close(struct iso_audit_reader *reader);
 
 /* Reads a record into ->record. Returns 1, or 0 at the end; -EBADMSG with ->flaw set if it is not

@@ -8,8 +8,8 @@
 #include "firmware/audit/audit.h"
 #include "firmware/audit/audit_segment.h"
 
-/* The position of every line whose number is a multiple of this is remembered, so that reading need
- * not begin at the first line. */
+/* The position of every line whose number in its segment is a multiple of this is remembered, so
+ * that reading need not begin at the first line. */
 enum { ISO__AUDIT_MARK_LINES = 256 };
 
 struct iso_audit {
@@ -24,7 +24,7 @@ struct iso_audit {
     uint64_t segment_first, first, last; /* sequences: first of this segment, of the log; last */
     struct iso_audit_link link;          /* the head of the log */
     off_t size;                          /* size of the complete lines of this segment */
-    bool opened;                         /* the whole log was found sound */
+    bool opened;                         /* iso_audit_open has succeeded */
     bool torn;                           /* a part of a record may follow the complete lines */
     bool lost;                           /* it is not known which file has which name */
     off_t *marks; /* marks[i]: where the line of sequence segment_first + i * MARK_LINES begins */
@@ -46,13 +46,15 @@ struct iso_audit {
 /* Whether the anchor has to be written because of the number of the counter of the state. */
 bool iso__audit_wants_number(const struct iso_audit *audit);
 
-/* The anchor's state for the present head. sealing: a log in plain text is being sealed. */
+/* The anchor's state for the present head. sealing: a log in plain text is being sealed. Then:
+ * whether the anchor that was read says so, whether it was written without synchronising records
+ * (lax), and the writing of the anchor (errors of storage_fault.h). */
 struct iso_anchor_state iso__audit_anchor_state(const struct iso_audit *audit, bool sealing);
 bool iso__audit_anchor_is_sealing(const struct iso_audit *audit);
 bool iso__audit_anchor_is_lax(const struct iso_audit *audit);
 int iso__audit_write_anchor(struct iso_audit *audit, struct iso_fault *fault);
 
-/* What the anchor contains: the first sequence that is kept, and whether this is the link after the
+/* Parts of the anchor: the first sequence that is kept, and whether `link` is the link after the
  * last record. */
 uint64_t iso__audit_anchored_first(const struct iso_audit *audit);
 bool iso__audit_is_anchored(const struct iso_audit *audit, const struct iso_audit_link *link);
@@ -67,7 +69,7 @@ int iso__audit_check_closed(const struct iso_audit *audit, bool closed, struct i
 /* Uses the dates in a record's text. (audit_clock.c) */
 void iso__audit_note_clock(struct iso_audit *audit, const char *text);
 
-/* Makes room for the mark of the next record; then counts a record of so many bytes. */
+/* Makes room for the mark of the next record (-ENOMEM). Then counts a record of so many bytes. */
 int iso__audit_reserve_mark(struct iso_audit *audit);
 void iso__audit_count_line(struct iso_audit *audit, size_t bytes);
 
@@ -86,8 +88,9 @@ int iso__audit_scan(struct iso_audit *audit, const char *path, size_t *torn,
 
 /* Compares the end that was found with the anchor, which may be behind by one group of records.
  * Then the anchor is written before the next record, and not here, because it may be an old one;
- * the other stores can tell. closed: the segment that was read is a closed one, because there is no
- * other. -ESTALE, or an error of writing the anchor. (audit_scan.c) */
+ * the other stores can tell. It is written here only if records were not synchronised, if that
+ * setting has changed, or if sealing was interrupted. closed: the segment that was read is a closed
+ * one, because there is no other. -ESTALE, or an error of writing the anchor. (audit_scan.c) */
 int iso__audit_check_end(struct iso_audit *audit, bool closed, struct iso_fault *fault);
 
 /* Sets the fault of a log that is not of this time, with that code. Returns -ESTALE.
@@ -99,7 +102,8 @@ int iso__audit_stale(const struct iso_audit *audit, enum iso_fault_code code, co
  * file `fd`. Returns 0 when it is on the disk. */
 int iso__audit_begin_segment(struct iso_audit *audit, int fd, struct iso_fault *fault);
 
-/* Opens PATH, or the file beside it, for appending, and locks it. */
+/* Opens PATH, or the file beside it, for appending, and locks it. Makes the file if it does not
+ * exist. -EBUSY another process has it, or an errno of opening. */
 int iso__audit_open_file(const char *path, int flags, int *fd, struct iso_fault *fault);
 
 /* Opens the log again, so that the memory agrees with the disk. Until that succeeds the log is

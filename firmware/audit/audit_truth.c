@@ -1,5 +1,5 @@
 /* If the outcome of an exchange of files is not known, the log is opened again to find out which
- * file has which name. Nothing is written until this succeeds. */
+ * file has which name. Nothing is written until this has succeeded. */
 #include <errno.h>
 #include <sodium.h>
 #include <unistd.h>

@@ -75,12 +75,14 @@ static int enqueue(struct iso_audit_writer *writer, const struct iso_audit_recor
 
 /* ---- the thread ----
  *
- * It is woken by a semaphore, because the door's thread, which has a real-time priority, wakes it,
- * and sem_post(3) never waits. pthread_cond_broadcast(3) of glibc 2.36 can wait: until a thread
+ * The door's thread, which has a real-time priority, wakes this thread. It uses a semaphore,
+ * because sem_post(3) never waits. pthread_cond_broadcast(3) of glibc 2.36 can wait until a thread
  * that was woken before has run, if another one has begun to wait since then. This thread has an
- * ordinary priority; on a busy machine the door would have waited for a processor as it does. */
+ * ordinary priority, so on a busy machine the door would have to wait until this thread gets a
+ * processor. */
 
-/* Waits for work. All calls that came meanwhile count as answered. */
+/* Waits for work, and takes all posts of the semaphore. The caller looks at the whole queue, so no
+ * post is missed. */
 static void wait_for_work(struct iso_audit_writer *writer)
 {
     (void)pthread_mutex_unlock(&writer->mutex);

@@ -1,5 +1,5 @@
-/* Writes the audit log in a thread of its own, so that only those callers wait for the disk that
- * have to.
+/* Writes the audit log in a thread of its own, so that callers wait for the disk only if they have
+ * to.
  *
  * Records wait in a queue of ISO_AUDIT_WRITER_RECORDS, and are written in the order in which they
  * came. The log gives them their sequences when it writes them, so that the chain has no gap. A
@@ -30,12 +30,13 @@ enum { ISO_AUDIT_WRITER_RECORDS = 128 };
 
 struct iso_audit_writer;
 
-/* The log and the times are borrowed, and must outlive the writer. While it exists, others may use
- * the log only between hold and release. -ENOMEM, -EAGAIN no thread can be had. */
+/* Makes a writer. The log and the times are borrowed, and must outlive it. While it exists, others
+ * may use the log only between hold and release. -ENOMEM, -EAGAIN no thread can be had. */
 int iso_audit_writer_new(struct iso_audit *audit, const struct iso_times *times, bool threaded,
                          struct iso_audit_writer **out) __attribute__((warn_unused_result));
 
-/* Writes all queued records before it ends, which takes as long as the disk needs. NULL is fine. */
+/* Writes all queued records, which takes as long as the disk needs; then frees the writer. NULL is
+ * accepted. */
 void iso_audit_writer_free(struct iso_audit_writer *writer);
 
 /* Queues a copy of a record without waiting. -ENOBUFS the queue is full, -EINVAL the record is too
@@ -47,7 +48,7 @@ int iso_audit_writer_post(struct iso_audit_writer *writer, const struct iso_audi
 /* Queues a record and waits for at most wait_ns (ISO_NEVER_NS: as long as it takes) until it is on
  * the disk. *sequence (may be NULL) is then its number.
  *   -ETIMEDOUT it was not in time. It may get to the disk later: what it announces must not happen,
- *              and iso_audit_writer_post_outcome says so
+ *              and the outcome that the caller posts has to say so
  *   -ENOBUFS   the queue is full: records that were appended before wait for the disk
  * and the errors of iso_audit_append. */
 int iso_audit_writer_append(struct iso_audit_writer *writer, const struct iso_audit_record *record,

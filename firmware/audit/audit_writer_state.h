@@ -70,8 +70,8 @@ void iso__audit_writer_wipe(struct iso__audit_slot *slot);
 void iso__audit_writer_lose(struct iso_audit_writer *writer, int error,
                             const struct iso_fault *fault);
 
-/* Whether it is time to record losses: once in the place where the first of them would be, and
- * again with each later record as long as the log cannot be written. The mutex is held. */
+/* Whether losses have to be recorded now: as soon as the records before the first loss are written,
+ * and after a failure with each later record. The mutex is held. */
 bool iso__audit_writer_has_to_admit(const struct iso_audit_writer *writer);
 
 /* Writes everything that is queued as a group. The mutex is held on entry and on return, but not
