@@ -16,16 +16,18 @@
 
 struct iso_bus;
 
-/* Whether this can be the address of a bus. Returns -EINVAL with a fault if not. Connects to
- * nothing. */
+/* Checks whether this can be the address of a bus, without connecting. -EINVAL with a fault if it
+ * cannot. */
 int iso_bus_check_address(const char *address, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Connects: address is "system", "session" or a D-Bus address. Negative errno with a fault. */
+/* Connects, and waits for the handshake. `address` is "system", "session" or a D-Bus address.
+ * Negative errno with a fault. */
 int iso_bus_open(const char *address, struct iso_bus **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Sends the remaining messages and disconnects. NULL is fine. */
+/* Sends the remaining messages, disconnects and frees the bus. Does not use the appliance. NULL is
+ * accepted. */
 void iso_bus_close(struct iso_bus *bus);
 
 /* Handlers that send the appliance's events on this bus, except for `message`, which the caller
@@ -35,7 +37,8 @@ struct iso_appliance_events iso_bus_events(struct iso_bus *bus,
                                                            const char *text));
 
 /* Offers the appliance, which uses these components, under the name of the contract, from within an
- * event loop. Both must outlive the bus. -EEXIST: the name is taken. */
+ * event loop. All of them must be valid as long as the event loop runs. -EEXIST: the name is taken.
+ */
 int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
                   const struct iso_appliance_borrowed *borrowed, sd_event *event,
                   struct iso_fault *fault) __attribute__((warn_unused_result));
@@ -44,7 +47,7 @@ int iso_bus_serve(struct iso_bus *bus, struct iso_appliance *appliance,
  * waiting for the bus. */
 bool iso_bus_is_gone(const struct iso_bus *bus);
 
-/* Whether the bus has the name and answers calls. */
+/* Whether this connection has the name and answers calls. */
 bool iso_bus_is_serving(const struct iso_bus *bus);
 
 /* Gives up a lost connection, with the claim that a client had through it, and begins another one

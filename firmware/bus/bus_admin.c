@@ -10,7 +10,7 @@
 #include "firmware/bus/bus_state.h"
 #include "firmware/contract/contract.h"
 
-/* The options of both methods. The texts point into the call. */
+/* The options of ExportPeople and ImportPeople. The texts point into the call. */
 struct options {
     const char *to, *from;
     bool has_key, has_salt, replace;

@@ -15,7 +15,7 @@ struct iso_bus {
     sd_bus_slot *object, *disconnected, *filter, *naming;
     sd_bus_track *track;     /* tracks the claimant */
     char claimant[256];      /* unique name; "": no client */
-    sd_bus_track *aiming;    /* clients that want View signals; NULL: none */
+    sd_bus_track *aiming;    /* clients that get View signals; NULL: none */
     sd_bus_message *picture; /* the call of Picture that has no answer yet; NULL: none */
     bool gone, serving;      /* serving: this connection has the name */
     struct iso_call_rate rate;
@@ -45,8 +45,8 @@ int iso__bus_aim_stop(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_picture(sd_bus_message *call, void *context, sd_bus_error *out);
 void iso__bus_on_picture(void *context, const struct iso_frame *frame);
 
-/* Whether the sender of a call has the claim. If not, returns a negative errno and sets the error
- * (bus_methods.c). */
+/* Returns 0 if the sender of a call has the claim. Otherwise returns a negative errno and sets the
+ * error (bus_methods.c). */
 int iso__bus_require_claim(const struct iso_bus *bus, sd_bus_message *call, sd_bus_error *out);
 
 /* The error of the contract for an errno of the appliance. A method returns the result. */
@@ -94,7 +94,8 @@ int iso__bus_reply_enrolment(sd_bus_message *call, const struct iso_person *know
 /* Sends the view to the clients that want it (bus_view.c): a handler of iso_appliance_events. */
 void iso__bus_on_view(void *context, const struct iso_view *view);
 
-/* Makes a signal of the contract, to be filled in. -ENOTCONN before the service is offered. */
+/* Makes a signal of the contract, to be filled in. -ENOTCONN before the service is offered, and
+ * while the connection is lost. */
 int iso__bus_new_signal(const struct iso_bus *bus, const char *member, sd_bus_message **out);
 
 /* Sends a signal that was filled in with result r, to one client or (NULL) to all, and releases it.

@@ -57,8 +57,8 @@ int iso__bus_append_view(sd_bus_message *message, const struct iso_view *view)
 
 /* ---- the listeners ---- */
 
-/* Called when the last listener has stopped or left the bus, and again while the list exists and is
- * empty. */
+/* Called when the last listener has stopped or left the bus, and again as long as the list exists
+ * and is empty. */
 static int on_nobody_aims(sd_bus_track *track, void *context)
 {
     struct iso_bus *bus = context;

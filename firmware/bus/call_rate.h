@@ -1,10 +1,11 @@
 /* Limits how often the clients of the bus may call. Pure: time is an argument. The door must be
  * watched even while a client calls without end. So each client has an allowance that fills again
- * with time; further calls are refused before they are read.
+ * with time. Calls beyond it are refused before they are read.
  *
  * Clients are identified by their unique names. A client that leaves the bus and comes back has a
- * new name; therefore new clients take their allowance from one that all new clients share. The
- * last ISO_CALL_RATE_CLIENTS clients are remembered, and older ones count as new. */
+ * new name. Therefore the first call of each client is counted against a second allowance, which
+ * all new clients share. The last ISO_CALL_RATE_CLIENTS clients are remembered; a client that was
+ * forgotten counts as new. */
 #ifndef ISO_FIRMWARE_BUS_CALL_RATE_H
 #define ISO_FIRMWARE_BUS_CALL_RATE_H
 
@@ -13,28 +14,32 @@
 
 enum { ISO_CALL_RATE_CLIENTS = 16, ISO_CALL_RATE_NAME_SIZE = 64 };
 
-/* An allowance: at most `burst` calls at once, `per_s` in the long run. */
+/* An allowance: a number of calls, at most ISO_CALL_RATE_BURST, which rises with time at the rate
+ * of its kind. */
 struct iso_call_allowance {
-    double calls; /* left */
-    int64_t t_ns; /* the time of this level */
+    double calls; /* calls that are left at t_ns */
+    int64_t t_ns; /* time of the last call */
 };
 
 struct iso_call_rate {
-    struct iso_call_allowance newcomers;
+    struct iso_call_allowance newcomers; /* for the first calls of new clients */
     struct {
         char name[ISO_CALL_RATE_NAME_SIZE]; /* "": the slot is free */
         struct iso_call_allowance allowance;
     } clients[ISO_CALL_RATE_CLIENTS];
 };
 
-/* A client: 40 calls at once and 20 a second. All new clients: 40 at once and 10 a second. */
+/* A client: 40 calls at once and 20 a second. First calls of all new clients: 40 at once and 10 a
+ * second. */
 #define ISO_CALL_RATE_BURST          40.0
 #define ISO_CALL_RATE_PER_S          20.0
 #define ISO_CALL_RATE_NEWCOMER_PER_S 10.0
 
+/* Begins with no client and a full allowance for new ones. */
 void iso_call_rate_init(struct iso_call_rate *rate, int64_t now_ns);
 
-/* Whether a call of this client is to be answered. If so, it is counted. now_ns never decreases. */
+/* Whether a call of this client is to be answered; such a call is counted. Calls of a new client
+ * whose name does not fit into ISO_CALL_RATE_NAME_SIZE are refused. now_ns never decreases. */
 bool iso_call_rate_take(struct iso_call_rate *rate, const char *client, int64_t now_ns);
 
 #endif
