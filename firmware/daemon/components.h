@@ -45,11 +45,12 @@ int iso_components_check(const struct iso_config *config, const struct iso_times
 /* Opens the components: first those that are only read, then the door's lines, then the stores.
  * With `threads` the door starts as soon as its lines are open, so that the exit button does not
  * wait for a slow disk. The door is locked then, and nobody is let in before there is an appliance.
- * Every error of iso_components_check, iso_pipeline_open, iso_key_ring_open, iso_gallery_open,
- * iso_audit_open, iso_cards_load, iso_door_io_open and iso_door_guard_start, with nothing left open
- * and the door's lines without power; -ESTALE if one of the stores is of an earlier time than
- * another store knows (heads.h). But after -ENODEV, -EBUSY, -EACCES or -EIO of the door, its lines
- * count as lost and may come back. What `times` points to must outlive the components. */
+ * Errors: those of iso_components_check, iso_key_ring_open, iso_gallery_open, iso_audit_open,
+ * iso_door_io_open and iso_door_guard_start; -ESTALE if one of the stores is of an earlier time
+ * than another store knows (heads.h). After an error nothing is open, and the door's lines are
+ * without power. But -ENODEV, -EBUSY, -EACCES and -EIO of opening the door's lines are no errors
+ * here: the lines count as lost and may come back. What `times` points to must outlive the
+ * components. */
 int iso_components_open(const struct iso_config *config, const struct iso_times *times,
                         bool threads, struct iso_components **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -96,10 +97,10 @@ int iso_components_compare_stores(const struct iso_components *components, struc
     __attribute__((warn_unused_result));
 
 /* Opens the stores as iso_components_open_stores does, but accepts stores that are of different
- * times. It then writes the record "state-accepted" into the log, and writes every store again;
- * from then on the stores agree. A lock-out file that cannot be used becomes a lockdown. *why says
- * what was accepted; it is "" if the stores agreed already. Returns the errors of opening and
- * writing the stores. */
+ * times. It then writes every store again, and a record "state-accepted" into the log before and
+ * after that; from then on the stores agree. A lock-out file that cannot be used becomes a
+ * lockdown. *why says what was accepted; it is "" if the stores agreed already. Returns the errors
+ * of opening and writing the stores. */
 int iso_components_accept_stores(struct iso_components *components, struct iso_fault *why,
                                  struct iso_fault *fault) __attribute__((warn_unused_result));
 
@@ -112,17 +113,19 @@ int iso_components_accept(const struct iso_config *config, const struct iso_time
 int iso_components_rest_door(const struct iso_config *config, const struct iso_times *times,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Opens the log alone, while no daemon runs. Writes its records to `out`, one in a line, and says
- * whether the log is sound. -EBADMSG with a fault if it is not; the errors of iso_key_ring_open and
- * iso_audit_open. */
+/* Opens the key ring and the log alone, while no daemon runs. Checks the whole log, and then writes
+ * its records to `out`, one in a line. -EBADMSG with a fault if the log is not sound; then nothing
+ * is written. -EIO; the errors of iso_key_ring_open and iso_audit_open. */
 int iso_components_print_log(const struct iso_config *config, const struct iso_times *times,
                              FILE *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* NULL is fine. */
+/* Stops the door, which leaves its lines without power; closes all that is open, and frees the
+ * components. NULL is accepted. */
 void iso_components_close(struct iso_components *components);
 
-/* Lent to an appliance; the sensor is opened from the configuration when it is needed. */
+/* Lends the components to an appliance, which calls the handlers `events`. The sensor is opened
+ * from the configuration when it is needed. */
 struct iso_appliance_borrowed iso_components_lend(struct iso_components *components,
                                                   const struct iso_appliance_events *events);
 

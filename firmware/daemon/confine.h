@@ -1,13 +1,14 @@
 /* The daemon gives up rights by itself, however it was started, so that an attacker who exploits a
- * fault of it does not get the whole machine. The unit file (board/generic/isothermd.service.in)
- * takes away the same rights and more from outside; the rights below are given up also where there
- * is no service manager.
+ * fault of the daemon does not get the whole machine. The unit file
+ * (board/generic/isothermd.service.in) takes away the same rights and more from outside; the rights
+ * below are given up also where there is no service manager.
  *
  *   memory   no core file, no debugger of the same user; locked, so that no template is paged out
  *   files    (Landlock) nothing can be executed. Only the directories of gallery, log and
  *            lock-out, those of temporary files, and devices can be written. The system's files,
- *            those beside the loaded libraries, and those that the configuration names can be read
- *            (all files, if the sensor replays recordings, because its slot may name any)
+ *            the directories of the loaded libraries, and those of the files that the configuration
+ *            names can be read (all files, if the sensor replays recordings, because its slot may
+ *            name any)
  *   calls    (seccomp) only those that a daemon with cameras and door lines needs. Sockets other
  *            than local ones and those of the kernel's device news are refused. So are other calls
  *            that are not needed, such as one for a real-time priority. A call that executes or

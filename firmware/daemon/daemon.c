@@ -17,7 +17,7 @@
 #include "firmware/daemon/quit_signal.h"
 #include "firmware/keys/stack_wipe.h"
 
-/* Wakes up the event loop when one of these can be read, and has no other effect. */
+/* A descriptor that wakes up the event loop when it can be read, and has no other effect. */
 struct watched_fd {
     int fd;
     sd_event_source *source;
@@ -37,7 +37,7 @@ struct daemon {
     void *room;                  /* reserved for iso_confine_calls; NULL after it */
     struct iso_fault unlocked;   /* why memory is not locked; "" if it is */
     struct iso_fault unconfined; /* why the process is not confined; "" if it is */
-    bool bus_lost;               /* as the log says */
+    bool bus_lost;               /* the log says that the bus is gone */
     int64_t bus_try_ns;          /* when to connect next while the bus is lost */
     int64_t bus_wait_ns;         /* the delay after the next failure */
     struct iso_life_sign *life;  /* NULL: there is no service manager */

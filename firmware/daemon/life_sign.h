@@ -39,7 +39,7 @@ void iso_life_sign_free(struct iso_life_sign *sign);
 /* Begins another phase; limit_ns counts again from now. */
 void iso_life_sign_enter(struct iso_life_sign *sign, enum iso_life_phase phase);
 
-/* The main thread has just reported by itself. */
+/* Reports that the main thread has just reported to the service manager by itself. */
 void iso_life_sign_renew(struct iso_life_sign *sign);
 
 #endif

@@ -1,5 +1,5 @@
 /* Wipes freed memory. Names and templates pass through buffers of libsystemd, SQLite, stdio and our
- * own code; nobody who later reads the memory of the process shall find them there.
+ * own code. A reader of the memory of the process must not find them there later.
  *
  * A program that is linked with this file uses its own free() and realloc() in place of those of
  * the C library, for itself and for every library that it loads. Memory that grows moves to a new
@@ -30,8 +30,8 @@ extern void *__libc_realloc(void *memory, size_t size);
 extern void __libc_free(void *memory);
 // NOLINTEND(bugprone-reserved-identifier)
 
-/* The rest of the set, unchanged. Memory of another heap, such as that of a library which is loaded
- * before all others, must not reach free(). */
+/* The other functions of the set are unchanged. They are defined here because free() must not get
+ * memory of another heap, such as that of a library which is loaded before all others. */
 
 void *malloc(size_t size)
 {

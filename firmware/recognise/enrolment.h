@@ -2,9 +2,9 @@
  * pipeline makes the comparisons, and time is an argument.
  *
  *   ACTIVE  a frame that agrees with all frames before    -> ACTIVE, a stage is passed
- *           the last frame of them, and the face is new   -> COMPLETED
- *           the last one, but another person looks so     -> DUPLICATE (unless that is allowed)
- *           ... or the person of this name does not       -> OTHER_FACE
+ *           such a frame in the last stage                -> COMPLETED, unless
+ *             another person of the gallery has this face -> DUPLICATE (unless that is allowed)
+ *             else the person of this name has another    -> OTHER_FACE
  *           as many misfits as there are stages           -> FAILED
  *           attack_frames attack frames since a stage     -> ATTACK
  *           timeout_ns after its start                    -> TIMED_OUT
@@ -73,7 +73,7 @@ void iso_enrolment_begin(struct iso_enrolment *enrolment,
 
 /* Handles a usable frame; only while ACTIVE. *passed: the frame was used (otherwise it was a
  * misfit). Check the state after the call. Returns a negative errno if a comparison fails for a
- * reason other than the frame. This ends the enrolment only at the last stage: FAILED. */
+ * reason other than the frame. Such an error ends the enrolment only in the last stage: FAILED. */
 int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_template *frame,
                         const struct iso_pipeline *pipeline,
                         const struct iso_enrolment_gallery *gallery, bool *passed)

@@ -12,7 +12,7 @@ struct iso_image_tally {
     unsigned confirmed, contradicted, unsure; /* numbers of frames */
 };
 
-/* Counts one result. Faces that were not checked, or that have no image, do not count. */
+/* Counts one result. Frames without a check of the face, or without an image, do not count. */
 void iso_image_tally_take(struct iso_image_tally *tally, enum iso_face_seen seen);
 
 /* Writes "image: 2 confirmed, 1 contradicted, 0 unsure". Returns false and writes nothing if

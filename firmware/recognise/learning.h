@@ -2,8 +2,8 @@
  *
  * A learned template is added to the enrolled ones and never replaces one; it is marked
  * (iso_template.learned). Two limits prevent drift. The visit has to be more certain than any
- * threshold requires. And the template has to be as similar to the enrolled templates alone: a
- * learned template never justifies the next one. */
+ * threshold requires. And the template has to reach the same score with the enrolled templates
+ * alone: a learned template never justifies the next one. */
 #ifndef ISO_FIRMWARE_RECOGNISE_LEARNING_H
 #define ISO_FIRMWARE_RECOGNISE_LEARNING_H
 

@@ -15,7 +15,7 @@ struct pipeline {
     enum iso_image_check image;
     struct iso_fault image_lacks; /* why face_check is missing; "" if it is there or not needed */
     struct iso_face_check *face_check; /* NULL: images are not checked */
-    enum iso_face_seen seen;           /* what the image of the last frame showed */
+    enum iso_face_seen seen;           /* the result for the image of the last frame */
 };
 
 /* Checks a usable face in the image. If the check has a veto, the frame loses its template when the

@@ -1,5 +1,5 @@
-/* From a frame to the people in the gallery who look most like its face: the class that the
- * appliance uses, so that a test can replace it, and the real one.
+/* Finds the people of the gallery who look most like the face in a frame. The appliance uses a
+ * class of functions, so that a test can replace it; this header also has the real one.
  *
  * The real one owns extractor, head model, an open recognition method (method/method.h), and
  * options. One pipeline is used by one thread; nothing is allocated for a frame. */
@@ -67,7 +67,7 @@ struct iso_pipeline_options {
     const char *head_path;
     enum iso_method method;             /* the method that compares templates */
     const char *data_path;              /* the method's data file; NULL or "": none */
-    struct iso_extract_options extract; /* the pipeline sets sensor and clock */
+    struct iso_extract_options extract; /* the pipeline sets the clock */
     struct iso_match_options match;     /* for methods that register templates */
     struct iso_clock clock;             /* measures the times of the stages */
     enum iso_image_check image;

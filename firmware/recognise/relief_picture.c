@@ -16,7 +16,7 @@ enum { DARKEST = 24, BRIGHTEST = 255, PNG_LEVEL = 6 };
 /* A neighbour whose depth differs by more than this belongs to another surface. */
 static const double jump_mm = 30.0;
 
-/* Depths outside this range are drawn with full or with least brightness. */
+/* Nearer depths are drawn with full brightness, farther ones with the least. */
 static const double near_mm = 400.0, far_mm = 2500.0;
 
 /* ---- light ---- */

@@ -1,20 +1,21 @@
-/* One face over the frames: whether it is still the same, and how fast it moves. Pure: fitted poses
- * and their times come as arguments.
+/* Follows one face over the frames: whether it is still the same, and how fast it moves. Pure:
+ * fitted poses and their times come as arguments.
  *
- * Frames carry no names, so that two faces which take turns before the camera look like one visit.
- * But a head has inertia: a pose that is farther from the one before than a head can have gone is
- * another face's, and begins another track. It is judged in favour of "another": a mistake costs
- * the visitor a frame or two, the other mistake would let two faces agree on a third.
+ * A frame does not tell whose face it shows, so two faces that take turns before the camera would
+ * look like one visit. But a head has inertia: a pose that is farther from the pose before than a
+ * head can move belongs to another face, and begins another track. Doubtful cases count as another
+ * face: this mistake costs the visitor a frame or two, while the opposite mistake would let frames
+ * of two faces agree on a third person.
  *
  *   no track     a fitted pose                                    -> a new track
- *   a track      a pose that it can have come to in time          -> the same track
- *                a pose out of its reach, or after lost_ns        -> a new track
+ *   a track      a pose within reach of the one before            -> the same track
+ *                a pose out of reach, or after lost_ns            -> a new track
  *
- * What a head reaches in dt: slack + jump speed * dt. Turning it on purpose, as fast as they could,
- * people reached 780 degrees/s (median of 20; Grossman, Leigh, Abel, Lanska, Thurston 1988,
- * Experimental Brain Research 70:470); walking, the head turns by less than 90 degrees/s. The slack
- * is what two fits of a face at rest can differ by. Beyond a head's breadth two faces fit side by
- * side, however much time has passed. */
+ * The reach of a head in the time dt is slack + jump speed * dt. People who turned their heads on
+ * purpose, as fast as they could, reached 780 degrees/s (median of 20; Grossman, Leigh, Abel,
+ * Lanska, Thurston 1988, Experimental Brain Research 70:470); the head of a person who walks turns
+ * by less than 90 degrees/s. The slack is the largest difference of two fits of a face at rest.
+ * The reach is never more than a head's breadth, because a second face can be at that distance. */
 #ifndef ISO_FIRMWARE_RECOGNISE_TRACK_H
 #define ISO_FIRMWARE_RECOGNISE_TRACK_H
 
@@ -49,6 +50,7 @@ struct iso_track {
     struct iso_rigid camera_from_face;
 };
 
+/* Begins without a track. */
 void iso_track_init(struct iso_track *track, const struct iso_track_options *options);
 
 /* Makes the next pose begin a new track. */

@@ -17,7 +17,7 @@
 #include "core/match/search.h"
 #include "firmware/gallery/candidate_list.h"
 
-/* Arguments for opening a method; it keeps none of them. */
+/* Arguments for opening a method. They need not outlive the call. */
 struct iso_method_setup {
     const char *data_path;          /* the file with its trained data; "" if it needs none */
     uint32_t algorithm;             /* algorithm of every template that it will receive */
@@ -32,8 +32,9 @@ struct iso_method_ops {
     const char *data_key;
     const char *(*installed_data)(void);
 
-    /* Whether one of 10^s strangers reaches a score of s, so that a security level of [decision]
-     * gives the threshold. Otherwise the site has to set `threshold`. */
+    /* Whether one of 10^s similar strangers reaches a score of s (isotherm/metric.h), so that a
+     * security level of [decision] gives the threshold. Otherwise the site has to set `threshold`.
+     */
     bool calibrated;
 
     /* Reads the data file. -ENOENT and other errors of reading it, -EBADMSG it is damaged, -EINVAL

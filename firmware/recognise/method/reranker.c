@@ -6,14 +6,13 @@
 
 enum {
     TEMPLATES = ISO_INDEX_TEMPLATES_MAX,
-    SLOTS = 2 *
-            ISO_RERANK_CANDIDATES, /* the candidates of this frame, and some of earlier frames */
+    SLOTS = 2 * ISO_RERANK_CANDIDATES, /* candidates of this frame, and some of earlier ones */
 };
 
 /* A person whose upper faces are in memory. */
 struct slot {
     int64_t person; /* 0: the slot is empty */
-    uint64_t used;  /* number of the look that used the slot last */
+    uint64_t used;  /* number of the search that used the slot last */
     int n;
     struct iso_upper_face upper[TEMPLATES];
 };
