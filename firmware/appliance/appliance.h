@@ -16,10 +16,10 @@
  *
  * All calls come from one thread. A step handles at most one frame; it neither sleeps nor waits for
  * the sensor, and takes as long as the work on that frame. With `threads` the door and the log have
- * threads of their own (door_guard.h, audit_writer.h): the door does not wait for a step, and a
- * step waits for the disk only for the record of a grant (for a limited time), for enrolled and
- * learned templates, and for the lock-out file. Events are reported from within calls of this
- * header. A handler may call iso_appliance_status, and no other function of this header. */
+ * threads of their own (door_guard.h, audit_writer.h): the door does not wait for a step. A step
+ * waits for the disk only for the record of a grant (for a limited time), for enrolled and learned
+ * templates, and for the lock-out file. Events are reported from within calls of this header. A
+ * handler may call iso_appliance_status, and no other function of this header. */
 #ifndef ISO_FIRMWARE_APPLIANCE_APPLIANCE_H
 #define ISO_FIRMWARE_APPLIANCE_APPLIANCE_H
 

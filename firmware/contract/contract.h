@@ -72,7 +72,7 @@
  *       hint, which held for some frames; the action goes on
  * Signal to clients that have called AimStart:
  *   View(a{sv})
- *       what the sensor sees, some ten times a second: the keys marked + below
+ *       what the sensor sees, at most ten times a second: the keys marked + below
  * Signal to the caller of ExportPeople, ImportPeople, RotateKeys or VerifyLog during the call:
  *   Progress(t done, t total)
  *       how much of the work is done. It counts people of an export or an import (which stores

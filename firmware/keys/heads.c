@@ -110,7 +110,7 @@ void iso_heads_found(struct iso_heads_board *board, enum iso_head head, const ch
     store->found = true;
     store->count = count;
     (void)snprintf(store->path, sizeof store->path, "%s", path);
-    /* The link of the log comes with iso_heads_record. */
+    /* The count of the log is raised by iso_heads_wrote, together with its link. */
     if (head != ISO_HEAD_LOG) {
         raise_to(&board->now, head, count, NULL);
     }

@@ -38,9 +38,9 @@ enum iso_enrolment_state {
 };
 
 struct iso_enrolment_options {
-    int stages;             /* 1..ISO_ENROLMENT_STAGES_MAX */
-    double agree_score;     /* of a frame with every frame before it, and with the person's own
-                               templates */
+    int stages;         /* 1..ISO_ENROLMENT_STAGES_MAX */
+    double agree_score; /* of a frame with every frame before it, and of the new template with those
+                           that the person has already */
     double duplicate_score; /* the score from which on two people count as the same */
     int attack_frames;      /* 1 or more */
     int64_t timeout_ns;
@@ -62,7 +62,7 @@ struct iso_enrolment {
     int attack_frames;    /* number since the last stage */
     enum iso_capture cue; /* cue of the last of them */
     struct iso_template frames[ISO_ENROLMENT_STAGES_MAX];
-    struct iso_template fused;             /* COMPLETED: the template to keep */
+    struct iso_template fused; /* the template made of all frames; COMPLETED: to be kept */
     struct iso_icp_workspace registration; /* for the registration of the frames */
     int64_t duplicate_of;                  /* DUPLICATE: the number of the other person */
 };
