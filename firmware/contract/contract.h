@@ -9,7 +9,7 @@
  *                                        options ISO_CONTRACT_ALLOW_DUPLICATE b, ..._VALID_FROM x,
  *                                        ..._VALID_UNTIL x (seconds since 1970; 0: no limit),
  *                                        ..._EXPIRED b. A limit that is not named stays as it is
- *                                        stored. A limit in the past is refused without EXPIRED. If
+ *                                        stored. An end in the past is refused without EXPIRED. If
  *                                        the name is in use, the reply describes the person, else
  *                                        it is empty: "person" s (as it is spelt), "enrolled" x,
  *                                        "templates" u, "valid-from" x, "valid-until" x

@@ -146,7 +146,7 @@ struct iso_gallery_item {
 
 /* Adds people, all of them or none, in one transaction. A person whose name is known replaces the
  * one here if `replace` is set, and is left out otherwise; *added is the number of people who were
- * added or have replaced another. -EINVAL a name, template or repetition that cannot be, -EDQUOT
+ * added or have replaced another. -EINVAL a bad name, a bad template or a repeated name, -EDQUOT
  * the gallery would be too full; else as iso_gallery_add. The listener counts people: first those
  * of the import as they are stored, then everybody as the whole gallery is read back. */
 int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
@@ -154,9 +154,9 @@ int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_ite
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Calls `each` for people (all, or the one of this name if it is not NULL) with all templates, also
- * those that cannot be used here. The bytes are wiped after each call. If `each` returns a value
- * other than 0, the function ends and returns it. -ENOENT nobody has this name, -EBADMSG, -EIO,
- * -ENOMEM. */
+ * those that cannot be used here. The bytes are valid during the call, and are wiped at the end. If
+ * `each` returns a value other than 0, the function ends and returns it. -ENOENT nobody has this
+ * name, -EBADMSG, -EIO, -ENOMEM. */
 int iso_gallery_export(struct iso_gallery *gallery, const char *name,
                        int (*each)(void *context, const struct iso_gallery_item *item,
                                    struct iso_fault *fault),
