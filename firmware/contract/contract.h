@@ -39,12 +39,14 @@
  *   RotateKeys() -> s                    gives gallery, log and anchors new keys; a remark, or "".
  *                                        Records that the log has already keep their old key
  *   GetAddress() -> s                    the address of this appliance, 128 hexadecimal digits
- *   ClearLockout()                       ends a lock-out and clears the count of failures
+ *   ClearLockout()                       ends a lock-out, clears the count of failures, and accepts
+ *                                        the date of a clock that was set back
  *   SetLockdown(b on)                    lets nobody in until it is switched off
  *   TestDoor()                           unlocks the door for half a second; for administrators. It
  *                                        is recorded before it is done. It is refused while a
  *                                        client has the claim, under lockdown or lock-out, if the
- *                                        door is not locked, and if its lines do not work
+ *                                        door is not locked, and if it has no relay or its lines
+ *                                        do not work
  *   AimStart()  AimStop()                begin and end the sending of View signals to the caller;
  *                                        they also end when the caller leaves the bus
  * + Picture() -> h file                  a PNG of the next depth frame as shaded relief, at most
