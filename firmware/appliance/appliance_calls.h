@@ -243,6 +243,7 @@ int64_t iso__appliance_picture_due_ns(const struct iso_appliance *appliance);
 
 /* ---- visits (appliance_visit.c, appliance_learn.c) ---- */
 
+/* The options of the decision for this configuration. */
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config);
 
 /* The score that a face needs now. It depends on how many people the face is compared with. */

@@ -12,6 +12,7 @@ struct iso_json_line {
     bool overflow; /* something did not fit, so the text must not be used */
 };
 
+/* Begins an empty object. */
 void iso_json_line_begin(struct iso_json_line *line);
 
 /* Members, in the order of the calls. Keys need no escaping. */

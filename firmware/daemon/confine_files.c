@@ -31,10 +31,11 @@ static const uint64_t of_files = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_
 
 struct ruleset {
     int fd;
-    uint64_t handled; /* the rights that this kernel knows; no other right is restricted */
+    uint64_t handled; /* the rights that are restricted */
 };
 
-/* All rights of version 1 are handled. Each later version added one right. */
+/* All rights of version 1 are handled. Version 2 added REFER and version 3 TRUNCATE. The rights of
+ * later versions are not restricted. */
 static uint64_t rights_of(long version)
 {
     uint64_t rights = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;
@@ -42,7 +43,8 @@ static uint64_t rights_of(long version)
     return rights | (version >= 3 ? LANDLOCK_ACCESS_FS_TRUNCATE : 0);
 }
 
-/* Allows access beneath a path. A path that does not exist needs no rule. */
+/* Allows access beneath a path. A path that does not exist, or that this process cannot reach,
+ * needs no rule. */
 static int allow(const struct ruleset *ruleset, const char *path, uint64_t rights)
 {
     struct landlock_path_beneath_attr beneath = {0};
