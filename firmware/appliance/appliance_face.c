@@ -72,7 +72,7 @@ int iso__appliance_extract(struct iso_appliance *appliance, const struct iso_fra
 static bool is_lifeless(struct iso_appliance *appliance, const struct iso_frame *frame)
 {
     const struct iso_extraction *extraction = &appliance->face.extraction;
-    if (appliance->face.motion.track != appliance->face.liveness_track) { /* somebody else */
+    if (appliance->face.motion.track != appliance->face.liveness_track) { /* another face */
         const struct iso_liveness_options options = appliance->face.liveness.options;
         iso_liveness_init(&options, &appliance->face.liveness);
         appliance->face.liveness_track = appliance->face.motion.track;

@@ -65,9 +65,9 @@ static void list_device(const struct iso_sensor_device *device, void *context)
     list->code = list->code == ISO_FAULT_NONE ? device->code : list->code;
 }
 
-/* Lists the devices that the driver of the sensor sees. While the sensor is lost, only drivers that
- * answer at once are asked. The others would delay the door; then the text of the fault names the
- * devices. */
+/* Lists the devices that the driver of the sensor sees. While the sensor does not deliver new
+ * frames, only drivers that answer at once are asked. The others would delay the door; the fault of
+ * a lost sensor names the devices then. */
 static int append_devices(sd_bus_message *reply, const struct iso_bus *bus, bool sensor_runs)
 {
     struct device_list list = {.code = ISO_FAULT_NONE};

@@ -53,7 +53,7 @@ static int64_t due_of(const struct iso_door *door, enum iso_door_state state,
     }
 }
 
-/* Applies what the event changes of faults, the housing and refusals. */
+/* Applies the effect of an event on the flags, and on the times of refusal and pulse. */
 static void set_flags(struct iso_door *door, enum iso_door_event event, int64_t now_ns)
 {
     switch (event) {

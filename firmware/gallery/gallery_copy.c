@@ -1,4 +1,4 @@
-/* People are copied between galleries, with their templates as they are stored. */
+/* Copies people between galleries, with their templates as they are stored. */
 #include <errno.h>
 #include <sodium.h>
 #include <stdlib.h>

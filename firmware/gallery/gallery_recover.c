@@ -1,4 +1,4 @@
-/* How a gallery that is out of service comes back into service (gallery.h). */
+/* Brings a gallery that is out of service back into service (gallery.h). */
 #include "firmware/gallery/gallery_state.h"
 
 int iso_gallery_state(const struct iso_gallery *gallery, struct iso_fault *fault)

@@ -76,7 +76,8 @@ static int find_duplicate(const struct iso_enrolment *enrolment,
     return 0;
 }
 
-/* Compares the complete enrolment with the gallery, and returns the state that follows. */
+/* Compares the complete enrolment with the gallery, and sets the state that follows. Returns an
+ * error of a comparison. */
 static int judge(struct iso_enrolment *enrolment, const struct iso_pipeline *pipeline,
                  const struct iso_enrolment_gallery *gallery)
 {
