@@ -127,7 +127,8 @@ int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *co
     char note[96];
     size_t count = 0;
     struct iso_fault own = {.text = ""};
-    (void)snprintf(note, sizeof note, "for %s%.16s", lock->address ? "" : "who has the passphrase",
+    (void)snprintf(note, sizeof note, "for %s%.16s",
+                   lock->address ? "" : "anyone with the passphrase",
                    lock->address ? lock->address : "");
     int error = announce_event(appliance, "export", note, fault);
     if (error) {
@@ -171,7 +172,7 @@ int iso_appliance_import(struct iso_appliance *appliance, const struct iso_impor
     size_t came = 0, n = 0;
     struct iso_fault own = {.text = ""};
     (void)snprintf(note, sizeof note, "from %s%.16s",
-                   request->sender ? "" : "who has the passphrase",
+                   request->sender ? "" : "anyone with the passphrase",
                    request->sender ? request->sender : "");
     int error = announce_event(appliance, "import", note, fault);
     if (error) {

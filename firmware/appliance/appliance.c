@@ -86,8 +86,9 @@ static void tell_image_check(struct iso_appliance *appliance)
     const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
     const char *word = iso_appliance_status(appliance).image_check;
     if (strcmp(word, "absent") == 0) {
-        const char *lacks = pipeline->ops->image_lacks ? pipeline->ops->image_lacks(pipeline->self)
-                                                       : "what that needs is missing";
+        const char *lacks = pipeline->ops->image_lacks
+                                ? pipeline->ops->image_lacks(pipeline->self)
+                                : "something that the check needs is missing";
         iso__appliance_say(appliance, LOG_WARNING, "images are not checked for faces: %s", lacks);
     }
 }

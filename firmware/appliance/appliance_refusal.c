@@ -108,7 +108,7 @@ static int load_file(const struct iso_appliance *appliance, struct iso_lockout_f
     }
     if (!error && file.number == 0 && !borrowed->config->seal.migrate) {
         return iso_fault_set_code(fault, ISO_FAULT_STORE_UNSEALED, -ESTALE,
-                                  "%s: not sealed, which [seal] migrate = no does not accept",
+                                  "%s: not sealed, and [seal] migrate = no does not accept it",
                                   borrowed->lockout_path);
     }
     *out = file;

@@ -103,7 +103,7 @@ static int mend_end(struct iso_audit *audit, size_t torn, struct iso_fault *faul
     if (ftruncate(audit->fd, audit->size)) {
         return iso_storage_refused(audit->path, -errno, fault);
     }
-    (void)snprintf(note, sizeof note, "%zu bytes of an unfinished record taken away", torn);
+    (void)snprintf(note, sizeof note, "%zu bytes of an unfinished record were removed", torn);
     record.note = note;
     const int error = iso_audit_append(audit, &record, fault);
     return error == -ENOSPC ? 0 : error;

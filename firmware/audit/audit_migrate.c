@@ -26,10 +26,10 @@ static int may_migrate(const struct iso_audit *audit, struct iso_fault *fault)
     if (audit->options.migrate && (first || iso__audit_anchor_is_sealing(audit))) {
         return 0;
     }
-    return iso_fault_set_code(fault, ISO_FAULT_STORE_UNSEALED, -ESTALE,
-                              "%s: a log in plain text, %s", audit->path,
-                              audit->options.migrate ? "where there was a sealed one"
-                                                     : "which [seal] migrate = no does not accept");
+    return iso_fault_set_code(
+        fault, ISO_FAULT_STORE_UNSEALED, -ESTALE, "%s: a log in plain text, %s", audit->path,
+        audit->options.migrate ? "where there was a sealed one"
+                               : "and [seal] migrate = no does not accept it");
 }
 
 static int set_anchor(struct iso_audit *audit, struct iso_fault *fault)

@@ -130,7 +130,7 @@ static void check_known(struct verifying *verifying)
                              sizeof verifying->link.bytes);
         if (strcmp(head, verifying->known_head) != 0) {
             report_flaw(verifying, verifying->known_sequence,
-                        "is another one than the head that is known");
+                        "does not have the head that is known");
         }
     }
 }
@@ -166,8 +166,7 @@ static int verify_segment(struct verifying *verifying, const char *path)
     if (reader->header.first != verifying->next ||
         (verifying->has_link &&
          sodium_memcmp(&reader->header.link, &verifying->link, sizeof verifying->link) != 0)) {
-        report_flaw(verifying, verifying->next,
-                    "does not begin the segment that has to begin with it");
+        report_flaw(verifying, verifying->next, "is not the first of its segment, as it has to be");
         return 0;
     }
     verifying->link = reader->header.link;
@@ -212,7 +211,7 @@ static void check_end(struct verifying *verifying)
         report_flaw(verifying, audit->last, "is not the last that was written");
     } else if (verifying->known_head && verifying->known_sequence > audit->last) {
         report_flaw(verifying, verifying->known_sequence,
-                    "is known and missing: this is an old log");
+                    "is missing, but its head is known: this is an old log");
     }
 }
 

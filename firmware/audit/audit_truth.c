@@ -33,7 +33,7 @@ int iso__audit_recover(struct iso_audit *audit, struct iso_fault *fault)
     }
     if (!has_all(found, audit)) {
         error = iso_fault_set_code(fault, ISO_FAULT_LOG_OLD, -ESTALE,
-                                   "%s: records are missing that were written", audit->path);
+                                   "%s: written records are missing", audit->path);
     } else {
         const struct iso_audit given_up = *audit;
         if (found->latest_s < audit->latest_s) {

@@ -125,7 +125,7 @@ static int on_other_key(struct parse *parse, const char *section, const char *na
     } else if (section_is_known(section, strlen(section))) {
         refuse(parse, parse->line, "unknown key '%s' in [%s]", name, section);
     } else {
-        refuse(parse, parse->line, "key '%s' stands in no known section", name);
+        refuse(parse, parse->line, "key '%s' is in no known section", name);
     }
     return 0;
 }

@@ -75,16 +75,15 @@ const struct iso_config_key iso_config_keys[] = {
 
     {"recognition", "intensity", ISO_CONFIG_CHOICE, AT(recognition, intensity), 0, 0,
      "off|flag|veto", "veto",
-     "what an infrared or grey image does that does not show the face: nothing, a note in the log, "
-     "or "
-     "the frame is not used"},
+     "what happens if an infrared or grey image does not show the face: nothing, a note in "
+     "the log, or the frame is not used"},
     {"recognition", "cascade", ISO_CONFIG_TEXT, AT(recognition, cascade), 0, 0, NULL, "",
      "cascade that finds the face in the image; empty: the one of the build"},
 
     {"match", "method", ISO_CONFIG_CHOICE, AT(match, method), 0, 0, &method_choices[1], "metric",
      method_help},
     {"match", "trim", ISO_CONFIG_NUMBER, AT(match, trim), 0.5, 1, NULL, "0.8",
-     "share of the points of a template that counts in a distance, the closest ones"},
+     "share of the points of a template that count in a distance: the closest ones"},
     {"match", "icp_iterations", ISO_CONFIG_COUNT, AT(match, icp_iterations), 1, 100, NULL, "10",
      "steps of the registration of two templates"},
     {"match", "transform", ISO_CONFIG_CHOICE, AT(match, transform), 0, 0, "rigid|affine", "rigid",

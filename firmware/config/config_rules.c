@@ -26,7 +26,7 @@ const char *iso__config_find_conflict(const struct iso_config *config)
     }
     if (config->motion.still_mm_s > config->motion.jump_mm_s ||
         config->motion.still_deg_s > config->motion.jump_deg_s) {
-        return "[motion] what is still is faster than a jump";
+        return "[motion] still_mm_s or still_deg_s is above the speed of a jump";
     }
     return NULL;
 }

@@ -41,7 +41,7 @@ static const char *character_flaw(uint32_t c, bool stored)
     if (is_control(c)) {
         return "the name holds a control character";
     }
-    return is_unseen(c) && !stored ? "the name holds a character that is not seen" : NULL;
+    return is_unseen(c) && !stored ? "the name holds an invisible character" : NULL;
 }
 
 static const char *find_flaw(const char *name, bool stored)

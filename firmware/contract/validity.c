@@ -47,7 +47,7 @@ bool iso_validity_is_fine(const struct iso_validity *before,
     if (change->names_until && after.until_s != 0 && after.until_s < now_s &&
         iso_wall_is_set(now_s) && !change->expired) {
         (void)snprintf(flaw, ISO_VALIDITY_FLAW_SIZE,
-                       "the time of validity ended in the past, %s (--expired: it is meant so)",
+                       "the time of validity ended in the past, %s (--expired accepts it)",
                        iso_validity_date(after.until_s, date));
         return false;
     }

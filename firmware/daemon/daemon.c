@@ -300,9 +300,8 @@ static int run_loop(struct daemon *daemon, struct iso_fault *fault)
 static void warn_of_key(const struct iso_config *config, const struct iso_components *components)
 {
     if (!iso_key_ring_has_credential(components->ring) && !*config->seal.key) {
-        iso_daemon_say(LOG_WARNING, "the key is stored next to the gallery, anyone who copies both "
-                                    "can read it: see KEYS in "
-                                    "isothermd(8)");
+        iso_daemon_say(LOG_WARNING, "the key is stored next to the gallery; anyone who copies both "
+                                    "can read it: see KEYS in isothermd(8)");
     }
 }
 

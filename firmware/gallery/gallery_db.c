@@ -201,7 +201,7 @@ static int may_migrate(const struct iso_gallery_db *db, bool wanted, struct iso_
     }
     return iso_fault_set_code(
         fault, ISO_FAULT_STORE_UNSEALED, -ESTALE, "%s: an unsealed gallery, %s", db->path,
-        wanted ? "where there was a sealed one" : "which [seal] migrate = no does not accept");
+        wanted ? "where there was a sealed one" : "and [seal] migrate = no does not accept it");
 }
 
 static int connect_and_check(struct iso_gallery_db *db, bool migrate, struct iso_fault *fault)

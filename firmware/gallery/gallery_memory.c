@@ -7,7 +7,7 @@
 #include <string.h>
 
 _Static_assert((int)ISO_GALLERY_TEMPLATES_MAX <= (int)ISO_INDEX_TEMPLATES_MAX,
-               "whoever fits into a gallery fits into its index");
+               "the index takes all templates of a person");
 
 static void free_template(const struct iso_template *tmpl)
 {

@@ -28,7 +28,7 @@ static int copy_person(const struct iso_gallery_db *from, sqlite3_stmt *row,
         .valid_until_s = sqlite3_column_int64(row, 4),
     };
     if (person.id < 1 || !name || !iso_person_name_can_be_stored((const char *)name)) {
-        return iso_gallery_db_damaged(from, "a person's name is none", fault);
+        return iso_gallery_db_damaged(from, "a person has no valid name", fault);
     }
     (void)snprintf(person.name, sizeof person.name, "%s", (const char *)name);
     if ((uint64_t)person.id >= to->draft.next) {

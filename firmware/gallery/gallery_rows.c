@@ -52,7 +52,7 @@ static int visit_person(struct iso_gallery_db *db, sqlite3_stmt *row,
         return is_not_what_it_was(db, "person", place.number, fault);
     }
     if (iso_gallery_person_get(db->plain, (size_t)size, &person)) {
-        return iso_gallery_db_damaged(db, "a person's name is none", fault);
+        return iso_gallery_db_damaged(db, "a person has no valid name", fault);
     }
     person.id = place.number;
     return visitor->person(visitor->context, &person, fault);

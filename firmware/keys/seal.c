@@ -12,11 +12,12 @@ enum {
     TAG_BYTES = crypto_aead_xchacha20poly1305_ietf_ABYTES,
 };
 
-_Static_assert(NONCE_BYTES + TAG_BYTES == ISO_SEAL_OVERHEAD, "what a sealed record is longer by");
+_Static_assert(NONCE_BYTES + TAG_BYTES == ISO_SEAL_OVERHEAD,
+               "a sealed record is longer by nonce and tag");
 _Static_assert(ISO_SEAL_KEY_BYTES == crypto_aead_xchacha20poly1305_ietf_KEYBYTES &&
                    ISO_SEAL_KEY_BYTES == crypto_kdf_KEYBYTES &&
                    ISO_SEAL_DIGEST_BYTES == crypto_generichash_BYTES,
-               "one size of keys for all of them");
+               "keys and digests have these sizes");
 
 int iso_seal_start(struct iso_fault *fault)
 {

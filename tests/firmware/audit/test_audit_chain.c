@@ -46,7 +46,7 @@ static void takes_a_torn_line_away(void **state)
         iso_audit_close(audit);
         char *text = audit_rig_log(*state);
         (void)snprintf(note, sizeof note,
-                       "\"note\":\"%zu bytes of an unfinished record taken away\"}",
+                       "\"note\":\"%zu bytes of an unfinished record were removed\"}",
                        length - begin);
         assert_non_null(strstr(text, "\n{\"sequence\":2,"));
         assert_non_null(strstr(text, "\"event\":\"log-recovered\""));
@@ -212,7 +212,7 @@ static void what_was_written_is_missed_when_the_log_is_opened_again(void **state
     stores_copy_file(*state, "log.one", "a.log");
     stores_copy_file(*state, "anchor.one", "a.log.anchor");
     assert_int_equal(iso__audit_recover(audit, &fault), -ESTALE);
-    assert_non_null(strstr(fault.text, "records are missing that were written"));
+    assert_non_null(strstr(fault.text, "written records are missing"));
     assert_int_not_equal(audit_rig_append(audit, "three", NULL), 0);
     iso_audit_close(audit);
 }

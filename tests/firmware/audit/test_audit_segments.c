@@ -131,7 +131,7 @@ static void verify_finds_what_was_done_to_old_segments(void **state)
     scratch_write(path, whole, shorter);
     report = audit_rig_verify(audit);
     assert_false(report.sound);
-    assert_non_null(strstr(report.flaw, "does not begin the segment that has to begin with it"));
+    assert_non_null(strstr(report.flaw, "is not the first of its segment, as it has to be"));
     (void)unlink(path);
     expect_flaw(audit, first, "and its whole segment are missing");
     scratch_write(path, whole, size);
@@ -157,9 +157,9 @@ static void a_known_head_convicts_a_log_that_was_begun_anew(void **state)
     assert_int_equal(audit_rig_append(audit, "one", NULL), 0);
     assert_int_equal(iso_audit_verify(audit, then.last, then.head, NULL, &report, NULL), 0);
     assert_false(report.sound);
-    assert_non_null(strstr(report.flaw, "record 1 is another one than the head that is known"));
+    assert_non_null(strstr(report.flaw, "record 1 does not have the head that is known"));
     assert_int_equal(iso_audit_verify(audit, 7, then.head, NULL, &report, NULL), 0);
-    assert_non_null(strstr(report.flaw, "record 7 is known and missing"));
+    assert_non_null(strstr(report.flaw, "record 7 is missing, but its head is known"));
     iso_audit_close(audit);
 }
 

@@ -150,7 +150,7 @@ static void refuses_what_it_does_not_know(void **state)
     refuses("[door]\nunlock_ms = 700\n[wall]\nheight = 3\n", "door.conf:3: unknown section [wall]");
     refuses("\n\n[wall]\n", "door.conf:3: unknown section [wall]");
     refuses("[door]\n# color\ncolour = red\n", "door.conf:3: unknown key 'colour' in [door]");
-    refuses("unlock_ms = 700\n", "door.conf:1: key 'unlock_ms' stands in no known section");
+    refuses("unlock_ms = 700\n", "door.conf:1: key 'unlock_ms' is in no known section");
     refuses("[gallery]\nunlock_ms = 700\n", "door.conf:2: unknown key 'unlock_ms' in [gallery]");
 }
 

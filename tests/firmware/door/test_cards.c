@@ -51,7 +51,7 @@ static void refuses_what_is_wrong(void **state)
         {"-1 3 anna\n", "cards:1: facility and number are 0 to 65535"},
         {"1 65536 anna\n", "cards:1: facility and number are 0 to 65535"},
         {"1 3  anna\n", "cards:1: "},
-        {"1 3 an\u200bna\n", "cards:1: the name holds a character that is not seen"},
+        {"1 3 an\u200bna\n", "cards:1: the name holds an invisible character"},
         {"1 3 anna\n1 4 anna\n", "cards:2: this person has a card already"},
         {"1 3 anna\n1 3 bob\n", "cards:2: somebody has this card already"},
     };

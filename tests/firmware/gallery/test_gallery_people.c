@@ -171,7 +171,7 @@ static void an_unseen_character_of_before_stays(void **state)
     assert_int_equal(gallery_rig_add(gallery, "Bob", 82, NULL),
                      0); /* another template of the same person */
     assert_int_equal(gallery_rig_add(gallery, "ev\u200be", 30, &fault), -EINVAL);
-    assert_string_equal(fault.text, "the name holds a character that is not seen");
+    assert_string_equal(fault.text, "the name holds an invisible character");
     assert_int_equal(iso_gallery_rename(gallery, "ada", "ad\u2060a", &fault), -EINVAL);
     assert_int_equal(iso_gallery_rename(gallery, "A\u200bda", "Ada B", NULL), 0);
     assert_int_equal(iso_gallery_rename(gallery, "bob", "Bob", NULL), 0);
@@ -195,7 +195,7 @@ static void unseen_characters_do_not_come_by_an_import(void **state)
         .templates[0] = {.algorithm = PUPPET_ALGORITHM, .bytes = bytes, .size = (size_t)size}};
     size_t added = 0;
     assert_int_equal(iso_gallery_import(gallery, &item, 1, true, NULL, &added, &fault), -EINVAL);
-    assert_string_equal(fault.text, "the name holds a character that is not seen");
+    assert_string_equal(fault.text, "the name holds an invisible character");
     assert_null(iso_gallery_find(gallery, "ada"));
     iso_gallery_close(gallery);
 }

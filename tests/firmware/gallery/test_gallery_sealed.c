@@ -333,7 +333,7 @@ static void an_unsealed_gallery_is_not_taken_against_the_configuration(void **st
     make_version_1(*state);
     options.migrate = false;
     assert_int_equal(iso_gallery_open(&options, &gallery, &fault), -ESTALE);
-    assert_non_null(strstr(fault.text, "which [seal] migrate = no does not accept"));
+    assert_non_null(strstr(fault.text, "and [seal] migrate = no does not accept it"));
     iso_gallery_close(gallery_rig_open(*state));
 }
 
