@@ -74,17 +74,19 @@ int iso_option_check_value(const struct iso_option_spec *spec, const char *value
 int iso_options_check(const char *owner, const struct iso_option_set *set, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The value of a key in a list, or NULL. */
+/* The value of the first option of a list that has this key, or NULL. */
 const char *iso_options_find(const struct iso_option *options, size_t n_options, const char *key);
 
 /* Whether an option is set to a value that is not empty. */
 bool iso_option_is_given(const struct iso_option_set *set, const char *name);
 
 /* The value of an option of the table, after iso_options_check has accepted the set: the given
- * value, or else the standard value. The text belongs to the set. */
+ * value, or else the standard value. The text belongs to the set. A number is 0 if there is neither
+ * value. A choice is the index of the word in `choices`, from 0 on, or -1 if there is neither
+ * value. */
 const char *iso_option_text(const struct iso_option_set *set, const char *name);
 bool iso_option_switch(const struct iso_option_set *set, const char *name);
 double iso_option_number(const struct iso_option_set *set, const char *name);
-int iso_option_choice(const struct iso_option_set *set, const char *name); /* from 0 on */
+int iso_option_choice(const struct iso_option_set *set, const char *name);
 
 #endif

@@ -18,8 +18,9 @@ const char *iso_shipped_model(void);
 const char *iso_shipped_metric(void);
 const char *iso_shipped_cohort(void);
 
-/* The directory for a program at this absolute path: that of the link, which is looked for in the
- * directory above the program's and in the two above that, or the installed one. */
+/* Writes the data directory for a program at this absolute path. The link is searched for in the
+ * three directories above the directory of the program; without a link it is the installed
+ * directory. */
 void iso_shipped_directory(const char *program, char directory[PATH_MAX]);
 
 #endif

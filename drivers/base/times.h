@@ -1,5 +1,5 @@
-/* The times of an appliance, all injected: the time for measurements, which the frames of the
- * sensors have, too; a time that also runs while the machine is suspended; and the date. */
+/* The clocks of an appliance, all injected: the clock for measurements, by which the frames of the
+ * sensors are stamped, too; a clock that also runs while the machine is suspended; and the date. */
 #ifndef ISO_DRIVERS_BASE_TIMES_H
 #define ISO_DRIVERS_BASE_TIMES_H
 
@@ -21,8 +21,8 @@ struct iso_times {
     struct iso_clock monotonic;
     int64_t (*wall_ns)(void *context); /* since 1970 UTC; may jump when the clock is set */
     void *wall_context;
-    /* Runs on while the machine is suspended, which `monotonic` does not; otherwise the two run
-     * alike. All zero: the machine is never suspended, and `monotonic` is used for both. */
+    /* Also runs while the machine is suspended, unlike `monotonic`. All zero: the machine is never
+     * suspended, and `monotonic` is used instead. */
     struct iso_clock boottime;
 };
 
@@ -48,7 +48,7 @@ static inline bool iso_wall_is_set(int64_t wall_s)
     return wall_s >= INT64_C(1704067200); /* 2024-01-01 */
 }
 
-/* The times of this machine. */
+/* The clocks of this machine. */
 struct iso_times iso_times_system(void);
 
 #endif

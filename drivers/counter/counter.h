@@ -1,5 +1,6 @@
-/* A counter in hardware: a number that can only rise, even if an attacker has the disk. It shows
- * that a state directory is of an earlier time (firmware/keys/state_counter.h). */
+/* A counter in hardware: a number that can only rise, even if an attacker has the disk. By it the
+ * daemon recognises a state directory of an earlier time, such as a restored copy
+ * (firmware/keys/state_counter.h). */
 #ifndef ISO_DRIVERS_COUNTER_COUNTER_H
 #define ISO_DRIVERS_COUNTER_COUNTER_H
 
@@ -8,9 +9,9 @@
 
 #include "core/base/fault.h"
 
-/* What a back end does. One thread at a time calls these; each may take as long as the device does,
- * which is some 100 ms for a TPM. All return 0 or a negative errno with one line in *fault, and
- * leave *value untouched then:
+/* The operations of a back end. One thread at a time calls them. Each may take as long as the
+ * device needs, which is some 100 ms for a TPM. They return 0, or a negative errno with one line in
+ * *fault and with *value unchanged:
  *   -ENOENT the device answers, and does not have the counter (read, increment)
  *   -EBADMSG the device has something else in its place
  *   -EAGAIN the device asks to try again later
@@ -19,8 +20,8 @@
 struct iso_counter_ops {
     const char *name; /* "tpm2" */
     int (*read)(void *self, uint64_t *value, struct iso_fault *fault);
-    /* Makes the counter, and counts once, so that it can be read. A counter that was made but never
-     * counted is used. Its first value is above that of every counter that the device had
+    /* Makes the counter unless the device already has it, and counts once, so that it can be read.
+     * The first value of a new counter is above that of every counter that the device had
      * before. */
     int (*define)(void *self, uint64_t *value, struct iso_fault *fault);
     /* Counts once; *value is the new number. */

@@ -35,7 +35,8 @@ static bool is_of_tpm(TSS2_RC rc)
     return layer == TSS2_TPM_RC_LAYER || layer == TSS2_RESMGR_TPM_RC_LAYER;
 }
 
-/* If an error concerns a handle, a parameter or a session, its number is in the higher bits. */
+/* Whether the TPM returned the code `expected`. A code of format one (TPM2_RC_FMT1) also has the
+ * number of the handle, parameter or session that it concerns; these bits are not compared. */
 static bool is_tpm_rc(TSS2_RC rc, TPM2_RC expected)
 {
     const TPM2_RC code = rc & CODE;

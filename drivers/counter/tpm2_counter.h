@@ -2,12 +2,11 @@
  * owner's hierarchy (TPM 2.0 Library, part 1, "NV counter index").
  *
  * The index has an empty password for reading and counting: everybody who may use the TPM can raise
- * the counter, and nobody can undo it. To create or delete the index takes the owner's password,
- * which is empty unless somebody has set one; then the index must be created by hand
- * (isothermd(8)). A TPM begins a
- * counter that is made again above the largest value that any of its counters ever had, so the
- * number rises over a deletion, too. It is not an "orderly" counter, whose value jumps when power
- * is lost.
+ * the counter, and nobody can undo it. Creating or deleting the index takes the owner's password,
+ * which is empty unless somebody has set one. If one is set, the index must be created by hand
+ * (isothermd(8)). A new counter of a TPM begins above the largest value that any of its counters
+ * ever had, so the number also rises if the counter is deleted and made again. It is not an
+ * "orderly" counter, whose value jumps when power is lost.
  *
  * The functions are in the module `tpm2` (drivers/base/module.h), which links the TPM software
  * stack. */
@@ -19,7 +18,7 @@
 #include "core/base/fault.h"
 #include "drivers/counter/counter.h"
 
-/* Indices of the owner's. */
+/* The indices that the owner of the TPM may use. */
 enum { ISO_TPM2_INDEX_FIRST = 0x01800000, ISO_TPM2_INDEX_LAST = 0x01bfffff };
 
 /* Loads the module, unless it is loaded. Must be called before threads are started, because it sets
@@ -35,7 +34,8 @@ int iso_tpm2_counter_load(struct iso_fault *fault) __attribute__((warn_unused_re
 int iso_tpm2_counter_open(const char *tcti, uint32_t index, struct iso_counter *out,
                           struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Reads an index as text, "0x01800000" or decimal. -EINVAL it is not a number or not the owner's.
+/* Reads an index as text, "0x01800000" or decimal. -EINVAL it is not a number, or not within
+ * ISO_TPM2_INDEX_FIRST to ISO_TPM2_INDEX_LAST.
  */
 int iso_tpm2_index_parse(const char *text, uint32_t *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

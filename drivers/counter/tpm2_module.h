@@ -1,5 +1,6 @@
-/* The module `tpm2`: opening a counter of tpm2_counter.h, in a shared object of its own
- * (drivers/base/module.h); the counter's operations come with it. */
+/* The module `tpm2` is a shared object of its own (drivers/base/module.h). Its table has only
+ * iso_tpm2_counter_open of tpm2_counter.h; the counter that this opens brings the other
+ * operations. */
 #ifndef ISO_DRIVERS_COUNTER_TPM2_MODULE_H
 #define ISO_DRIVERS_COUNTER_TPM2_MODULE_H
 
