@@ -8,7 +8,7 @@
  * failure *fault (which may be NULL) holds one line.
  *
  *   OPEN -> LOST   when an operation returns -ENODEV: the device is gone
- *   LOST -> OPEN   by iso_door_io_reopen; until then every other call returns -ENODEV */
+ *   LOST -> OPEN   by iso_door_io_reopen; until then every operation returns -ENODEV */
 #ifndef ISO_DRIVERS_DOOR_DOOR_IO_H
 #define ISO_DRIVERS_DOOR_DOOR_IO_H
 
@@ -26,7 +26,7 @@ enum iso_door_output {
     ISO_DOOR_LED_GRANTED,
     ISO_DOOR_LED_REFUSED,
     ISO_DOOR_BUZZER,
-    ISO_DOOR_PROJECTOR, /* of infrared dots, for sensors that see the face in two cameras */
+    ISO_DOOR_PROJECTOR, /* of infrared dots, for stereo sensors */
     ISO_DOOR_OUTPUTS
 };
 
@@ -138,20 +138,21 @@ int iso_door_io_open_ops(const struct iso_door_io_ops *ops, const struct iso_opt
 /* NULL is fine. */
 void iso_door_io_close(struct iso_door_io *io);
 
-/* As the operations; moreover -EINVAL for an output outside the enumeration. */
+/* As the operations. Also -EINVAL for an output outside the enumeration, and -ENODEV if the lines
+ * are lost. */
 int iso_door_io_set_output(struct iso_door_io *io, enum iso_door_output output, bool active,
                            struct iso_fault *fault) __attribute__((warn_unused_result));
 int iso_door_io_get_inputs(struct iso_door_io *io, struct iso_door_inputs *out,
                            struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* As the operation. */
+/* As the operation; -ENOSYS also if the back end has none, -ENODEV if the lines are lost. */
 int iso_door_io_send_card(struct iso_door_io *io, const struct iso_wiegand_card *card,
                           struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* -ENOSYS if the back end has none. */
+/* As the operation; -ENOSYS also if the back end has none, -ENODEV if the lines are lost. */
 int iso_door_io_poll_fd(struct iso_door_io *io) __attribute__((warn_unused_result));
 
-/* In the lost state. */
+/* Whether the lines are in the state LOST. */
 bool iso_door_io_is_lost(const struct iso_door_io *io);
 
 /* The back end's name. */

@@ -96,8 +96,8 @@ static struct gpiod_line *find_in_chip(struct gpiod_chip *chip, const char *name
     return found;
 }
 
-/* Keeps the chip open if it has the line, counts the lines of this name, and notes whether a chip
- * could not be opened. */
+/* Counts the lines of this name in a chip, and keeps the chip open if it has the first one. Notes
+ * in *denied if the permission to open the chip is missing. */
 static void look_into(const char *path, const char *name, struct iso_gpio_line *line, size_t *n,
                       bool *denied)
 {

@@ -4,8 +4,7 @@
  * Levels are logical: a line that is `active-low` is active when its voltage is low. A line is used
  * by one thread at a time; no function here blocks.
  *
- * After the chip is gone (unplugged, its driver unbound) every call except close returns
- * -ENODEV. */
+ * After the chip is gone (unplugged, its driver unbound) set, get and next_edge return -ENODEV. */
 #ifndef ISO_DRIVERS_DOOR_GPIO_LINE_H
 #define ISO_DRIVERS_DOOR_GPIO_LINE_H
 
@@ -56,8 +55,8 @@ enum iso_fault_code iso_gpio_fault_code(int error);
 /* Claims a line as an output with the level `active` from the first moment, or as an input that
  * reports its edges. The spec need not outlive the call.
  *
- * -ENODEV no such chip or line; -EBUSY another process has the line (the fault names it); -EACCES
- * no permission for the chip, or, for a named line that was not found, for one of the chips;
+ * -ENODEV no such chip or line; -EBUSY another process or the kernel has the line (the fault names
+ * it); -EACCES no permission for the chip, or for one of the chips if a named line was not found;
  * -EINVAL the name is not unique, or the chip does not support such a wiring; -ENOMEM; -EIO. */
 int iso_gpio_line_open_output(const struct iso_gpio_spec *spec, bool active,
                               struct iso_gpio_line **out, struct iso_fault *fault)

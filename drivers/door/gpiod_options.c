@@ -76,7 +76,7 @@ static int parse_wiegand(const struct iso_option_set *set, struct iso__gpiod_wir
     return error;
 }
 
-/* Checks the outputs and inputs whose options are given. */
+/* Reads the lines of all outputs and inputs whose options are given. */
 static int parse_lines(const struct iso_option_set *set, struct iso__gpiod_wiring *wiring,
                        struct iso_fault *fault)
 {

@@ -12,7 +12,7 @@
 /* Ended by an entry without a name. */
 extern const struct iso_option_spec iso__gpiod_options[];
 
-/* The options of the Wiegand lines D0 and D1. */
+/* The names of the options of the Wiegand lines D0 and D1. */
 extern const char *const iso__gpiod_wiegand_names[2];
 
 /* The wiring of the lines. */

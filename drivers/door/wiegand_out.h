@@ -1,8 +1,8 @@
-/* Sends Wiegand codes over two lines: a pulse on D0 is a zero, one on D1 a one.
+/* Sends Wiegand codes over two lines: a pulse on D0 is a zero, a pulse on D1 is a one.
  *
  * A code takes 50 to 70 ms, and its pulses are 50 us long. The appliance's thread can neither wait
  * that long nor keep such times, so each sender has a thread of its own, with SCHED_FIFO where that
- * is permitted (RLIMIT_RTPRIO). No other driver has a thread that reads CLOCK_MONOTONIC itself.
+ * is permitted (RLIMIT_RTPRIO). The thread reads CLOCK_MONOTONIC, not an injected clock.
  * Controllers accept pulses of 20 to 100 us and intervals of 0.2 to 20 ms. */
 #ifndef ISO_DRIVERS_DOOR_WIEGAND_OUT_H
 #define ISO_DRIVERS_DOOR_WIEGAND_OUT_H
@@ -36,8 +36,8 @@ struct iso_wiegand_report {
 
 struct iso_wiegand_out;
 
-/* `lines` need not outlive the call, but its context must outlive the sender. -ENOMEM, -EAGAIN no
- * thread can be started. */
+/* Makes a sender and starts its thread. `lines` need not outlive the call, but its context must
+ * outlive the sender. -ENOMEM, -EAGAIN no thread can be started. */
 int iso_wiegand_out_new(const struct iso_wiegand_lines *lines, struct iso_wiegand_out **out,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
@@ -49,9 +49,11 @@ void iso_wiegand_out_free(struct iso_wiegand_out *out);
 int iso_wiegand_out_send(struct iso_wiegand_out *out, uint64_t code, int bits)
     __attribute__((warn_unused_result));
 
-/* Waits until nothing is being sent. Returns as iso_wiegand_out_send, but not -EBUSY. */
+/* Waits until nothing is being sent. Returns 0, or once the error of the lines that cut off the
+ * last code. */
 int iso_wiegand_out_flush(struct iso_wiegand_out *out);
 
+/* Copies the report. A code is included after its end. */
 void iso_wiegand_out_report(struct iso_wiegand_out *out, struct iso_wiegand_report *report);
 
 #endif
