@@ -15,9 +15,9 @@ int iso_data_file_read(const char *path, size_t max_bytes, void **bytes, size_t 
 
 /* Replaces the file `path` by a new one that only its owner can read: it is written as PATH.new,
  * synchronised to the disk, and renamed. If the process is killed at any moment, the old or the new
- * file exists. The errors of opening the new file, and those of storage (storage_fault.h). After an
- * error the old file is in place, or the new one if the renaming or the directory failed;
- * iso_data_file_holds finds out which. */
+ * file exists. The errors of iso_file_open for the new file, those of storage (storage_fault.h),
+ * and -ENAMETOOLONG. After an error the old file is in place, or the new one if renaming it or
+ * synchronising the directory failed; iso_data_file_holds finds out which. */
 int iso_data_file_replace(const char *path, const void *bytes, size_t size, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -25,7 +25,7 @@ int iso_data_file_replace(const char *path, const void *bytes, size_t size, stru
 bool iso_data_file_holds(const char *path, const void *bytes, size_t size);
 
 /* Overwrites the contents of an open file with zeros, as far as possible: a flash memory writes the
- * zeros to another place. */
+ * zeros to another place and may keep the old contents. Errors are ignored. */
 void iso_data_file_overwrite(int fd);
 
 #endif

@@ -1,5 +1,5 @@
-/* Whether the daemon's main thread waits for the disk. The watchdog can thereby distinguish a slow
- * disk from a program that hangs.
+/* Reports whether the daemon's main thread waits for the disk. By this the watchdog distinguishes a
+ * slow disk from a program that hangs.
  *
  * Code that may wait for the disk calls begin before and end after it, in any thread; only the
  * waits of the thread that has called iso_disk_wait_watch count. */

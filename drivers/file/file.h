@@ -1,12 +1,12 @@
-/* Opens data files. Every program opens the files that it reads and writes through these functions
- * (tests/gate/open_files.sh).
+/* Opens data files. All programs open their data files through these functions. The test
+ * tests/gate/open_files.sh checks this; open_files.txt lists the exceptions.
  *
- * A path that is given to a program may not lead to a regular file. A FIFO waits for a writer,
- * /dev/zero has no end, opening a device can have an effect, a symbolic link leads to another
- * place, and a file may be larger than the memory. Therefore the kind of the file is checked before
- * it is opened. It is opened with O_NOFOLLOW, O_NONBLOCK, O_NOCTTY and O_CLOEXEC, and its kind is
- * checked again after that. Directories of the path may be symbolic links; the last component may
- * not.
+ * A path that is given to a program can lead to something else than a regular file. A FIFO waits
+ * for a writer, /dev/zero has no end, opening a device can have an effect, a symbolic link leads to
+ * another place, and a file may be larger than the memory. Therefore the kind of the file is
+ * checked before it is opened. It is opened with O_NOFOLLOW, O_NONBLOCK, O_NOCTTY and O_CLOEXEC,
+ * and its kind is checked again after that. Directories of the path may be symbolic links; the last
+ * component must not be one.
  *
  * A function that fails leaves its outputs unchanged and writes one line that names the path.
  * Errors of all:
@@ -27,12 +27,12 @@
 /* For max_bytes: the caller reads piece by piece and needs no limit. */
 #define ISO_FILE_ANY_SIZE UINT64_MAX
 
-/* Describes that a call of the system failed with `error` (a negative errno) for the file or
+/* Writes a fault: a call of the system failed with `error` (a negative errno) for the file or
  * directory `path`, with the code that belongs to the error: FILE_MISSING, FILE_DENIED, FILE_UNFIT,
  * DISK_FULL, DISK_READ_ONLY, DISK_FAILED or none. Returns the error. */
 int iso_file_fault(const char *path, int error, struct iso_fault *fault);
 
-/* Says whether `path` is a regular file of at most max_bytes, for a library that opens the file by
+/* Returns 0 if `path` is a regular file of at most max_bytes. For files that a library opens by
  * itself. */
 int iso_file_check(const char *path, uint64_t max_bytes, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -13,16 +13,16 @@
 
 #include "drivers/file/file.h"
 
-/* One file while libpng works on it. All state is in this struct and not in local variables,
- * because libpng returns by longjmp: a function that calls setjmp has no local variables but its
- * arguments, which never change. */
+/* One file while libpng works on it. After an error libpng returns by longjmp, which leaves local
+ * variables undefined. Everything that is needed then is in this struct, and a function that calls
+ * setjmp only returns false after such a jump. */
 struct codec {
     png_structp png;
     png_infop info;
     FILE *file;
     struct iso_image image;
     char message[128]; /* why libpng stopped */
-    int error;         /* errno of the file; 0 if its contents are wrong */
+    int error;         /* negative errno of the file; 0 if its contents are wrong */
 };
 
 static const struct format {

@@ -19,8 +19,8 @@ enum iso_pixel {
     ISO_PIXEL_RGB16 = 8,
 };
 
-/* The longer side of a picture, and the bytes of a file: the largest picture, 16-bit RGB, stored
- * without compression, fits. */
+/* The limits of the longer side of a picture and of the size of a file. The largest picture fits as
+ * 16-bit RGB without compression. */
 enum { ISO_PNG_SIDE_MAX = 8192, ISO_PNG_BYTES_MAX = 1 << 29 };
 
 /* A picture: rows from the top without padding, samples uint8_t or uint16_t of the host's order. */
@@ -31,7 +31,7 @@ struct iso_image {
     size_t capacity; /* bytes that samples has room for: kept when the image is read into again */
 };
 
-/* Bytes of one row. */
+/* Bytes of one row; 0 for an unknown kind of pixels. */
 size_t iso_image_row_bytes(const struct iso_image *image);
 
 /* Frees the samples; an all-zero image is fine, and is what remains. */
@@ -43,10 +43,11 @@ struct iso_png_expectation {
     int width_px, height_px;
 };
 
-/* Reads a file into an image that was zeroed or read before; its memory is reused. On failure the
- * samples are undefined, the rest of the image untouched but for its capacity. -EBADMSG not a sound
- * PNG, -EINVAL one that is not as expected (`expected` may be NULL) or over ISO_PNG_SIDE_MAX,
- * -ENOMEM, the errors of iso_file_stream, or the errno of read. */
+/* Reads a file into an image that was zeroed or read before; its memory is reused. After a failure
+ * the samples are undefined, and of the rest of the image only the capacity may have changed.
+ * -EBADMSG the file is not a sound PNG, or a side is longer than ISO_PNG_SIDE_MAX; -EINVAL its kind
+ * is not supported, or it is not as expected (`expected` may be NULL); -ENOMEM, the errors of
+ * iso_file_stream, or the errno of read. */
 int iso_png_read(const char *path, const struct iso_png_expectation *expected,
                  struct iso_image *image, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -57,7 +58,7 @@ int iso_png_read_memory(const char *name, const void *bytes, size_t size,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Writes a file; `level` is zlib's 0 (stored) .. 9 (smallest). A file that could not be written
- * whole is removed. -EINVAL for an impossible image, -ENOMEM, or the errno of writing. */
+ * whole is removed. -EINVAL for an impossible image or level, -ENOMEM, or the errno of writing. */
 int iso_png_write(const char *path, const struct iso_image *image, int level,
                   struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -14,12 +14,13 @@
 int iso_text_read(const char *path, size_t max_bytes, char **text, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* A walk over the lines of a string, which it cuts up. */
+/* Iterates over the lines of a string. The end of each line is overwritten with NUL. */
 struct iso_text_lines {
     char *rest;
     unsigned number; /* of the line returned last, from 1 */
 };
 
+/* Begins with the first line. The text must outlive the iteration. */
 struct iso_text_lines iso_text_lines_of(char *text);
 
 /* The next line without its end ("\n" or "\r\n"), or NULL after the last. */
@@ -32,17 +33,19 @@ size_t iso_text_line_count(const char *text);
  * them. An empty line is one empty field. */
 size_t iso_text_split(char *line, char separator, char **fields, size_t max);
 
-/* The same at runs of spaces and tabs, which do not count at the ends: a blank line has no words.
+/* The same, but words are separated by one or more spaces and tabs, and those at the ends of the
+ * line do not count: a blank line has no words.
  */
 size_t iso_text_words(char *line, char **words, size_t max);
 
-/* The number, from 1, of the first line that is longer than max_bytes, or 0: libinih cuts lines
- * silently at 200 bytes, so that longer ones are refused before it sees them. */
+/* The number, from 1, of the first line that is longer than max_bytes, or 0. libinih cuts lines
+ * silently at 200 bytes; longer lines are therefore refused before libinih reads them. */
 int iso_text_find_long_line(const char *text, size_t max_bytes);
 
 enum { ISO_TEXT_INI_LINE_MAX = 190 };
 
-/* Prints "KEY = VALUE\n" with as few digits as still give back the same double. */
+/* Prints "KEY = VALUE\n" with the fewest digits (at least 15) from which the same double is read
+ * back. */
 void iso_text_print_number(FILE *stream, const char *key, double value);
 
 /* Copies a text, or its end with "..." before it if it does not fit into `size` bytes (8 or more).

@@ -1,9 +1,9 @@
-/* The limits of the system that a program with the computation needs. */
+/* Checks that the limits of the system allow the computations of core. */
 #ifndef ISO_DRIVERS_PROCESS_LIMITS_H
 #define ISO_DRIVERS_PROCESS_LIMITS_H
 
-/* The least stack that a program with the computation is started with. No function has a frame of
- * more than 16 KiB (cmake/IsothermWarnings.cmake), and programs need less than 136 KiB. */
+/* The least size of the stack with which a program that computes may start. No function has a frame
+ * of more than 16 KiB (cmake/IsothermWarnings.cmake), and programs need less than 136 KiB. */
 enum { ISO_STACK_LEAST_BYTES = 256 << 10 };
 
 /* Checks the limit of the main thread's stack. Returns -ENOMEM if it is lower, after one line to

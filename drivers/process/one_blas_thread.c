@@ -1,10 +1,10 @@
 /* Runs OpenBLAS without threads of its own. This file is compiled into each program that computes.
  *
  * When OpenBLAS is loaded, before main(), it starts a thread for every other processor. Each thread
- * takes a stack and 32 MiB. If the address space is limited, a thread that gets no memory asks for
- * it for ever, and the program hangs when it waits for the thread at its exit. If the thread cannot
- * be created, the program gets a SIGINT. None of our matrices is large enough to profit from such
- * threads.
+ * takes a stack and 32 MiB. If the address space is limited, a thread that gets no memory repeats
+ * its request without end, and the program hangs when it waits for the thread at its exit. If the
+ * thread cannot be created, the program gets a SIGINT. None of our matrices is large enough to
+ * profit from such threads.
  *
  * Only OPENBLAS_NUM_THREADS prevents this, and it must be set before the library is loaded. A
  * program that is started without this variable therefore executes itself again with it. It does so

@@ -7,8 +7,8 @@
 #include <pthread.h>
 #include <stdbool.h>
 
-/* For any work of the project: the deepest calls, from a frame to its best hits, take less than
- * 136 KiB, with sanitizers some times as much. */
+/* For any work of the project: the deepest calls, from a frame to its best hits, take less than 136
+ * KiB, and several times as much with sanitizers. */
 enum { ISO_THREAD_STACK_BYTES = 1 << 20 };
 
 /* Starts a thread that runs run(context). 0, or the negative errno of pthread_create: -EAGAIN or
@@ -18,8 +18,8 @@ int iso_thread_start(pthread_t *thread, void *(*run)(void *context), void *conte
 
 /* Does the same with the scheduling policy SCHED_FIFO and this priority (1 or more). If the process
  * may not use it (RLIMIT_RTPRIO), the thread gets the ordinary policy. *realtime says which policy
- * the thread has; realtime may be NULL. A thread that has this policy and priority itself passes
- * them on without asking for them: so it also works where sched_setscheduler is forbidden. */
+ * the thread has; realtime may be NULL. If the calling thread has this policy and priority itself,
+ * the new thread inherits them. This also works where sched_setscheduler is forbidden. */
 int iso_thread_start_realtime(pthread_t *thread, void *(*run)(void *context), void *context,
                               int priority, bool *realtime) __attribute__((warn_unused_result));
 

@@ -10,8 +10,9 @@
 /* Columns that the text takes when iso_columns_print() prints it. */
 size_t iso_columns_of(const char *utf8);
 
-/* Prints the text, and blanks up to `columns` if it takes fewer. Characters that no terminal may
- * get from a name (control characters), and bytes that are not UTF-8, are printed as '?'. */
+/* Prints the text, and blanks up to `columns` if it takes fewer. Characters that cannot be printed
+ * (such as control characters, which a name must not send to a terminal) and bytes that are not
+ * UTF-8 are printed as '?'. */
 void iso_columns_print(FILE *out, const char *utf8, size_t columns);
 
 #endif

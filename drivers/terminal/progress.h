@@ -1,8 +1,8 @@
-/* Shows the progress of a program. On a terminal one line that is redrawn:
+/* Shows the progress of a program. On a terminal it is one line that is redrawn:
  *
  *     rendering frames  [########............]  40 %, 1 min 20 s left
  *
- * and elsewhere (a pipe, a file, a journal) plain lines: the first after two seconds, then one
+ * Elsewhere (a pipe, a file, a journal) it is plain lines: the first after two seconds, then one
  * every ten seconds, and one at the end if there was one before.
  *
  *     isotherm-sim: rendering frames: 40 of 100, 1 min 20 s left
@@ -22,9 +22,10 @@
 struct iso_progress;
 
 /* Begins to show progress on `out`. `program` and `what` are kept, not copied. `total` is the
- * number of steps; if it is unknown (0), only the time that has passed is shown. A `clock` of NULL
- * is the system's; with another one there is no thread, and the caller calls iso_progress_tick().
- * Returns NULL if there is no memory or no thread. End it with iso_progress_end(). */
+ * number of steps; if it is unknown (0), only the time that has passed is shown. If `clock` is
+ * NULL, the system's clock is used; with another clock there is no thread, and the caller calls
+ * iso_progress_tick(). Returns NULL if there is no memory or no thread. End it with
+ * iso_progress_end(). */
 struct iso_progress *iso_progress_start(FILE *out, const char *program, const char *what,
                                         uint64_t total, const struct iso_clock *clock);
 
@@ -35,6 +36,8 @@ void iso_progress_step(struct iso_progress *progress, uint64_t n);
 void iso_progress_set(struct iso_progress *progress, uint64_t done, uint64_t total);
 
 /* Between pause and resume the line is removed, so that the same thread can print something else.
+ * In between that thread must not call another function of this header, because a lock is held;
+ * other threads wait.
  */
 void iso_progress_pause(struct iso_progress *progress);
 void iso_progress_resume(struct iso_progress *progress);

@@ -15,7 +15,7 @@ struct iso_terminal {
 
 /* The meanings of colours. */
 enum iso_paint {
-    ISO_PAINT_PLAIN, /* ends another */
+    ISO_PAINT_PLAIN, /* ends another colour */
     ISO_PAINT_GOOD,
     ISO_PAINT_WARNING,
     ISO_PAINT_BAD,
@@ -26,7 +26,8 @@ enum iso_paint {
  * https://no-color.org). */
 struct iso_terminal iso_terminal_of(FILE *out);
 
-/* The sequence that begins a colour, or ends it; "" where there are no colours. A literal. */
+/* The sequence that begins a colour, or ends it; "" if the terminal shows no colours. The text is
+ * static. */
 const char *iso_terminal_paint(const struct iso_terminal *terminal, enum iso_paint paint);
 
 #endif
