@@ -10,7 +10,7 @@
 
 struct iso_frame_entry {
     int64_t t_ns;
-    const char *file; /* relative to the recording's directory, within it; in text */
+    const char *file; /* relative to the recording's directory, inside it; points into `text` */
 };
 
 struct iso_frame_list {
@@ -24,7 +24,7 @@ struct iso_frame_list {
 int iso__frame_list_read(const char *path, struct iso_frame_list *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* All-zero is fine, and is what remains. */
+/* Frees the list and sets it to all zero. An all-zero list is accepted. */
 void iso__frame_list_done(struct iso_frame_list *list);
 
 #endif

@@ -12,9 +12,9 @@
  *   rgb.txt, rgb/   optional: 8-bit RGB, the same
  *   landmarks.csv   optional ground truth: frame,name,x_mm,y_mm,z_mm in the camera frame
  *
- * The cx_px and cy_px of a recording include the crop of the sensor image, so that frames from a
- * reader have no crop offset. The reader refuses everything that it does not know. On a failure
- * *fault (which may be NULL) holds one line, "file: what is wrong". */
+ * The cx_px and cy_px of a recording include the crop of the sensor image, so frames from a reader
+ * have no crop offset. The reader refuses everything that it does not know. On a failure *fault
+ * (which may be NULL) holds one line, "file: what is wrong". */
 #ifndef ISO_DRIVERS_RECORDING_RECORDING_H
 #define ISO_DRIVERS_RECORDING_RECORDING_H
 
@@ -70,9 +70,9 @@ int iso_recording_frame_new(const struct iso_recording *recording, struct iso_fr
     __attribute__((warn_unused_result));
 
 /* Reads one frame; its t_ns is the recording's time stamp, its sequence the index. Intensity is
- * 0..1 (the file's full scale; RGB by Rec. 709 luma weights). A failure concerns this frame alone,
- * the caller may go on with the next; the frame's planes are then undefined: -ENOENT the file is
- * missing, -EBADMSG it is truncated, damaged or not of the declared size and depth, -EINVAL the
+ * 0..1 (the file's full scale; RGB by Rec. 709 luma weights). A failure concerns only this frame:
+ * its planes are then undefined, and the caller may continue with the next one. -ENOENT the file is
+ * missing, -EBADMSG it is truncated, damaged or not of the declared size and kind, -EINVAL the
  * index or the frame's shape is wrong, -ENOMEM, or the errno of open and read. */
 int iso_recording_read(struct iso_recording *recording, size_t index, struct iso_frame *frame,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
@@ -84,9 +84,10 @@ struct iso_recording_landmark {
     struct iso_vec3 point_mm; /* camera frame */
 };
 
-/* Reads the ground truth into an array that the caller frees with free(). -ENOENT if the recording
- * has none, -EBADMSG for a malformed, repeated or out-of-range row, -ENOMEM, or the errno of open
- * and read. */
+/* Reads the ground truth into an array that the caller frees with free(). The rows are in the order
+ * of their frames. -ENOENT if the recording has none, -EBADMSG for a row that is malformed,
+ * repeated, out of order or of a frame that does not exist, -ENOMEM, or the errno of open and
+ * read. */
 int iso_recording_landmarks(const struct iso_recording *recording,
                             struct iso_recording_landmark **rows, size_t *n_rows,
                             struct iso_fault *fault) __attribute__((warn_unused_result));

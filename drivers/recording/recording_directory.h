@@ -1,4 +1,5 @@
-/* The directory that a recording was opened in; for the sources of this folder. */
+/* The directory of an opened recording; for the sources of this folder. The text belongs to the
+ * recording. */
 #ifndef ISO_DRIVERS_RECORDING_RECORDING_DIRECTORY_H
 #define ISO_DRIVERS_RECORDING_RECORDING_DIRECTORY_H
 

@@ -12,14 +12,14 @@
 
 struct sim_recording_writer;
 
-/* The camera to put into a recording's meta for frames like this one: the size of the frame's
- * planes, and the principal point moved by its crop. */
+/* The camera to put into a recording's meta for frames like this one: it has the size of the
+ * frame's planes, and its principal point is moved by the frame's crop. */
 struct iso_camera sim_recording_camera(const struct iso_frame *frame);
 
 /* Makes the directory (its parent must exist; a directory that exists must be empty) and prepares
  * to write into it. The meta is copied. `png_level` is zlib's 1 (fast) to 9 (small). -EINVAL for a
- * meta that no reader would accept, -EEXIST if the directory holds something, -ENOMEM, or the errno
- * of mkdir and open. */
+ * meta that no reader would accept or a png_level out of range, -EEXIST if the directory holds
+ * something, -ENOMEM, or the errno of mkdir and open. */
 int sim_recording_writer_create(const char *directory, const struct iso_recording_meta *meta,
                                 int png_level, struct sim_recording_writer **out,
                                 struct iso_fault *fault) __attribute__((warn_unused_result));
@@ -32,9 +32,9 @@ int sim_recording_writer_create(const char *directory, const struct iso_recordin
 int sim_recording_writer_append(struct sim_recording_writer *writer, const struct iso_frame *frame,
                                 struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Adds a ground-truth point of the frame that was appended last. -EINVAL for a name that is empty,
- * too long or not of [A-Za-z0-9_-], a point that is not finite, or before the first frame; or the
- * errno of writing. */
+/* Adds a ground-truth point of the frame that was appended last, rounded to 0.0001 mm. -EINVAL if
+ * the name is empty, too long or not of [A-Za-z0-9_-], if the point is not finite, or if no frame
+ * was appended yet; or the errno of writing. */
 int sim_recording_writer_landmark(struct sim_recording_writer *writer, const char *name,
                                   struct iso_vec3 point_mm, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -44,7 +44,7 @@ int sim_recording_writer_landmark(struct sim_recording_writer *writer, const cha
 int sim_recording_writer_finish(struct sim_recording_writer *writer, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Frees; a writer that was not finished leaves its files as they are. NULL is fine. */
+/* Frees the writer. If it was not finished, its files remain as they are. NULL is fine. */
 void sim_recording_writer_free(struct sim_recording_writer *writer);
 
 #endif
