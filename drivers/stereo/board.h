@@ -1,5 +1,5 @@
-/* Calibration of a pair of cameras on pictures of a checkerboard: corners are found to a fraction
- * of a pixel, each camera is solved for by itself (Zhang 2000), then both together. */
+/* Calibrates a camera or a pair of cameras with pictures of a checkerboard. Corners are found to a
+ * fraction of a pixel; each camera is solved for by itself (Zhang 2000), then both together. */
 #ifndef ISO_DRIVERS_STEREO_BOARD_H
 #define ISO_DRIVERS_STEREO_BOARD_H
 
@@ -7,8 +7,8 @@
 
 #include "drivers/stereo/calibration.h"
 
-/* A flat checkerboard. Corners are those where four squares meet; if the number of them is odd one
- * way and even the other, no turn of the board looks like another. */
+/* A flat checkerboard. Its corners are the points at which four squares meet. If the number of them
+ * is odd in one direction and even in the other, the board looks different after half a turn. */
 struct iso_board {
     int columns, rows; /* of corners: 3..64 each */
     double square_mm;  /* 1..1000 */
@@ -32,15 +32,15 @@ void iso_board_views_free(struct iso_board_views *views);
 int iso_board_views_add(struct iso_board_views *views, const uint8_t *left, const uint8_t *right)
     __attribute__((warn_unused_result));
 
-/* How many pairs there are. */
+/* The number of pairs, or of single pictures. */
 int iso_board_views_count(const struct iso_board_views *views);
 
-/* The parts of solving for a pair of cameras: the left one, the right one, both together. */
+/* The number of parts of solving for a pair: the left camera, the right one, both together. */
 enum { ISO_BOARD_SOLUTIONS = 3 };
 
-/* Solves. `solved`, unless it is NULL, is called with `context` after each part, by the calling
- * thread. Radial distortion is k1 and k2; k3 is 0. -ENODATA with *fault for fewer than
- * ISO_BOARD_PAIRS_MIN pairs, or when what comes out cannot be a pair of cameras (too few
+/* Solves for a pair of cameras. `solved`, unless it is NULL, is called with `context` after each
+ * part, by the calling thread. Radial distortion is k1 and k2; k3 is 0. -ENODATA with *fault for
+ * fewer than ISO_BOARD_PAIRS_MIN pairs, or if the result cannot be a pair of cameras (too few
  * directions, left and right swapped, another board); -ENOMEM, -EIO. */
 int iso_board_calibrate(const struct iso_board_views *views, void (*solved)(void *context),
                         void *context, struct iso_stereo_calibration *out, struct iso_fault *fault)
@@ -64,8 +64,8 @@ int iso_board_views_add_single(struct iso_board_views *views, const uint8_t *ima
 
 /* Solves for one camera (Zhang 2000); radial distortion is k1 and k2. -ENODATA with *fault for
  * fewer than ISO_BOARD_VIEWS_MIN pictures that differ, boards that are hardly turned or cover
- * little of the picture, corners that do not fit a camera (more than 1 px), or a camera that there
- * cannot be; -ENOMEM, -EIO. */
+ * little of the picture, corners that differ from the model by more than 1 px (root mean square),
+ * or a result that cannot be a camera; -ENOMEM, -EIO. */
 int iso_board_calibrate_single(const struct iso_board_views *views, struct iso_board_lens *out,
                                struct iso_fault *fault) __attribute__((warn_unused_result));
 

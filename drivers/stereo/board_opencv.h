@@ -1,7 +1,7 @@
 /* The functions of OpenCV that the calibration (board.h) uses: finding checkerboards, and solving
- * for cameras. The .cc file is C++, this header is C; no exception comes out of it. The code is in
- * the module `stereo` (stereo_module.h); -ENOENT and -EBADMSG of both functions are those of
- * loading it. */
+ * for cameras. The .cc file is C++, this header is C; no exception leaves it. The code is in the
+ * module `stereo` (stereo_module.h); all functions also return the errors of
+ * iso_stereo_module_load. */
 #ifndef ISO_DRIVERS_STEREO_BOARD_OPENCV_H
 #define ISO_DRIVERS_STEREO_BOARD_OPENCV_H
 

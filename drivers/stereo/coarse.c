@@ -51,8 +51,8 @@ static float median_of(const struct neighbours *around)
     return sorted[around->n / 2];
 }
 
-/* Fits a plane by least squares to the values near `middle`. The plane is flat if they lie on a
- * line. */
+/* Fits a plane by least squares to the values near `middle`. Its slopes are 0 if the places of the
+ * values lie on a line. Returns 0 if there are too few values. */
 static int fit(const struct neighbours *around, float middle, struct plane *out)
 {
     double n = 0, x = 0, y = 0, d = 0, xx = 0, xy = 0, yy = 0, xd = 0, yd = 0;

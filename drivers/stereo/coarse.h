@@ -1,5 +1,5 @@
-/* From disparities at half size to a first guess at every pixel: planes fitted to neighbourhoods,
- * which smooths the matcher's steps and bridges its small gaps. */
+/* Makes a first guess of the disparity at every pixel from disparities at half size. It fits planes
+ * to neighbourhoods, which smooths the matcher's steps and bridges its small gaps. */
 #ifndef ISO_DRIVERS_STEREO_COARSE_H
 #define ISO_DRIVERS_STEREO_COARSE_H
 

@@ -1,4 +1,4 @@
-/* What stands between OpenCV and C. Internal to drivers/stereo. */
+/* Helps C++ code that calls OpenCV to be called from C. Internal to drivers/stereo. */
 #ifndef ISO_DRIVERS_STEREO_OPENCV_GUARD_HH
 #define ISO_DRIVERS_STEREO_OPENCV_GUARD_HH
 
@@ -10,7 +10,7 @@
 namespace iso
 {
 
-/* Runs a body and turns what it throws into an errno. */
+/* Runs a function and converts an exception into a negative errno; 0 without an exception. */
 template <typename Body> int guarded(Body body)
 {
     try {
@@ -25,8 +25,8 @@ template <typename Body> int guarded(Body body)
     }
 }
 
-/* A matrix over samples that stay where they are and are not written to unless they were not const
- * to begin with. */
+/* Makes a matrix that uses the caller's samples without copying them. If they are const, the caller
+ * must not let OpenCV write to the matrix. */
 inline cv::Mat wrap(const cv::Size &size, int type, const void *samples)
 {
     return cv::Mat(size, type, const_cast<void *>(samples));

@@ -22,7 +22,7 @@ struct iso_refine {
     int width, height;
     struct iso_refine_options options;
     float *fine;           /* [height][FINE * width]: the right image, also between its columns */
-    float *warped, *slope; /* [height][width]: W and W'; slope is NAN where there is no disparity */
+    float *warped, *slope; /* [height][width]: W and W'; slope is NAN where W is not known */
     struct sums *columns;  /* [width]: sums over the rows that the window covers now */
 };
 

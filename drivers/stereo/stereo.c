@@ -49,8 +49,7 @@ static int allocate_planes(struct iso_stereo *s)
                : -ENOMEM;
 }
 
-/* While OpenCV copies the maps, they are in memory that is as large as the planes of the
- * refinement. */
+/* OpenCV copies the maps, so they are in memory that is freed at once. */
 static int make_matcher(struct iso_stereo *s, const struct iso_stereo_calibration *calibration)
 {
     const struct iso_camera *camera = &s->rectification.camera;

@@ -1,6 +1,6 @@
-/* The module `stereo`: what stereo_opencv.h and board_opencv.h declare, in a shared object of its
- * own (drivers/base/module.h). Programs call those functions as ever; stereo_module.c hands the
- * calls on. */
+/* The module `stereo` is a shared object of its own (drivers/base/module.h) with the functions of
+ * stereo_opencv.h and board_opencv.h. Programs call those functions directly; stereo_module.c
+ * passes the calls to the module. */
 #ifndef ISO_DRIVERS_STEREO_STEREO_MODULE_H
 #define ISO_DRIVERS_STEREO_STEREO_MODULE_H
 
@@ -25,7 +25,7 @@ struct iso_stereo_module {
 extern "C" {
 #endif
 
-/* Loads it, unless it is loaded. The errors of iso_module_load. */
+/* Loads the module, unless it is loaded. The errors of iso_module_load. */
 int iso_stereo_module_load(struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #ifdef __cplusplus

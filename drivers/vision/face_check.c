@@ -9,7 +9,7 @@
 #include "drivers/vision/face_chip.h"
 #include "drivers/vision/face_detector.h"
 
-enum { CASCADE_BYTES_MAX = 1 << 25 }; /* OpenCV's largest cascade has 1 MiB */
+enum { CASCADE_BYTES_MAX = 1 << 25 }; /* OpenCV's largest cascade has 2.6 MiB */
 
 /* The cascade finds faces as squares 155 to 195 mm wide. */
 static const double side_min_mm = 120.0, side_max_mm = 220.0;

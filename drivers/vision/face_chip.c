@@ -9,15 +9,15 @@ enum {
     SIDE = ISO_FACE_CHIP_SIDE,
     CELLS = ISO_FACE_CHIP_CELLS,
     MIDDLE = ISO_FACE_CHIP_MIDDLE,
-    FILL_STEPS = 10, /* how many cells far the surface is continued into holes and the far side */
+    FILL_STEPS = 10, /* the surface is continued by so many cells into holes and the hidden side */
     WINDOW_MAX = 8,
 };
 
 static const double pitch_mm = ISO_FACE_CHIP_PITCH_MM;
 static const double cell_mm = ISO_FACE_CHIP_PITCH_MM * ISO_FACE_CHIP_CELL;
 
-/* The range of the surface of the face behind and before the nose tip. The points of a cell that
- * are averaged lie within a layer of this depth. */
+/* The range of the surface of the face behind the nose tip and in front of it. The points of a cell
+ * that are averaged lie within a layer of this depth. */
 static const double behind_mm = 140.0, before_mm = 60.0, layer_mm = 15.0;
 
 /* The grey level of the face's middle. A spot that is twice as bright does not saturate. */

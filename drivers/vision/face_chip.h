@@ -1,14 +1,15 @@
 /* The picture of a face as it would look from straight ahead: the intensity of a frame, resampled
  * in the face frame over the surface that was measured with it.
  *
- * A detector of frontal faces then meets one size and one attitude only, however far away, turned
+ * The picture has the same size and pose for a detector of frontal faces, however far away, turned
  * or tilted the head is (pose normalisation by measured shape: Chang, Bowyer and Flynn, "An
  * evaluation of multimodal 2D+3D face biometrics", PAMI 27, 2005). The light of a lamp beside the
- * sensor falls off with the square of the distance: intensities are multiplied by it. Then they are
- * scaled to the middle of the face.
+ * sensor falls off with the square of the distance, so the intensities of a pinhole camera are
+ * multiplied by that square. Then they are scaled so that the middle of the face has a fixed grey
+ * level.
  *
- * The chip is a plain struct of some 100 KB that is used again for every frame; nothing is
- * allocated. */
+ * The chip is a plain struct of some 100 KB that is used again for every frame; the functions here
+ * allocate nothing else. */
 #ifndef ISO_DRIVERS_VISION_FACE_CHIP_H
 #define ISO_DRIVERS_VISION_FACE_CHIP_H
 
@@ -20,10 +21,10 @@ enum {
     ISO_FACE_CHIP_SIDE = 128, /* pixels */
     ISO_FACE_CHIP_CELL = 2,   /* pixels of a cell of the surface, each way */
     ISO_FACE_CHIP_CELLS = ISO_FACE_CHIP_SIDE / ISO_FACE_CHIP_CELL,
-    ISO_FACE_CHIP_MIDDLE = 30, /* side of the part that is looked at below */
+    ISO_FACE_CHIP_MIDDLE = 30, /* side of the square in the middle, pixels */
 };
 
-/* Millimetres a pixel, and the face-frame y of the middle; its x is 0. */
+/* Millimetres per pixel, and the y of the picture's middle in the face frame; its x is 0. */
 #define ISO_FACE_CHIP_PITCH_MM 2.0
 #define ISO_FACE_CHIP_Y_MM     10.0
 
@@ -36,20 +37,20 @@ struct iso_face_chip {
     double saturated; /* share at the sensor's upper limit, 0..1 */
     double grain;     /* mean difference of a pixel from the mean of its four neighbours / mean */
 
-    /* Between the steps: z in the face frame, how many points made it (0: empty), corrected
-     * intensities (negative: nothing there). */
+    /* Intermediate results: the surface as z in the face frame, the number of points that each of
+     * its cells is made of (0: empty), and corrected intensities (negative: none). */
     float surface_mm[ISO_FACE_CHIP_CELLS * ISO_FACE_CHIP_CELLS];
     uint16_t weight[ISO_FACE_CHIP_CELLS * ISO_FACE_CHIP_CELLS];
     float light[ISO_FACE_CHIP_SIDE * ISO_FACE_CHIP_SIDE];
 };
 
-/* Draws the chip of a frame that has an intensity and that iso_frame_check passes. -ENODATA if less
- * than a quarter of the middle is there: the chip is then of no use. */
+/* Draws the chip of a frame that has an intensity and that iso_frame_check accepts. -ENODATA if
+ * less than a quarter of the middle is measured; the chip must not be used then. */
 int iso_face_chip_draw(struct iso_face_chip *chip, const struct iso_frame *frame,
                        const struct iso_rigid *camera_from_face)
     __attribute__((warn_unused_result));
 
-/* Where in the face frame (x, y) a point of the picture is. */
+/* The place of a point of the picture in the face frame: x and y in millimetres; z is 0. */
 struct iso_vec3 iso_face_chip_place(double column_px, double row_px);
 
 #endif

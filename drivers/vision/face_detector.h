@@ -1,10 +1,11 @@
-/* A detector of frontal faces in small grey pictures: the one place that knows OpenCV.
+/* A detector of frontal faces in small grey pictures. Only its .cc file uses OpenCV.
  *
- * A boosted cascade of Haar-like features (Viola and Jones, "Rapid object detection using a boosted
- * cascade of simple features", CVPR 2001; Lienhart and Maydt, ICIP 2002), as stored in OpenCV's
- * files. Its code is the module `vision` (drivers/base/module.h). Without the module the engine is
- * "" and no detector can be made. One detector belongs to one thread; it starts none. OpenCV
- * allocates while it searches. */
+ * It is a boosted cascade of Haar-like features (Viola and Jones, "Rapid object detection using a
+ * boosted cascade of simple features", CVPR 2001; Lienhart and Maydt, ICIP 2002), as stored in
+ * OpenCV's files. Its code is the module `vision` (drivers/base/module.h). Without the module the
+ * engine is
+ * "" and no detector can be made. A detector is used by one thread at a time and starts no threads.
+ * OpenCV allocates while it searches. */
 #ifndef ISO_DRIVERS_VISION_FACE_DETECTOR_H
 #define ISO_DRIVERS_VISION_FACE_DETECTOR_H
 
@@ -14,8 +15,8 @@
 
 /* The square in which a face is seen. */
 struct iso_face_box {
-    double column_px, row_px, side_px; /* its middle, whole numbers being centres of pixels */
-    int votes; /* windows that agreed on it; 0: no face is seen, the rest is 0 too */
+    double column_px, row_px, side_px; /* its middle; whole numbers are the centres of pixels */
+    int votes; /* windows that agreed on it; 0: no face is seen, and all else is 0 */
 };
 
 struct iso_face_detector;

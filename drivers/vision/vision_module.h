@@ -1,6 +1,6 @@
-/* The module `vision`: what face_detector.h declares, in a shared object of its own
- * (drivers/base/module.h). Programs call those functions as ever; vision_module.c hands the calls
- * on. */
+/* The module `vision` is a shared object of its own (drivers/base/module.h) with the functions of
+ * face_detector.h. Programs call those functions directly; vision_module.c passes the calls to the
+ * module. */
 #ifndef ISO_DRIVERS_VISION_VISION_MODULE_H
 #define ISO_DRIVERS_VISION_VISION_MODULE_H
 
