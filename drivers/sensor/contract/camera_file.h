@@ -1,5 +1,5 @@
 /* Camera files: the intrinsics of one depth camera, in the format of a recording.ini (recording.h).
- * Several back ends measure by such a file, which the option `camera` names. */
+ * Several back ends read their intrinsics from such a file, which the option `camera` names. */
 #ifndef ISO_DRIVERS_SENSOR_CONTRACT_CAMERA_FILE_H
 #define ISO_DRIVERS_SENSOR_CONTRACT_CAMERA_FILE_H
 
@@ -8,7 +8,7 @@
 
 struct iso_camera_file {
     struct iso_recording_meta meta;
-    char name[48]; /* where it was read from, or the end of that path */
+    char name[48]; /* the path of the file, or the end of the path */
 };
 
 /* Reads a camera file. -ENOENT there is none, -EINVAL it cannot be read or is damaged, -ENOMEM;

@@ -1,10 +1,11 @@
 /* The sensor class: everything that delivers depth frames.
  *
- * States of a sensor and the calls that are legal in them; any other call is -EBADFD:
+ * The states of a sensor and the calls that are legal in them; any other call returns -EBADFD:
  *
  *   (none)  --open-->  OPEN  --start-->  STARTED  --stop-->  OPEN  --close-->  (none)
  *   STARTED: wait, next_due_ns.  Every state: describe, poll_fd, health, name, close.
- *   A call that returns -ENODEV (the device is gone) leads to LOST, where only close is legal.
+ *   A call that returns -ENODEV (the device is gone) leads to LOST. There start, stop, wait and
+ *   next_due_ns return -ENODEV; the sensor has to be closed.
  *
  * One sensor is used by one thread at a time. Time is read from the injected clock only. Frames are
  * checked (iso_frame_check, sequence and time rising) before the caller gets them. On a failure
@@ -21,7 +22,7 @@
 #include "drivers/base/option.h"
 #include "isotherm/frame.h"
 
-/* The known properties of the device behind a sensor, and what it can do. */
+/* The properties and capabilities of the device of a sensor. */
 struct iso_sensor_description {
     char model[32];          /* the kind of sensor, as in a recording's `sensor` and in templates */
     char serial[64];         /* "" if it has none */
@@ -32,7 +33,7 @@ struct iso_sensor_description {
     char calibration[96];    /* the calibration, in words; "" if the device has its own */
     enum iso_fault_code
         calibration_code; /* why the calibration is not reliable; ISO_FAULT_NONE: it is reliable */
-    bool repeats;         /* a replay whose stored frames may count more than once, by its option */
+    bool repeats;         /* it is a replay whose option lets stored frames count more than once */
 };
 
 /* A device that a back end could open. */
@@ -140,8 +141,8 @@ int iso_sensor_check(const char *name, const struct iso_option *options, size_t 
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Opens a sensor by the name of its back end (back_ends.def lists them). The errors of
- * iso_sensor_check and of ops->open. Options and clock need not
- * outlive the call; what the clock's context points to must outlive the sensor. */
+ * iso_sensor_check and of ops->open. Options and clock need not outlive the call; what the clock's
+ * context points to must outlive the sensor. */
 int iso_sensor_open(const char *name, const struct iso_option *options, size_t n_options,
                     const struct iso_clock *clock, struct iso_sensor **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -160,17 +161,18 @@ int iso_sensor_check_ops(const struct iso_sensor_ops *ops, const struct iso_opti
 /* Stops the sensor if it streams, and releases it. NULL is fine. */
 void iso_sensor_close(struct iso_sensor *sensor);
 
+/* As the operations. Also -EBADFD in another state, -ENODEV in LOST. */
 int iso_sensor_start(struct iso_sensor *sensor, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 int iso_sensor_stop(struct iso_sensor *sensor, struct iso_fault *fault);
 
-/* As ops->wait; -ETIMEDOUT leaves *fault alone. Moreover -EBADMSG for a frame that fails its check:
- * it is dropped. -ENODEV in LOST. */
+/* As ops->wait; -ETIMEDOUT leaves *fault unchanged. Also -EBADMSG for a frame that fails its check
+ * and is dropped, -EBADFD the sensor is not started, -ENODEV it is lost. */
 int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct iso_frame **frame,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* As the operations; -ENOSYS if the back end has none. Without next_due_ns, let wait block or poll
- * poll_fd. */
+/* As the operations; -ENOSYS if the back end has no such operation. Without next_due_ns the caller
+ * lets wait block, or polls poll_fd. */
 int iso_sensor_next_due_ns(struct iso_sensor *sensor, int64_t *due_ns)
     __attribute__((warn_unused_result));
 int iso_sensor_poll_fd(struct iso_sensor *sensor) __attribute__((warn_unused_result));
@@ -190,7 +192,7 @@ const char *iso_sensor_state_name(enum iso_sensor_state state);
 struct iso_sensor_health {
     enum iso_sensor_state state;
     uint64_t frames;                        /* frames that the caller received */
-    uint64_t lost;                          /* gaps in the sequence */
+    uint64_t lost;                          /* frames that are missing in the sequence */
     uint64_t refused;                       /* frames that failed the check */
     uint64_t faults;                        /* other failures of wait, except time-outs */
     int64_t last_frame_ns;                  /* clock time of the last frame; 0 before the first */

@@ -1,9 +1,10 @@
-/* From a device's own count and clock to the sequence and time of the sensor class.
+/* Converts a device's own count and clock to the sequence and time of the sensor class.
  *
  * Device time plus an offset is clock time. The offset is the least delay seen between exposure and
- * arrival (Cristian 1989, the same bound): late arrivals do not move it, and no frame lies in the
- * future. As the two clocks drift, the offset may rise by DRIFT_PPM of the time that passes. A
- * count or a time that goes back is a device that began anew: no gap is known there. */
+ * arrival (the bound of Cristian 1989): late arrivals do not change it, and no frame lies in the
+ * future. Because the two clocks drift, the offset may rise by DRIFT_PPM of the time that passes.
+ * If a count or a time goes back, the device has begun anew; the sequence then continues without a
+ * gap. */
 #ifndef ISO_DRIVERS_SENSOR_CONTRACT_TIMELINE_H
 #define ISO_DRIVERS_SENSOR_CONTRACT_TIMELINE_H
 
@@ -12,7 +13,7 @@
 
 enum { ISO_TIMELINE_DRIFT_PPM = 200 };
 
-/* All zero before the first frame; then of the last one. */
+/* All zero before the first frame; afterwards it describes the last one. */
 struct iso_timeline {
     bool begun, anew;
     int64_t index, device_ns, offset_ns;
@@ -24,7 +25,7 @@ struct iso_timeline {
 void iso_timeline_advance(struct iso_timeline *timeline, int64_t index, int64_t device_ns,
                           int64_t now_ns);
 
-/* The next frame begins anew, whatever its number and time. */
+/* Treats the next frame as one of a device that has begun anew, whatever its number and time. */
 void iso_timeline_restart(struct iso_timeline *timeline);
 
 #endif

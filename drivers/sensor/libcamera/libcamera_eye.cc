@@ -124,7 +124,8 @@ int Eye::start()
     return 0;
 }
 
-/* A camera that was just pulled out does not start, but libcamera learns of it a little later. */
+/* Finds out why the camera does not start. If it was just unplugged, libcamera reports this only a
+ * little later. */
 int Eye::explain()
 {
     struct pollfd told = {fd_, POLLIN, 0};
@@ -189,7 +190,7 @@ int Eye::give_back()
     return 0;
 }
 
-/* Hands a request to libcamera. Both threads may call this. */
+/* Queues a request in libcamera. Both threads may call this. */
 int Eye::queue(slot &each)
 {
     {

@@ -1,5 +1,5 @@
 /* One camera through libcamera: a queue of grey pictures behind a lock. libcamera's thread fills
- * it; all public functions are for one other thread. C++, for libcamera_pair.cc. */
+ * it; one other thread calls the public functions. C++, for libcamera_pair.cc. */
 #ifndef ISO_DRIVERS_SENSOR_LIBCAMERA_LIBCAMERA_EYE_HH
 #define ISO_DRIVERS_SENSOR_LIBCAMERA_LIBCAMERA_EYE_HH
 
@@ -18,20 +18,20 @@ namespace iso
 
 struct mapping {
     uint8_t *at = nullptr;
-    size_t length = 0, first = 0; /* of the map; from its begin to the picture */
+    size_t length = 0, first = 0; /* of the map; offset of the picture in it */
 };
 
 /* A picture is handed out when libcamera reports its buffer as filled, not when it reports the
- * request as complete. Requests complete in the order in which they were made: a request whose
- * buffer waits for another picture (the kernel dropped its first one) would delay the later ones,
- * and its picture would come before theirs. Buffers come in the order in which they were filled. A
- * request is queued again when both the caller and libcamera have finished with it: `given_back`
- * and `done`. */
+ * request as complete. Requests complete in the order in which they were made. If the kernel
+ * dropped the first picture of a request, its buffer waits for another one; this request would
+ * delay the later ones, and its picture would come before theirs. Buffers come in the order in
+ * which they were filled. A request is queued again when both the caller and libcamera have
+ * finished with it: `given_back` and `done`. */
 struct slot {
     std::unique_ptr<libcamera::Request> request;
     libcamera::FrameBuffer *buffer = nullptr;
-    bool given_back = false; /* nobody looks at the picture any more */
-    bool done = false;       /* libcamera has let go of the request */
+    bool given_back = false; /* the caller no longer reads the picture */
+    bool done = false;       /* libcamera no longer uses the request */
 };
 
 /* The functions return 0 or a negative errno, as libcamera_pair.h says. */
@@ -52,7 +52,7 @@ class Eye
     int take(iso_libcamera_picture *out);
     int give_back();
 
-    /* Readable when there is a picture, or a fault. */
+    /* A descriptor that is readable when there is a picture or a fault. */
     int fd() const
     {
         return fd_;
@@ -79,7 +79,7 @@ class Eye
     std::vector<slot> slots_; /* the requests' cookies are indices */
     std::map<const libcamera::FrameBuffer *, mapping> maps_;
     libcamera::ControlList controls_;
-    std::mutex mutex_;          /* of those that follow */
+    std::mutex mutex_;          /* protects filled_, lost_, broken_ and the flags of the slots */
     std::deque<slot *> filled_; /* oldest first */
     bool lost_ = false, broken_ = false;
     slot *taken_ = nullptr;

@@ -1,7 +1,6 @@
-/* The module `libcamera`: what libcamera_pair.h declares, in a shared object of its own
- * (drivers/base/module.h). Programs call those functions as ever; libcamera_module.c hands the
- * calls on.
- */
+/* The module `libcamera` is a shared object of its own (drivers/base/module.h) with the functions
+ * of libcamera_pair.h. Programs call those functions directly; libcamera_module.c passes the calls
+ * to the module. */
 #ifndef ISO_DRIVERS_SENSOR_LIBCAMERA_LIBCAMERA_MODULE_H
 #define ISO_DRIVERS_SENSOR_LIBCAMERA_LIBCAMERA_MODULE_H
 
@@ -22,7 +21,7 @@ struct iso_libcamera_module {
     __typeof__(iso_libcamera_fd) *fd;
 };
 
-/* Loads it, unless it is loaded. The errors of iso_module_load. */
+/* Loads the module, unless it is loaded. The errors of iso_module_load. */
 int iso_libcamera_module_load(struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

@@ -16,13 +16,13 @@ struct iso__openni2_pairing {
 /* A frame's time by the clock of the device or the file. */
 int64_t iso__openni2_frame_ns(const OniFrame *frame);
 
-/* Takes a frame over. The runtime hands out older frames first: a frame replaces the last one of
- * its kind. */
+/* Takes a frame over, which replaces the last one of its kind. The runtime gives older frames
+ * first. */
 void iso__openni2_pairing_add(struct iso__openni2_pairing *pairing, OniFrame *frame);
 
-/* Whether there is a depth frame and, `with_grey`, an intensity frame less than half a period of
- * `fps` away from it. Of two that are further apart the older one is released: its partner does not
- * come any more. */
+/* Whether there is a depth frame and, `with_grey`, an intensity frame at most half a period of
+ * `fps` away from it. If two are further apart, the older one is released, because its partner
+ * cannot come any more. */
 bool iso__openni2_pairing_complete(struct iso__openni2_pairing *pairing, bool with_grey, int fps);
 
 /* Releases the frames; they do not count as dropped. */

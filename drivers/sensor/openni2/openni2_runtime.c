@@ -54,7 +54,7 @@ void iso__openni2_leave(void)
     }
 }
 
-/* ---- finding the runtime ---------------------------------------------------- */
+/* ---- finding a device ------------------------------------------------------- */
 
 void iso__openni2_read_serial(OniDeviceHandle device, char serial[64])
 {

@@ -14,7 +14,7 @@ enum {
     PLAYER_MS = 2000, /* a file that gives no frame for this time is stuck */
     PLAYER_NAP_MS = 3,
     RECORDER_LOOK_MS = 20,
-    RECORDER_STILL = 3,  /* after so many looks without a change it waits for frames */
+    RECORDER_STILL = 3,  /* after so many looks without a change the recorder is ready */
     RECORDER_LOOKS = 50, /* the largest number of looks */
 };
 
@@ -245,10 +245,10 @@ bool iso__openni2_session_ended(const struct iso__openni2_session *session)
            (!session->grey.handle || session->grey.taken >= session->grey.n_frames);
 }
 
-/* The runtime must look for a frame only once: each time it looks, the player reads a frame, and a
- * frame that is not fetched is overwritten by the next. A frame that came while nobody waited has
- * left the thread's event set, so the runtime would look twice. Waiting for no stream clears the
- * event. */
+/* oniWaitForAnyStream must look for a frame only once: each time it looks, the player reads a
+ * frame, and a frame that is not fetched is overwritten by the next one. A frame that came between
+ * two waits has left the thread's event set, so the runtime would look twice. Waiting for no stream
+ * clears the event. */
 static void forget_old_news(void)
 {
     OniStreamHandle none[] = {NULL};

@@ -1,5 +1,6 @@
-/* An opened OpenNI2 device: the runtime, the device, its streams, and whether it is still there.
- * For sensor_openni2.c. The runtime counts its users, so several sessions may be open in a process.
+/* An opened OpenNI2 device: the runtime, the device, its streams, and whether it is still
+ * connected. For sensor_openni2.c. The runtime counts its users, so several sessions may be open in
+ * a process.
  */
 #ifndef ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_SESSION_H
 #define ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_SESSION_H
@@ -22,8 +23,8 @@ struct iso__openni2_stream {
 };
 
 struct iso__openni2_session {
-    bool running; /* the runtime */
-    bool opened;  /* whole */
+    bool running; /* the runtime was started */
+    bool opened;  /* iso__openni2_session_open succeeded */
     bool file, loop;
     OniCallbackHandle watch;
     OniDeviceHandle device;
@@ -39,19 +40,21 @@ struct iso__openni2_session {
 };
 
 /* Opens the device of the wish; *session must not move until it is closed. -EINVAL the device does
- * not support the wish, -ENODEV there is no such device, -EIO. On failure the session is closed,
- * and the runtime stays loaded until a session has been opened and closed (openni2_runtime.h). */
+ * not support the wish, -ENODEV there is no such device, -EIO, and the errors of
+ * iso__openni2_find_file. On failure the session is closed. After -ENODEV the runtime stays loaded
+ * until a session has been opened and closed (iso__openni2_stay). */
 int iso__openni2_session_open(struct iso__openni2_session *session,
                               const struct iso__openni2_wish *wish, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* An all-zero session is fine. The session is all zero afterwards. */
+/* Closes everything and sets the session to all zero. An all-zero session is fine. */
 void iso__openni2_session_close(struct iso__openni2_session *session);
 
-/* Starts the streams; and records them into the .oni file `record`, from its beginning, if that is
- * not NULL. -ENODEV, -EIO. */
+/* Starts the streams, and records them into the .oni file `record`, which is written anew, unless
+ * it is NULL. -ENODEV, -EIO. */
 int iso__openni2_session_start(struct iso__openni2_session *session, const char *record,
                                struct iso_fault *fault) __attribute__((warn_unused_result));
+/* Stops the streams and ends the recording. */
 void iso__openni2_session_stop(struct iso__openni2_session *session);
 
 /* Waits for a frame of either stream; the caller releases it (oniFrameRelease). With a file the

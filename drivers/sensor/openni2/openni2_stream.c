@@ -110,8 +110,8 @@ static int claim_stream(struct iso__openni2_session *session, OniSensorType type
     return session->file ? count_frames(session, stream, fault) : 0;
 }
 
-/* Ranks modes of the wanted size and rate, or of the present ones if none are wanted. The mode with
- * the finer unit is better. */
+/* Ranks modes of the wanted size, rate and unit. A size or rate that is not given is that of the
+ * present mode. The mode with the finer unit is better. */
 static int rank_depth(const OniVideoMode *mode, const OniVideoMode *now, const void *context)
 {
     const struct iso__openni2_wish *wish = context;
@@ -127,7 +127,8 @@ static int rank_depth(const OniVideoMode *mode, const OniVideoMode *now, const v
     return unit_mm < 1.0 ? 2 : 1;
 }
 
-/* Ranks modes of the size of the depth mode. More bits and a higher rate are better. */
+/* Ranks modes of the size of the depth mode. A mode with the rate of the depth mode is better;
+ * among equal rates, 16 grey bits are better than 8, and these are better than colours. */
 static int rank_grey(const OniVideoMode *mode, const OniVideoMode *now, const void *context)
 {
     const OniVideoMode *depth = context;

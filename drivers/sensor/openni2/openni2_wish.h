@@ -1,4 +1,4 @@
-/* The device and the video mode that a session shall open. */
+/* The device and the video mode that a session opens. */
 #ifndef ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_WISH_H
 #define ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_WISH_H
 
@@ -11,7 +11,7 @@ struct iso__openni2_wish {
     const char *path;             /* an .oni file; NULL: a device */
     const char *device;           /* its URI or serial number; NULL: any */
     int width_px, height_px, fps; /* 0: as the device has it */
-    int unit_um;                  /* 0: the finest there is */
+    int unit_um;                  /* 0: the finest that exists */
     bool loop;                    /* of a file */
     enum iso__openni2_grey grey;
 };

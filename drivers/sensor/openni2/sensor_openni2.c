@@ -29,8 +29,10 @@ struct openni2 {
     struct iso__openni2_pairing fetched; /* fetched, but not yet handed to the caller */
     bool played;                         /* the file is no longer at its beginning */
 
-    struct iso_timeline timeline;        /* only for a device */
-    int64_t origin_ns, file_ns, last_ns; /* of a file: clock time of its time 0, its last time */
+    struct iso_timeline timeline; /* gives the sequence; the time only for a device */
+    /* Of a file: the clock time of its time 0, the file's time of the last frame, and the clock
+     * time at which that frame is due. */
+    int64_t origin_ns, file_ns, last_ns;
 };
 
 /* ---- opening and closing ---------------------------------------------------- */
@@ -278,7 +280,7 @@ static int openni2_wait(void *self, int64_t deadline_ns, const struct iso_frame 
     return error ? error : hand_up(sensor, frame, fault);
 }
 
-/* Only a file can tell its next time. The wait for a device blocks. */
+/* Only the frames of a file have a time at which they are due. The wait for a device blocks. */
 static int openni2_next_due_ns(void *self, int64_t *out)
 {
     struct openni2 *sensor = self;

@@ -13,10 +13,10 @@ enum iso_pair_verdict {
     ISO_PAIR_DROP_SECOND, /* the oldest picture of the second camera has no partner */
 };
 
-/* Looks at the stamps of the pictures that wait, oldest first and rising. Two belong together if
- * they are at most tolerance_ns apart and the one that came earlier has no follower that is nearer
- * to the other. Since each camera's pictures come in order, the older of two that are too far apart
- * will never find a partner. */
+/* Judges by the stamps of the waiting pictures, oldest first and rising. Two belong together if
+ * they are at most tolerance_ns apart and the older one has no follower that is nearer to the other
+ * one. Since each camera's pictures come in order, the older of two that are too far apart will
+ * never find a partner. */
 enum iso_pair_verdict iso_pair_judge(const int64_t *first_ns, size_t n_first,
                                      const int64_t *second_ns, size_t n_second,
                                      int64_t tolerance_ns);

@@ -7,8 +7,8 @@
 #include "drivers/sensor/contract/sensor.h"
 #include "drivers/sensor/picture/picture_stream.h"
 
-/* The begin of such a back end's own object, so that a pointer to the one is a pointer to the
- * other. */
+/* The first member of such a back end's own object, so that a pointer to one is also a pointer to
+ * the other. */
 struct iso_picture_sensor {
     struct iso_picture_stream *stream;
 };
@@ -26,7 +26,7 @@ struct iso_picture_sensor {
  * checked. */
 void iso_picture_sensor_options(const struct iso_option_set *set, int *fps, int64_t *tolerance_ns);
 
-/* Of the ops table (sensor.h); `self` begins with a struct iso_picture_sensor. */
+/* Operations for the ops table (sensor.h); `self` begins with a struct iso_picture_sensor. */
 int iso_picture_sensor_start(void *self, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 int iso_picture_sensor_stop(void *self);

@@ -31,7 +31,7 @@ struct iso_picture_stream {
     struct camera cameras[ISO_PICTURE_CAMERAS_MAX];
     int n_cameras, epoll_fd;
     int64_t tolerance_ns;
-    uint64_t last_sequence; /* sequence of the stream; the device's 32-bit number of that picture */
+    uint64_t last_sequence; /* of the last set; last_number is the device's number of its picture */
     uint32_t last_number;
     bool started[ISO_PICTURE_CAMERAS_MAX];
     bool has_number, has_last; /* since the start; since the opening */

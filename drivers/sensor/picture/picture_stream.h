@@ -23,12 +23,14 @@ struct iso_picture_stream_options {
 struct iso_picture_set {
     struct iso_picture pictures[ISO_PICTURE_CAMERAS_MAX]; /* copies, until the next wait or stop */
     int64_t t_ns;      /* of the first picture, on the injected clock; strictly rising */
-    uint64_t sequence; /* of the first camera, counted on over stops; a gap is a lost set */
+    uint64_t sequence; /* of the first camera; continues after a stop; a gap means lost sets */
 };
 
 struct iso_picture_stream;
 
-/* Streams nothing yet. The sources must outlive the stream. -ENOMEM, -EIO. */
+/* Makes a stream, which does not stream yet. The sources' objects must outlive it. -EIO, -ENOMEM,
+ * with a fault.
+ */
 int iso_picture_stream_open(const struct iso_picture_stream_options *options,
                             struct iso_picture_stream **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -36,11 +38,12 @@ int iso_picture_stream_open(const struct iso_picture_stream_options *options,
 /* Closes it and frees it. NULL is accepted. */
 void iso_picture_stream_close(struct iso_picture_stream *stream);
 
+/* Starts and stops the cameras. The errors of a source's start and stop. */
 int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 int iso_picture_stream_stop(struct iso_picture_stream *stream);
 
-/* The next set, oldest first; polls until deadline_ns of the injected clock at the latest.
+/* Takes the next set, oldest first; polls until deadline_ns of the injected clock at the latest.
  * -ETIMEDOUT, and the errors of a source's take except -EAGAIN; -EBADMSG also for a picture that
  * comes after one that was taken later: it is dropped, and the stream continues. */
 int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_ns,
@@ -51,7 +54,7 @@ int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_
  * may still return -ETIMEDOUT. */
 int iso_picture_stream_fd(const struct iso_picture_stream *stream);
 
-/* The number of pictures that came without a partner, or too late. */
+/* The number of pictures that came without a partner, or too late, since the opening. */
 uint64_t iso_picture_stream_dropped(const struct iso_picture_stream *stream);
 
 #endif

@@ -35,8 +35,8 @@ static const struct iso_option_spec option_specs[] = {
 
 enum { LONE_FRAME_INTERVAL_NS = 33333333 }; /* for a loop over one frame: 30 frames a second */
 
-/* What was found at the path. Equal slots hold the same visitor. A link that was replaced has
- * another inode, or at least another time of change. */
+/* What was found at the path. Two equal slots mean that the recording is the same. A link that was
+ * replaced has another inode, or at least another time of change. */
 struct slot {
     bool there;
     dev_t device;
@@ -291,8 +291,8 @@ static int replay_describe(void *self, struct iso_sensor_description *out)
     return 0;
 }
 
-/* An empty slot is not a fault of a replay, because visitors come and go. But the path may also be
- * wrong. */
+/* An empty slot is not an error of wait, because recordings come and go. But the path may also be
+ * wrong, so it is reported here. */
 static void replay_health(void *self, struct iso_sensor_device_health *out)
 {
     const struct replay *replay = self;

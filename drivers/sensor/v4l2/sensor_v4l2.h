@@ -1,6 +1,6 @@
-/* The sensor back end `v4l2`: a depth camera that the kernel drives, such as Intel RealSense
- * through uvcvideo: a node with depths (Z16) and, if wanted, one with the infrared picture beside
- * it.
+/* The sensor back end `v4l2`: a depth camera that the kernel drives, such as an Intel RealSense
+ * through uvcvideo. It reads a node that gives depths (Z16) and, if wanted, a second node that
+ * gives the infrared picture.
  *
  * Options:
  *   device      required: the depth node, such as /dev/video0 or a link in /dev/v4l/by-path
@@ -9,13 +9,14 @@
  *               V4L2 does not provide
  *   ir_device   a node with the registered infrared picture, of the same size: GREY, Y16, Y12, Y10,
  *               YUYV or UYVY; without it frames carry no intensity
- *   fps         the frame rate to set; else the camera's own
- *   pair_ms     how far apart depth and infrared picture may be (4)
+ *   fps         the frame rate to set; the camera's own by default
+ *   pair_ms     how far apart in time depth and infrared picture may be (4)
  *
  * A frame's time is the kernel's time stamp of the depth picture, on the injected clock; its
- * sequence counts on from stop to start, and has gaps where the kernel's has. A picture that comes
- * short or flagged as damaged is -EBADMSG; one without its infrared partner is dropped and a gap.
- * wait blocks in poll. A camera that is unplugged is -ENODEV from wait. */
+ * sequence continues after a stop and a start, and has gaps where the kernel's has. For a picture
+ * that is short or flagged as damaged wait returns -EBADMSG. A depth picture without its infrared
+ * partner is dropped, which leaves a gap. wait blocks in poll. After a camera was unplugged, wait
+ * returns -ENODEV. */
 #ifndef ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_H
 #define ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_H
 

@@ -254,7 +254,7 @@ static int add_buffer(struct iso_v4l2_node *node, unsigned index)
     return call_node(node, VIDIOC_QBUF, &buffer);
 }
 
-/* A device that was pulled out may report this only when it is asked. */
+/* The kernel may report that a device was unplugged only when the device is queried. */
 static bool is_gone(const struct iso_v4l2_node *node)
 {
     struct v4l2_capability capability;
@@ -317,8 +317,8 @@ static int explain_stream(struct iso_v4l2_node *node, int error, struct iso_faul
                               error == -ENODEV ? "the device is gone" : "the stream broke");
 }
 
-/* The time at which the picture was taken, or at which it arrived if the driver uses another
- * clock. */
+/* The time at which the picture was taken by the camera, or, if the driver uses another clock, the
+ * present time. */
 static int64_t stamp_of(const struct iso_v4l2_node *node, const struct v4l2_buffer *buffer)
 {
     if ((buffer->flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC) {

@@ -1,5 +1,5 @@
-/* One video capture node (/dev/video0): found, asked for a format, streamed from through mapped
- * buffers. Internal to the V4L2 back ends. */
+/* One video capture node (/dev/video0): opens it, sets its format, and streams its pictures through
+ * mapped buffers. Internal to the V4L2 back ends. */
 #ifndef ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_NODE_H
 #define ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_NODE_H
 
@@ -18,8 +18,8 @@ struct iso_v4l2_wish {
     const char *owner; /* of the faults: "sensor v4l2" */
     const char *path;
     int width_px, height_px;
-    int fps; /* 0: as it is */
-    /* Pixel formats (V4L2_PIX_FMT_...) that will do, the best first, 0 at the end. */
+    int fps; /* 0: the node's own rate */
+    /* The accepted pixel formats (V4L2_PIX_FMT_...), the best first, 0 at the end. */
     uint32_t formats[ISO_V4L2_FORMATS_MAX + 1];
 };
 
@@ -29,8 +29,8 @@ struct iso_v4l2_node;
  * SENSOR_BUSY, USB_FULL, OUT_OF_MEMORY, else SENSOR_FAILED. */
 enum iso_fault_code iso_v4l2_fault_code(int error);
 
-/* Opens and sets up a node; streams nothing. -ENODEV there is no such device, or it is no camera;
- * -EINVAL it has none of the formats, or not in this size; -EBUSY, -EACCES, -ENOMEM, -EIO. */
+/* Opens and sets up a node; does not stream yet. -ENODEV there is no such device, or it is no
+ * camera; -EINVAL it has none of the formats, or not this size; -EBUSY, -EACCES, -ENOMEM, -EIO. */
 int iso_v4l2_node_open(const struct iso_v4l2_system *system, const struct iso_v4l2_wish *wish,
                        struct iso_v4l2_node **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -44,11 +44,11 @@ struct iso_picture_source iso_v4l2_node_source(struct iso_v4l2_node *node);
 /* The port of the device; owned by the node. */
 const char *iso_v4l2_node_bus(const struct iso_v4l2_node *node);
 
-/* Tells of every node /dev/video0 to 63 that takes pictures (label: card, bus and pixel formats),
- * or that may not be opened (label and code: why). Always 0. */
+/* Calls the visitor for every node /dev/video0 to 63 that takes pictures (label: card, bus and
+ * pixel formats) or that exists and cannot be opened (label and code: the reason). Returns 0. */
 int iso_v4l2_probe(const struct iso_v4l2_system *system, iso_sensor_visitor *visit, void *context);
 
-/* The same as an operation of the sensor class, on the kernel. */
+/* The same for the kernel's nodes, as the operation `probe` of the sensor class. */
 int iso_v4l2_probe_kernel(iso_sensor_visitor *visit, void *context, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

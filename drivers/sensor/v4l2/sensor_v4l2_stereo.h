@@ -5,16 +5,17 @@
  *   left, right   required: the two nodes, such as links in /dev/v4l/by-path
  *   calibration   required: the file of `isotherm-sim calibrate` (drivers/stereo/calibration.h); it
  *                 determines the size of the pictures
- *   fps           the frame rate to set; else the cameras' own
- *   pair_ms       how far apart two pictures may be that belong together (4). Cameras without a
- *                 common trigger need half a period, 17 at 30 pictures a second; what moves between
- *                 the two moments is measured wrong
+ *   fps           the frame rate to set; the cameras' own by default
+ *   pair_ms       how far apart in time the two pictures of a pair may be (4). Cameras without a
+ *                 common trigger need half a period, 17 at 30 pictures a second; the depths of a
+ *                 thing that moves in between are wrong
  *   near_mm, far_mm   the range that is measured (300, 1200)
- *   confidence    correlation that a depth needs, 0..1 (0.75)
+ *   confidence    the least correlation for a depth, 0..1 (0.75)
  *
- * Formats: GREY, Y16, Y12, Y10, YUYV, UYVY. A frame is the rectified left camera's: depths, and its
- * picture as intensity. Times, sequence, damage and loss as of `v4l2`, by the left camera; a
- * picture without its partner is dropped and a gap. */
+ * Formats: GREY, Y16, Y12, Y10, YUYV, UYVY. A frame is that of the rectified left camera: its
+ * depths, and its picture as intensity. Times, sequence, damaged pictures and a lost device are as
+ * with `v4l2`, and follow the left camera. A picture without its partner is dropped, which leaves a
+ * gap. */
 #ifndef ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_STEREO_H
 #define ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_STEREO_H
 

@@ -1,5 +1,6 @@
 /* The system calls that the V4L2 back ends make, as a table. The back ends use iso_v4l2_kernel; a
- * test can replace a camera. Descriptors must be real ones, which poll and epoll accept. */
+ * test can use a table that simulates a camera. Its descriptors must be real ones, which poll and
+ * epoll accept. */
 #ifndef ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_SYSTEM_H
 #define ISO_DRIVERS_SENSOR_V4L2_SENSOR_V4L2_SYSTEM_H
 
@@ -14,7 +15,7 @@ struct iso_v4l2_system {
     /* Maps shared and readable memory; NULL on failure. */
     void *(*map)(void *context, int fd, size_t length, int64_t offset);
     void (*unmap)(void *context, void *at, size_t length);
-    int64_t (*monotonic_ns)(void *context); /* the clock that the kernel stamps pictures with */
+    int64_t (*monotonic_ns)(void *context); /* the clock by which the kernel stamps pictures */
 };
 
 extern const struct iso_v4l2_system iso_v4l2_kernel;
