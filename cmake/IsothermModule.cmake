@@ -1,5 +1,5 @@
-# isotherm_module(NAME SOURCES sources... LIBS targets...): builds a shared object isotherm-NAME.so that programs load when their
-# configuration asks for it (drivers/base/module.h). The file is next to libisotherm-core.so, both in the build and where it is
+# isotherm_module(NAME SOURCES sources... LIBS targets...): builds a shared object isotherm-NAME.so that programs load if their
+# configuration needs it (drivers/base/module.h). The file is next to libisotherm-core.so, both in the build and where it is
 # installed. It exports one symbol.
 function(isotherm_module name)
   cmake_parse_arguments(M "" "" "SOURCES;LIBS" ${ARGN})

@@ -6,8 +6,8 @@ cc=$1
 directory=$2
 shift 2
 
-# What the preprocessor leaves of the headers themselves is cut into declarations. Bodies in braces are dropped, and with them the
-# inline functions. $cc may be a compiler with options.
+# The preprocessed text of the headers themselves is cut into declarations. Bodies in braces are dropped, and with them the inline
+# functions. $cc may be a compiler with options.
 # shellcheck disable=SC2086
 printf '#include "%s"\n' "$@" | $cc -E -I "$directory" -x c - | awk -v directory="$directory/" '
 /^# [0-9]/ {
