@@ -29,7 +29,8 @@ int iso_ini_read(const char *name, const char *text, const struct iso_ini_key *k
                  void *out, uint64_t *seen, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Values: a whole number of 0 or more into an int, a number into a double. */
+/* For `parse`: a whole number of 0 or more into an int, and a number into a double. -EINVAL for
+ * other values. */
 int iso_ini_parse_int(const char *value, void *field);
 int iso_ini_parse_number(const char *value, void *field);
 

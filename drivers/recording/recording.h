@@ -58,6 +58,8 @@ int iso_recording_open(const char *directory, struct iso_recording **out, struct
 /* Closes it and frees it. NULL is accepted. */
 void iso_recording_close(struct iso_recording *recording);
 
+/* The contents of recording.ini, which belong to the recording; the number of frames; and whether
+ * the frames have an intensity. */
 const struct iso_recording_meta *iso_recording_meta(const struct iso_recording *recording);
 size_t iso_recording_frames(const struct iso_recording *recording); /* >= 1 */
 bool iso_recording_has_intensity(const struct iso_recording *recording);

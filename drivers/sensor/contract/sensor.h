@@ -200,6 +200,7 @@ struct iso_sensor_health {
     struct iso_sensor_device_health device; /* zero if the back end reports none */
 };
 
+/* The counts and the state so far, and what the device reports now. Does not block. */
 struct iso_sensor_health iso_sensor_health(const struct iso_sensor *sensor);
 
 /* The back end's name. */
