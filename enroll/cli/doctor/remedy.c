@@ -80,7 +80,7 @@ static const char *const remedies[ISO_FAULT_CODES] = {
     [ISO_FAULT_NOT_REALTIME] = "start the daemon by its unit, whose LimitRTPRIO=, RestrictRealtime= and SystemCallFilter= permit it; see REAL TIME in isothermd(8)",
     [ISO_FAULT_TIME_SHORT] = "choose a faster mode of the camera, reduce the load of the machine, or raise [sensor] stale_ms in isotherm.conf(5)",
     [ISO_FAULT_BUS_MISSING] = "start the bus (systemctl start dbus), or name another with --bus",
-    [ISO_FAULT_BUS_REFUSED] = "end the other isothermd, or reinstall the policy of the bus: /usr/share/dbus-1/system.d/org.isotherm.conf",
+    [ISO_FAULT_BUS_REFUSED] = "end the other isothermd, or reinstall the policy of the bus: /usr/share/dbus-1/system.d/org.isotherm.Isotherm.conf",
 
     [ISO_FAULT_NOT_CONFIGURED] = "configure the daemon: isotherm setup",
     [ISO_FAULT_NO_DAEMON] = "start the daemon: systemctl start isothermd; if it ends again: journalctl --unit=isothermd",
