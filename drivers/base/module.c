@@ -90,7 +90,7 @@ static int check_table(const struct iso_module *table, const char *path, const c
     }
     if (strcmp(table->version, ISOTHERM_VERSION) != 0) {
         return iso_fault_set_code(fault, ISO_FAULT_MODULE_UNFIT, -EBADMSG,
-                                  "the module %s has version %s, not %s as this program", path,
+                                  "the module %s has version %s; this program has %s", path,
                                   table->version, ISOTHERM_VERSION);
     }
     return table->size_bytes == size_bytes

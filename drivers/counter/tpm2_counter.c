@@ -169,8 +169,8 @@ static int check_index(struct tpm2_counter *counter, struct iso_fault *fault)
                ? 0
                : iso_fault_set_code(
                      fault, ISO_FAULT_COUNTER_UNFIT, -EBADMSG,
-                     "the TPM at %s: index 0x%08x is in use, and not for a counter that "
-                     "serves here (attributes 0x%08x)",
+                     "the TPM at %s: index 0x%08x is in use, but not as a usable counter "
+                     "(attributes 0x%08x)",
                      counter->tcti_name, (unsigned)counter->index, (unsigned)found);
 }
 

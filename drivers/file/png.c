@@ -166,7 +166,8 @@ static int shape_of(const struct codec *codec, const char *name,
                              name, bits, colour_type);
     }
     if (expected && expected->pixels && !(expected->pixels & (unsigned)format->pixel)) {
-        return iso_fault_set(fault, -EINVAL, "%s: %s is not what belongs here", name, format->name);
+        return iso_fault_set(fault, -EINVAL, "%s: %s is not the expected kind of picture", name,
+                             format->name);
     }
     if (expected && ((expected->width_px && expected->width_px != width) ||
                      (expected->height_px && expected->height_px != height))) {

@@ -249,7 +249,7 @@ static int pair_probe(iso_sensor_visitor *visit, void *context, struct iso_fault
         return error;
     }
     return iso_libcamera_list(visit_camera, &told)
-               ? iso_fault_set(fault, -EIO, "%s: libcamera cannot be asked", owner)
+               ? iso_fault_set(fault, -EIO, "%s: the cameras cannot be listed", owner)
                : 0;
 }
 

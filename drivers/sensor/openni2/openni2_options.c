@@ -57,7 +57,7 @@ const struct iso_option_spec iso__openni2_options[] = {
     {.name = "mode",
      .standard = "",
      .check = check_mode,
-     .help = "WIDTHxHEIGHT@HZ; as the camera has it if empty"},
+     .help = "WIDTHxHEIGHT@HZ; the present mode of the camera if empty"},
     {.name = "unit",
      .kind = ISO_OPTION_CHOICE,
      .choices = "finest|100um|1mm",
@@ -147,7 +147,7 @@ static int check_together(const struct iso__openni2_settings *settings, struct i
     }
     if (!settings->path && (!settings->realtime || settings->wish.loop)) {
         return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
-                                  "%s: options 'pace' and 'loop' are of a file ('path')", owner);
+                                  "%s: options 'pace' and 'loop' need a file ('path')", owner);
     }
     return 0;
 }

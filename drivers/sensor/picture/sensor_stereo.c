@@ -9,7 +9,7 @@
 #include "drivers/stereo/stereo_module.h"
 
 const struct iso_option_spec iso_sensor_stereo_options[] = {
-    {.name = "left", .required = true, .help = "the left camera, as one looks along with them"},
+    {.name = "left", .required = true, .help = "the left camera, as seen from behind the cameras"},
     {.name = "right", .required = true, .help = "the right camera"},
     {.name = "calibration",
      .kind = ISO_OPTION_PATH,
@@ -21,19 +21,19 @@ const struct iso_option_spec iso_sensor_stereo_options[] = {
      .min = 100,
      .max = 10000,
      .standard = "300",
-     .help = "nothing nearer is looked for"},
+     .help = "the nearest distance that is measured"},
     {.name = "far_mm",
      .kind = ISO_OPTION_NUMBER,
      .min = 100,
      .max = 10000,
      .standard = "1200",
-     .help = "nothing farther is looked for"},
+     .help = "the farthest distance that is measured"},
     {.name = "confidence",
      .kind = ISO_OPTION_NUMBER,
      .min = 0,
      .max = 1,
      .standard = "0.75",
-     .help = "correlation of the two pictures that a depth needs"},
+     .help = "least correlation of the two pictures for a depth to count"},
     {.name = NULL},
 };
 

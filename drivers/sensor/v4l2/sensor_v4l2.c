@@ -33,7 +33,7 @@ static const struct iso_option_spec option_specs[] = {
      .help = "a file like recording.ini that describes the depth camera"},
     {.name = "ir_device",
      .standard = "",
-     .help = "the node with the infrared picture beside the depths; none if empty"},
+     .help = "the node that gives the infrared picture; no infrared if empty"},
     ISO_PICTURE_SENSOR_OPTIONS,
     {.name = NULL},
 };

@@ -90,7 +90,7 @@ static int identify_node(struct iso_v4l2_node *node, struct iso_fault *fault)
                                   "%s: %s: is not a video device", node->owner, node->path);
     }
     if (error) {
-        return complain_of_node(node, error, "has capabilities that cannot be read", fault);
+        return complain_of_node(node, error, "its capabilities cannot be read", fault);
     }
     const uint32_t can = capability.capabilities & V4L2_CAP_DEVICE_CAPS ? capability.device_caps
                                                                         : capability.capabilities;

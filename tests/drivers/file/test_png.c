@@ -161,7 +161,7 @@ static void refuses_what_was_not_expected(void **state)
     assert_int_equal(iso_png_read(path, &size, &image, &fault), -EINVAL);
     assert_non_null(strstr(fault.text, "a.png: 11x6 pixels instead of 6x11"));
     assert_int_equal(iso_png_read(path, &kind, &image, &fault), -EINVAL);
-    assert_non_null(strstr(fault.text, "a.png: 8-bit grey is not what belongs here"));
+    assert_non_null(strstr(fault.text, "a.png: 8-bit grey is not the expected kind of picture"));
     assert_null(image.samples);
     assert_int_equal(iso_png_read(path, &right, &image, &fault), 0);
     iso_image_done(&image);

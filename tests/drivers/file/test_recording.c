@@ -167,11 +167,11 @@ static void loses_one_frame_only(void **state)
 {
     const char *path = in_recording(state, "depth/000001.png");
     stored_plane_write(path, STORED_WIDTH, STORED_HEIGHT, 8, 1, 99);
-    assert_frame_lost(state, -EBADMSG, "8-bit grey is not what belongs here");
+    assert_frame_lost(state, -EBADMSG, "8-bit grey is not the expected kind of picture");
     stored_plane_write(path, STORED_HEIGHT, STORED_WIDTH, 16, 1, 99);
     assert_frame_lost(state, -EBADMSG, "5x7 pixels instead of 7x5");
     stored_plane_write(path, STORED_WIDTH, STORED_HEIGHT, 16, 3, 99);
-    assert_frame_lost(state, -EBADMSG, "16-bit RGB is not what belongs here");
+    assert_frame_lost(state, -EBADMSG, "16-bit RGB is not the expected kind of picture");
     assert_int_equal(unlink(path), 0);
     assert_frame_lost(state, -ENOENT, "No such file or directory");
 }
@@ -253,7 +253,7 @@ static void reports_a_lost_infrared_frame(void **state)
                                                       "10.25 ir/0.png\n");
     stored_plane_write(in_recording(state, "ir/0.png"), STORED_WIDTH, STORED_HEIGHT, 8, 1, 51);
     stored_plane_write(in_recording(state, "ir/000001.png"), STORED_WIDTH, STORED_HEIGHT, 8, 3, 1);
-    assert_frame_lost(state, -EBADMSG, "8-bit RGB is not what belongs here");
+    assert_frame_lost(state, -EBADMSG, "8-bit RGB is not the expected kind of picture");
 }
 
 static void takes_colour_where_there_is_no_infrared(void **state)

@@ -92,7 +92,7 @@ static void what_is_another_module_is_refused(void **state)
 {
     char version[64];
     (void)state;
-    (void)snprintf(version, sizeof version, "has version 0.0.9, not %s as this program",
+    (void)snprintf(version, sizeof version, "has version 0.0.9; this program has %s",
                    ISOTHERM_VERSION);
     expect_refusal(built("old"), -EBADMSG, version);
     expect_refusal(built("interface"), -EBADMSG, "has interface 99, not 1");

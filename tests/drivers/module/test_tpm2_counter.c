@@ -193,7 +193,7 @@ static void another_use_of_the_index_is_refused(void **state)
         make_index(others[i]);
         struct iso_counter counter = open_counter();
         expect_fault(counter.ops->read, &counter, -EBADMSG, ISO_FAULT_COUNTER_UNFIT,
-                     "not for a counter that serves here");
+                     "not as a usable counter");
         expect_fault(counter.ops->define, &counter, -EBADMSG, ISO_FAULT_COUNTER_UNFIT,
                      "index 0x01804953 is in use");
         expect_fault(counter.ops->increment, &counter, -EBADMSG, ISO_FAULT_COUNTER_UNFIT,

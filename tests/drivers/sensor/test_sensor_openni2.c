@@ -75,7 +75,7 @@ static void refuses_bad_options(void **state)
     assert_refused("intrinsics", "570 571 3", -EINVAL,
                    "intrinsics: '570 571 3' is not FX FY CX CY");
     assert_refused("intrinsics", "570 571 3 -900", -EINVAL, "option 'intrinsics': ");
-    assert_refused("pace", "asap", -EINVAL, "are of a file");
+    assert_refused("pace", "asap", -EINVAL, "need a file");
 }
 
 static void refuses_what_the_camera_cannot(void **state)
