@@ -17,14 +17,14 @@ enum { SIM_FIELDS_MAX = 128 };
  * the installed BLAS. */
 void sim_symmetric_eigen(double *a, uint32_t n, double *value, double *vector);
 
-/* Removes the six rigid motions from every field, as far as the weighted vertices determine
- * them. -EDOM for fewer than three weighted vertices, or if all are on one line. */
+/* Fits the six rigid motions to the weighted vertices of every field, and subtracts them from all
+ * vertices. -EDOM for fewer than three weighted vertices, or if all are on one line. */
 int sim_remove_rigid(const struct iso_vec3 *mean_mm, uint32_t n_vertices, const double *weight,
                      uint32_t n_fields, float *fields_mm) __attribute__((warn_unused_result));
 
-/* The n_keep components of largest weighted variance of sum_i c_i field_i, where the coefficients c
- * have the second moments `moment` ([n_fields][n_fields]; NULL: identity). Gram-matrix method
- * (Turk and Pentland 1991): component k comes out in mm per standard deviation. Writes
+/* Finds the n_keep components of largest weighted variance of sum_i c_i field_i, where the
+ * coefficients c have the second moments `moment` ([n_fields][n_fields]; NULL: identity), by the
+ * Gram-matrix method (Turk and Pentland 1991). Component k is in mm per standard deviation. Writes
  * components_mm[n_keep][n_vertices][3] and the weighted variance of every possible component,
  * variance[n_fields], falling, mm^2 summed over the weights. -EINVAL for more than SIM_FIELDS_MAX
  * fields or n_keep > n_fields; -ENOMEM. */

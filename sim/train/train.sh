@@ -1,9 +1,10 @@
 #!/bin/sh
 # Makes the committed data files of the product: head.model, face.metric and cohort.templates. The last two must be made again after
-# every change of the extractor or the head model. The metric learns from people, seeds and sensors that no test uses: 1,890 people with
-# two sensors, one of them near and far, five frames each; one person in five calibrates the scores. SCRATCH keeps the rendered corpora
+# every change of the extractor or the head model. The metric learns from people and seeds that no evaluation uses: 1,890 people with two
+# sensors, one of them near and far, five frames each; one person in five calibrates the scores. SCRATCH keeps the rendered corpora
 # (1 GB), which do not depend on the extractor; they are rendered only if they are missing.
-# The committed face.metric was learned before a correction of the gate of size, from 7,409 of the 9,450 frames; today it would be 7,427.
+# The committed face.metric was learned from 7,409 of the 9,450 frames. The gate of size was corrected later: a new training would use
+# 7,427 frames.
 # usage: train.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY SCRATCH
 set -eu
 sim=$1 ict=$2 data=$3 scratch=$4

@@ -149,9 +149,9 @@ static uint32_t shared_triangles(const struct state *s, uint32_t v, uint32_t u)
     return n;
 }
 
-/* The surface stays a manifold: v is an inner vertex or moves along the boundary, and the two
- * vertices have no common neighbours except those across their edge (the link condition, Dey et
- * al. 1999). */
+/* Whether the surface stays a manifold: v is an inner vertex or moves along the boundary, and the
+ * two vertices have no common neighbours except those across their edge (the link condition, Dey
+ * et al. 1999). The merged vertex must not have more than FAN_MAX triangles. */
 static bool topology_allows(const struct state *s, uint32_t v, uint32_t u,
                             const struct neighbours *around_v)
 {
@@ -168,7 +168,7 @@ static bool topology_allows(const struct state *s, uint32_t v, uint32_t u,
     return n_common == n_shared && s->fan[v].n + s->fan[u].n - 2 * n_shared <= FAN_MAX;
 }
 
-/* No remaining triangle of v flips, becomes a sliver, or becomes a worse sliver. */
+/* Whether no remaining triangle of v flips, becomes a sliver, or becomes a worse sliver. */
 static bool shape_allows(const struct state *s, uint32_t v, uint32_t u)
 {
     for (uint32_t i = 0; i < s->fan[v].n; i++) {

@@ -15,8 +15,9 @@ struct sim_decimate_options {
 };
 
 /* Merges vertices until n_target of them have triangles, or until no merge is allowed. A merge
- * is not allowed if it would flip a triangle, make a sliver, change the topology, or move the
- * boundary (a boundary vertex only moves along it). `triangles` is changed in place and
+ * is not allowed if it would flip a triangle, make a sliver, change the topology, move the
+ * boundary (a boundary vertex only moves along it), or give a vertex more than 24 triangles.
+ * `triangles` is changed in place and
  * *n_triangles is reduced. Vertices keep their places; some have no triangles afterwards.
  * Deterministic: among equal costs the lowest vertex goes first. -EINVAL for a triangle out of
  * range or a vertex with more than 24 triangles; -ENOMEM. */

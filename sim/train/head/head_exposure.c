@@ -6,19 +6,19 @@
 
 #include "core/surface/raster.h"
 
-/* The image plane of the head: 260 mm on each side. */
+/* The image of the head, 260 mm wide and high, and the distance of the head from its plane. */
 enum { SIDE_PX = 521 };
 static const double pitch_mm = 0.5, origin_mm = 500.0;
 
-static const double hidden_mm = 1.0;
-static const double facing_cosine = 0.35;
+static const double hidden_mm = 1.0;      /* a surface nearer by more than this hides a vertex */
+static const double facing_cosine = 0.35; /* a vertex at a flatter angle does not face the camera */
 
 struct exposure {
     const struct sim_head_surface *surface;
     struct iso_raster raster;
-    struct iso_vec3 *seen_mm; /* the vertices seen from the current direction */
+    struct iso_vec3 *seen_mm; /* [n_vertices], camera frame of the current direction */
     struct iso_vec3 *normal;  /* [n_vertices], face frame */
-    int *faced, *shown;       /* directions */
+    int *faced, *shown;       /* [n_vertices] numbers of directions */
 };
 
 static void free_exposure(struct exposure *e)
@@ -63,7 +63,8 @@ static int prepare(const struct sim_head_surface *s, struct exposure *e)
     return 0;
 }
 
-/* Renders the head, turned by yaw and pitch, along the optical axis. */
+/* Renders the head, turned by yaw and pitch. Counts the direction for each vertex that faces the
+ * camera, and for each of these that is visible. */
 static void look(struct exposure *e, double yaw_rad, double pitch_rad)
 {
     const struct sim_head_surface *s = e->surface;

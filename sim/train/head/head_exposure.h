@@ -7,14 +7,15 @@
 
 #include "sim/train/head/head_surface.h"
 
-/* For each vertex of the mean face: of the directions around the front (yaw to 50 degrees, pitch
- * to 40) that the vertex faces, the share, 0..1, from which it is visible. Visible means that no
- * surface lies more than 1 mm before it. 0 for vertices that face none of the directions.
- * -ENOMEM. */
+/* Looks at the mean face from directions around the front (yaw to 50 degrees, pitch to 40).
+ * exposure[v] is the share, 0..1, of the directions that vertex v faces from which it is visible.
+ * Visible means that no surface lies more than 1 mm before it. The share is 0 for vertices that
+ * face none of the directions. -ENOMEM. */
 int sim_head_exposure(const struct sim_head_surface *surface, double *exposure)
     __attribute__((warn_unused_result));
 
-/* A vertex with a smaller share is inside a nostril or between the lips. */
+/* Whether a vertex of this exposure is on the outside. With a smaller share it is inside a nostril
+ * or between the lips. */
 static inline bool sim_head_is_exposed(double exposure)
 {
     return exposure >= 0.8;

@@ -62,8 +62,8 @@ static uint64_t edge_key(uint32_t from, uint32_t to)
     return (uint64_t)from << 32 | to;
 }
 
-/* next[v]: the vertex after v along the boundary, with the surface on the left; NONE for inner
- * vertices. */
+/* Sets next[v]: the vertex after v along the boundary, with the surface on the left; NONE for
+ * inner vertices. */
 static int find_boundary(const struct sim_head_surface *surface, uint32_t *next)
 {
     const size_t n = 3 * (size_t)surface->n_triangles;
@@ -140,7 +140,8 @@ static int add_strip(struct sim_surface_builder *builder, const struct chain *up
     return error;
 }
 
-/* Frontmost point of the eyeballs at (x, y) of the face frame; false where there is none. */
+/* Finds the depth *z of the eyeballs' frontmost point at (x, y) of the face frame. Returns false
+ * where there is none. */
 static bool eyeball_z(const struct sim_ict *ict, double x, double y, double *z)
 {
     const float *nose = ict->mean_mm + 3 * (size_t)ict->landmarks[30];
@@ -163,7 +164,7 @@ static bool eyeball_z(const struct sim_ict *ict, double x, double y, double *z)
         const double w2 = ((p[1].x - p[0].x) * (y - p[0].y) - (p[1].y - p[0].y) * (x - p[0].x)) /
                           twice_area;
         if (!(w1 >= 0.0 && w2 >= 0.0 &&
-              w1 + w2 <= 1.0)) { /* or the triangle is seen from its edge */
+              w1 + w2 <= 1.0)) { /* not finite for a triangle seen from its edge */
             continue;
         }
         const double here = p[0].z + w1 * (p[1].z - p[0].z) + w2 * (p[2].z - p[0].z);
@@ -186,8 +187,8 @@ static uint32_t nearest_in_x(const struct sim_head_surface *surface, const struc
     return best;
 }
 
-/* A row of vertices between the lids from corner to corner. It contains only the corners if the
- * lids are close together or if no eyeball is behind them (the mouth). */
+/* Makes a row of vertices between the lids from corner to corner. It leaves out vertices where the
+ * lids are close together or where no eyeball is behind them (the mouth). */
 static int add_middle_row(struct sim_surface_builder *builder, const struct sim_ict *ict,
                           const struct chain *upper, const struct chain *lower, struct chain *row)
 {
@@ -217,8 +218,9 @@ static int add_middle_row(struct sim_surface_builder *builder, const struct sim_
     return 0;
 }
 
-/* Splits a rim at its ends in x. The surface is on the left and the hole on the right, so that
- * the path from the end at -x over the top comes first. Both halves run towards +x. */
+/* Splits a rim at its smallest and its largest x. The surface is on the left and the hole on the
+ * right, so that the path from the smallest x over the top comes first. Both halves run towards
+ * +x. */
 static void split_rim(const struct sim_head_surface *surface, const struct chain *rim,
                       struct chain *upper, struct chain *lower)
 {

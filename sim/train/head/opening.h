@@ -12,7 +12,7 @@ struct sim_surface_builder {
     uint32_t vertex_capacity, triangle_capacity;
 };
 
-/* Appends; -ENOSPC if the arrays are full. */
+/* Append a vertex (and compute its mean_mm) or a triangle. -ENOSPC if the arrays are full. */
 int sim_surface_add_vertex(struct sim_surface_builder *builder, const struct sim_ict *ict,
                            struct sim_head_vertex vertex) __attribute__((warn_unused_result));
 int sim_surface_add_triangle(struct sim_surface_builder *builder, uint32_t a, uint32_t b,
@@ -20,9 +20,9 @@ int sim_surface_add_triangle(struct sim_surface_builder *builder, uint32_t a, ui
 
 /* Closes every hole of the surface except the one with the longest rim, which is its outer edge.
  * A strip of triangles joins the upper and the lower half of a rim. If an eyeball lies behind
- * the hole, the strip passes through a row of vertices on the eyeball, halfway between the lids,
- * which they follow, at the eyeball's depth in the mean face. -ENOSPC, -ENOMEM; -EINVAL for a
- * rim that is not a simple loop. */
+ * the hole, the strip passes through a row of additional vertices. Each is halfway between the
+ * lids, moves with them, and has the eyeball's depth in the mean face. -ENOSPC, -ENOMEM; -EINVAL
+ * for a rim that is not a simple loop, or for more than 16 rims. */
 int sim_close_openings(struct sim_surface_builder *builder, const struct sim_ict *ict)
     __attribute__((warn_unused_result));
 

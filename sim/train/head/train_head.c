@@ -16,13 +16,13 @@
 
 enum { EXPRESSIONS_DRAWN = 2000 };
 
-/* The working data; each array is over the vertices of the coarse surface. */
+/* The working data. Arrays are over the vertices of the coarse surface unless stated otherwise. */
 struct training {
     const struct sim_ict *ict;
     const struct sim_train_head_options *options;
     struct sim_train_head_report report;
     struct sim_head_surface *fine, *coarse;
-    float *identity_mm, *expression_mm; /* fields [n_identity or n_expression][n_vertices][3] */
+    float *identity_mm, *expression_mm; /* all fields of `ict`, [n][n_vertices][3] */
     double *moment;                     /* [ict->n_expression]^2, of the expression weights */
     double *exposure, *expression_rms_mm, *face_area_mm2, *rigid_area_mm2;
     uint8_t *region;
@@ -36,7 +36,7 @@ struct sim_train_head_options sim_train_head_options_default(void)
         .seed = 1, .n_vertices = 1180, .n_identity = 60, .n_expression = 12};
 }
 
-/* `exposure` is for the fine surface; `coarse` is still equal to it here. */
+/* `exposure` is for the fine surface, which `coarse` still equals at the start. */
 static int decimate_mesh(struct training *t, const double *exposure)
 {
     struct sim_head_surface *s = t->coarse;
@@ -110,7 +110,7 @@ static int allocate_arrays(struct training *t)
                : -ENOMEM;
 }
 
-/* The head model's fields at the kept vertices. */
+/* Evaluates fields of the statistical head model at the vertices of the coarse surface. */
 static void carry_fields(const struct training *t, const float *from_mm, uint32_t n_fields,
                          float *to_mm)
 {
@@ -121,9 +121,9 @@ static void carry_fields(const struct training *t, const float *from_mm, uint32_
     }
 }
 
-/* Second moments of the expression weights of people at a door, who are often at rest or nearly
- * so and sometimes have any other expression. The moments are about zero, not about the mean,
- * because zero weights are the neutral face. */
+/* Computes the second moments of the expression weights of people at a door: one fifth at rest,
+ * two fifths with a mild and two fifths with a strong expression. The moments are about zero, not
+ * about the mean, because zero weights are the neutral face. */
 static void draw_expressions(struct training *t)
 {
     static const enum sim_expression mix[] = {SIM_NEUTRAL, SIM_MILD, SIM_MILD, SIM_STRONG,
@@ -155,7 +155,7 @@ static struct iso_vec3 vertex_normal(const struct sim_head_surface *s, uint32_t 
     return iso_unit(sum);
 }
 
-/* Movement of each vertex along its normal, rms over the drawn expressions. */
+/* Measures the movement of each vertex along its normal, rms over the drawn expressions. */
 static void measure_expressions(struct training *t)
 {
     const uint32_t n = t->ict->n_expression, n_vertices = t->coarse->n_vertices;
@@ -243,7 +243,7 @@ static int measure_modes(struct training *t)
     return error;
 }
 
-/* The landmark is a vertex: a corner of any triangle that has it. */
+/* The point at a vertex: a corner of the first triangle that has this vertex. */
 static struct iso_head_point point_at_vertex(const struct sim_head_surface *surface, uint32_t v)
 {
     for (uint32_t t = 0; t < surface->n_triangles; t++) {

@@ -15,7 +15,8 @@ struct sim_train_head_options {
 /* Seed 1, 1180 vertices, 60 + 12 modes: a file of 540 KB. */
 struct sim_train_head_options sim_train_head_options_default(void);
 
-/* The result. Variances and errors are over the region ISO_HEAD_FACE, weighted by area. */
+/* The result. Shares of variance and rms values are over the region ISO_HEAD_FACE, weighted by
+ * area. The errors of decimation are those of sim_surface_distances, without weights. */
 struct sim_train_head_report {
     uint32_t n_fine_vertices; /* before decimation */
     uint32_t n_face, n_rigid; /* vertices of the regions */
@@ -30,8 +31,9 @@ struct sim_train_head_report {
 
 /* Keeps the front of the head (head_surface.h), decimates it but keeps all 68 landmarks, and
  * takes principal components of identity and of seeded random expressions, both without rigid
- * motion of the region ISO_HEAD_RIGID. The same arguments give the same model. -EINVAL with
- * *fault for an unsuitable head model or unsuitable options; -ENOMEM. */
+ * motion of the region ISO_HEAD_RIGID. The same arguments give the same model. -EINVAL for an
+ * unsuitable head model or unsuitable options; -EDOM as sim_remove_rigid; -ENOMEM; each with a
+ * fault. */
 int sim_train_head(const struct sim_ict *ict, const struct sim_train_head_options *options,
                    struct iso_head_model **out, struct sim_train_head_report *report,
                    struct iso_fault *fault) __attribute__((warn_unused_result));

@@ -1,4 +1,5 @@
-/* Measures how well a trained head model describes the faces that it was trained from. */
+/* Measures how well a trained head model describes faces: the distances that decimation causes,
+ * and the residual for people outside the training set. */
 #ifndef SIM_TRAIN_HEAD_TRAIN_MEASURE_H
 #define SIM_TRAIN_HEAD_TRAIN_MEASURE_H
 
@@ -14,10 +15,10 @@ int sim_surface_distances(const struct sim_head_surface *fine, const double *exp
                           const struct sim_head_surface *coarse, struct sim_distances *out)
     __attribute__((warn_unused_result));
 
-/* Root mean square over the weighted vertices and over 200 people of the population "test": the
- * deviation from the mean, and the residual after projection to the components. `fields_mm` are
- * the identity fields, [SIM_IDENTITY_MODES][n_vertices][3]; `variance` comes from sim_principal.
- * -ENOMEM. */
+/* Root mean squares over the weighted vertices and over 200 people of the population "test":
+ * before_mm is the deviation from the mean face, after_mm the residual after projection to the
+ * components. `fields_mm` are the identity fields, [SIM_IDENTITY_MODES][n_vertices][3];
+ * components and `variance` come from sim_principal. -ENOMEM. */
 struct sim_rms {
     double before_mm, after_mm;
 };

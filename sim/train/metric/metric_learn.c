@@ -23,7 +23,7 @@ static void centre_rows(const struct sim_metric_samples *s, size_t width, float 
     }
 }
 
-/* basis becomes (rows' rows) basis: both products one row at a time. basis, next: [width][k]. */
+/* next = (rows' rows) basis, both [width][k]. Both products are computed one row at a time. */
 static void apply_covariance(const float *rows, size_t n, size_t width, size_t k,
                              const float *basis, float *next)
 {
@@ -95,7 +95,8 @@ static void add_square(double *a, size_t k, const double *x, double scale)
     }
 }
 
-/* Rotates the basis to the k_kept directions of largest variance among its k. */
+/* Rotates the basis [width][k] to the k_kept directions of largest variance, [width][k_kept]. `y`
+ * holds the n rows in the old basis. *variance is the sum over the directions kept. */
 static int rotate_to_principal(const double *y, size_t n, size_t width, size_t k, size_t k_kept,
                                float *basis, double *variance)
 {
@@ -132,7 +133,7 @@ static int rotate_to_principal(const double *y, size_t n, size_t width, size_t k
     return 0;
 }
 
-/* Finds the principal directions basis[width][k_kept], which has room for SPARE more. */
+/* Finds the principal directions basis[width][k_kept]; `basis` has room for SPARE more. */
 static int find_principal(const float *rows, size_t n, size_t width, size_t k_kept, float *basis,
                           double *explained)
 {
@@ -229,7 +230,8 @@ static void congruence_of(const double *m, const double *a, size_t k, double *ha
     }
 }
 
-/* Columns of `basis` [k][k] that make `within` the identity and `between` diagonal: `value`. */
+/* Finds the columns of `basis` [k][k] that make `within` the identity and `between` diagonal, with
+ * `value` on its diagonal. Destroys `within`. */
 static int diagonalise_scatter(double *within, const double *between, size_t k, double *basis,
                                double *value)
 {

@@ -12,12 +12,12 @@
 
 enum {
     OTHERS_FITTED = 60000
-}; /* greatest number of comparisons of strangers with fitted upper faces */
+}; /* greatest number of comparisons of strangers for which a misfit is computed */
 
 /* A comparison of two templates of people held out. */
 struct pair {
     const struct iso_template *enrolled, *probe;
-    double score; /* the metric's */
+    double score; /* by the metric: the log likelihood ratio, later calibrated */
     double fit;   /* -ln(rms / 1 mm) of the upper faces' misfit; NaN: unknown */
 };
 
@@ -26,8 +26,8 @@ struct pairs {
     struct pair *list;
 };
 
-/* Comparisons of the people held out: each person's first template with the later templates of all.
- */
+/* Comparisons of the people held out: the first template of each person with the later templates
+ * of all people. */
 struct held_out {
     struct pairs mated, other;
 };
@@ -155,7 +155,7 @@ static int fit_upper_faces(void *context, int worker, size_t number)
     return 0;
 }
 
-/* Fits the pairs of the same person and the pairs of different people. */
+/* Computes the misfits of the pairs of the same person and of the pairs of different people. */
 static int fit_pairs(int threads, const struct pairs *mated, const struct pairs *other)
 {
     struct iso_rerank_workspace *work = calloc((size_t)threads, sizeof *work);
@@ -205,8 +205,9 @@ static int learn_rerank(int threads, struct held_out *held, struct iso_metric *m
 }
 
 /* The people held out are drawn from the whole population and are similar only by chance, but
- * relatives may come to one door. All scores are lowered by this value, log10 of one in ten.
- * Then they promise the same rate for the most similar tenth of strangers as for all strangers. */
+ * relatives may come to one door. All scores are lowered by this value, log10 of ten. A score
+ * then promises its rate for the most similar tenth of all strangers. Without this step it would
+ * promise that rate only for the mean over all strangers. */
 static const float caution = 1.0f;
 
 static void be_cautious(struct iso_metric *metric)
@@ -216,7 +217,8 @@ static void be_cautious(struct iso_metric *metric)
                                       1.0f); /* the metric's score in the sum is lowered, too */
 }
 
-/* The share of comparisons with at least this score, fused or not. */
+/* The share of comparisons that reach the threshold. With `weights` (or NULL) the score of a pair
+ * with a known misfit is the fused one; otherwise it is the metric's. */
 static double share_at_least(const struct pairs *pairs, const struct iso_rerank_weights *weights,
                              double threshold)
 {
@@ -235,7 +237,7 @@ static void report_rates(const struct held_out *held, const struct iso_rerank_we
     out->n_mated = held->mated.n;
     out->n_others = held->other.n;
     for (int i = 0; i < 3; i++) {
-        const double score = 2.0 + i + (double)caution; /* becomes 2 + i */
+        const double score = 2.0 + i + (double)caution; /* be_cautious() lowers it to 2 + i */
         out->fmr_at[i] = share_at_least(&held->other, weights, score);
         out->false_non_match_at[i] = 1.0 - share_at_least(&held->mated, weights, score);
     }

@@ -6,12 +6,13 @@
 #include "sim/train/metric/metric_templates.h"
 #include "sim/train/metric/train_metric.h"
 
-/* Chooses every second node of the upper face, like the squares of one colour on a chessboard,
- * if nearly all templates have it. The nodes in between add little, because the surface is
- * smoothed. */
+/* Takes every second node of the upper face, like the squares of one colour on a chessboard, and
+ * chooses those that nearly all templates have. The nodes in between add little, because the
+ * surface is smoothed. */
 void sim_metric_choose_nodes(const struct sim_metric_templates *t, struct iso_metric *shape);
 
-/* Computes the mean curves and the mean heights of the upper face. -ENOMEM. */
+/* Computes the mean curves and the mean heights of the upper face from the templates of all
+ * people, including those held out. -ENOMEM. */
 int sim_metric_learn_means(const struct sim_metric_templates *t, struct iso_metric *metric)
     __attribute__((warn_unused_result));
 

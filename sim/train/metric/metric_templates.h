@@ -20,9 +20,10 @@ struct sim_metric_templates {
     size_t first; /* first frame of the corpus that is being read */
 };
 
-/* Adds the frames of a corpus, and adds its origin and algorithm to those of the metric. -EINVAL
- * for a corpus whose people have no origin, several origins, or an origin that the metric
- * already has; -ENOMEM; errors of reading the corpus and of sim_capture_all; each with a fault. */
+/* Adds the frames of a corpus. Adds the corpus's origin to those of `shape`, and sets the
+ * algorithm of `shape`. -EINVAL for a corpus whose people have no origin, several origins, or an
+ * origin that `shape` already has; -ENOMEM; errors of reading the corpus and of sim_capture_all;
+ * each with a fault. */
 int sim_metric_templates_read(struct sim_metric_templates *t, const char *directory,
                               const struct sim_capture_options *options, struct iso_metric *shape,
                               struct iso_fault *fault) __attribute__((warn_unused_result));
@@ -33,7 +34,8 @@ void sim_metric_templates_leave_usable(struct sim_metric_templates *t);
 /* Releases what it holds. */
 void sim_metric_templates_done(struct sim_metric_templates *t);
 
-/* Whether a person is held out. One person in five is used only to calibrate the scores. */
+/* Whether a person is held out. One person in five takes no part in the learning of the axes and
+ * calibrates the scores. The nodes and the means come from all people. */
 static inline bool sim_metric_is_held_out(size_t person)
 {
     return person % 5 == 0;

@@ -7,7 +7,8 @@
 
 #include "sim/train/metric/metric_learn.h"
 
-/* `sum` and `fit` belong to the n comparisons that have both values. */
+/* Learns from the n comparisons that have both values. `sum` holds the metric's scores on entry,
+ * and is changed. */
 static int learn(double *sum, double *fit, size_t n, struct iso_rerank_weights *out)
 {
     double *sorted = calloc(n + 1, sizeof *sorted);

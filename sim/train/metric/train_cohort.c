@@ -13,7 +13,8 @@
 
 enum { DAYS = 3 /* on which a person may try */, PEOPLE_PER_TEMPLATE_MAX = 2 };
 
-/* Stance before a door: standard deviation of each angle, and distance from the axis. */
+/* Stance before a door: standard deviation of each angle, and greatest offset of the nose from the
+ * optical axis in x and in y. */
 static const double angle_sd_rad = 0.07, off_axis_mm = 40.0;
 
 /* A sensor, with the tools to take its frames and to extract templates from them. */
@@ -73,7 +74,7 @@ static struct sim_stance draw_stance(const struct sim_ict *ict, const struct sim
     return stance;
 }
 
-/* Fills the booth's frame. */
+/* Renders the person with a random stance, dress and room into the booth's frame. */
 static int take_frame(struct booth *booth, const struct sim_ict *ict,
                       const struct sim_person *person, struct sim_random *random)
 {

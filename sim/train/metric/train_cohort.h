@@ -23,12 +23,14 @@ struct sim_train_cohort_report {
     uint32_t n_people, n_frames; /* templates; all frames, including refused ones */
 };
 
-/* One template from one frame of each of n_people people of the population "train": at rest or
- * with a mild expression, near frontal, with hair, clothes and a room. If the extractor refuses
- * a frame, another frame is taken on another day, up to three times in all; then the next person
- * takes that place. The same arguments give the same templates. *out is one array of n_people
- * templates; the caller wipes it and frees it with free(). -EINVAL with *fault for options out
- * of range, -ENODATA if almost no person was accepted, or errors of rendering and extraction. */
+/* Makes one template from one frame of each of n_people people of the population "train". They
+ * are at rest or have a mild expression, and look nearly straight ahead. They have hair, clothes
+ * and a room behind them; a sensor that shows only the face gets neither clothes nor room. If the
+ * extractor refuses a frame, another frame is taken on another day, up to three frames in all;
+ * then the next person takes that place. The same arguments give the same templates. *out is one
+ * array of n_people templates; the caller wipes it and frees it with free(). -EINVAL for options
+ * out of range, -ENODATA if 2 * n_people people do not give n_people templates, or errors of
+ * rendering and extraction; each with a fault. */
 int sim_train_cohort(const struct sim_train_cohort_options *options, struct iso_template **out,
                      struct sim_train_cohort_report *report, struct iso_fault *fault)
     __attribute__((warn_unused_result));

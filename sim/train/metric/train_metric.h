@@ -1,9 +1,9 @@
 /* Trains the metric (isotherm/metric.h) on corpora of generated people.
  *
- * Every usable frame of every row goes through the extractor, as in an evaluation. A person is a
- * subject of a corpus; corpora share no people. One person in five is left out of the learning
- * and calibrates the scores afterwards: the metric's score and the fused score
- * (core/match/rerank.h). */
+ * Every frame of every row goes through the extractor, as in an evaluation. A person is a subject
+ * of a corpus; corpora share no people. One person in five is left out of the learning of the
+ * axes and calibrates the scores afterwards: the metric's score and the fused score
+ * (core/match/rerank.h). The mean face comes from all people. */
 #ifndef SIM_TRAIN_METRIC_TRAIN_METRIC_H
 #define SIM_TRAIN_METRIC_TRAIN_METRIC_H
 
@@ -22,8 +22,8 @@ struct sim_train_metric_options {
     int n_dimensions, threads;
 };
 
-/* Sets all options except the corpora, the model and the threads: the upper landmarks, 150
- * dimensions. */
+/* Sets all options except the corpora and the model: the upper landmarks, 150 dimensions, one
+ * thread. */
 struct sim_train_metric_options sim_train_metric_options_default(void);
 
 /* Error rates of a score among the people held out. */
@@ -33,14 +33,16 @@ struct sim_train_scores {
 };
 
 struct sim_train_metric_report {
-    size_t n_frames, n_templates, n_people; /* frames; usable ones; people with a template */
-    double explained;                       /* share of the variance that the dimensions hold */
-    struct sim_train_scores metric, fused;  /* `fused` uses fewer comparisons of strangers */
+    /* All frames of the corpora; the templates that the axes are learned from, and their people. */
+    size_t n_frames, n_templates, n_people;
+    double explained;                      /* share of the variance that the dimensions hold */
+    struct sim_train_scores metric, fused; /* `fused` uses fewer comparisons of strangers */
 };
 
 /* The same corpora make the same metric. -EINVAL for options out of range or a row without an
  * origin in its note ("POPULATION-SEED", its first word, as `generate` writes); -ENODATA for too
- * few people; errors of sim_corpus_read and sim_capture_all; -ENOMEM; each with a fault. */
+ * few people or comparisons; -EDOM as sim_metric_calibrate; errors of sim_corpus_read and
+ * sim_capture_all; -ENOMEM; each with a fault. */
 int sim_train_metric(const struct sim_train_metric_options *options, struct iso_metric **out,
                      struct sim_train_metric_report *report, struct iso_fault *fault)
     __attribute__((warn_unused_result));
