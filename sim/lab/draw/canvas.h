@@ -13,8 +13,8 @@ struct sim_canvas {
     struct sim_colour *sample; /* [height * width] */
 };
 
-/* A canvas for a picture of width x height pixels, with one colour at the top, another at the
- * bottom, and darker corners. -EINVAL for a side outside 1..4096, -ENOMEM. */
+/* Makes a canvas for a picture of width_px x height_px pixels, with one colour at the top, another
+ * at the bottom, and darker corners. -EINVAL for a side outside 1..4096, -ENOMEM. */
 int sim_canvas_new(int width_px, int height_px, struct sim_colour top, struct sim_colour bottom,
                    struct sim_canvas **out) __attribute__((warn_unused_result));
 

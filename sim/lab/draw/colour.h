@@ -28,7 +28,8 @@ static inline struct sim_colour sim_colour_mix(struct sim_colour a, struct sim_c
                                a.b + share * (b.b - a.b)};
 }
 
-/* Colour maps of 0..1 (clipped): depth from bright (near) to dark, heat from cold to hot. */
+/* Colour maps of 0..1 (clipped): depth from dark (0: far) to bright (1: near), heat from cold (0)
+ * to hot (1). */
 struct sim_colour sim_colour_depth(double value);
 struct sim_colour sim_colour_heat(double value);
 

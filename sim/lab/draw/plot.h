@@ -33,7 +33,8 @@ struct sim_plot {
     const struct sim_series *series;
 };
 
-/* Draws 900 x 640 pixels. -EIO if the file cannot be written, -ENOMEM. */
+/* Draws a PNG file of 900 x 640 pixels. -EIO if the file cannot be written, -ENOMEM; each with a
+ * fault. */
 int sim_plot_write(const struct sim_plot *plot, const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

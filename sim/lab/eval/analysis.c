@@ -96,16 +96,17 @@ static struct sim_interval wider_interval(struct sim_interval a, struct sim_inte
     return (struct sim_interval){fmin(a.low, b.low), fmax(a.high, b.high)};
 }
 
-/* The interval of a rate of mated comparisons from the counts alone. */
+/* The interval of a rate of mated comparisons (0..1) from the counts alone. */
 static struct sim_interval interval_of_counts(const struct sim_verification *v, double rate)
 {
     const size_t n = v->scores.n_mated;
     return sim_rate_interval((struct sim_rate){(size_t)lround(rate * (double)n), n});
 }
 
-/* The bootstrap takes account of the dependence of one person's comparisons, but it treats an
- * event that did not occur as impossible. For the counts both are the other way round. The
- * result is the wider of both intervals. */
+/* Computes the intervals of the EER and of the FNMRs in two ways. The bootstrap takes account of
+ * the dependence of one person's comparisons, but it treats an event that did not occur as
+ * impossible. The interval of the counts allows for such events, but it assumes independent
+ * comparisons. The result reaches from the lower of both ends to the higher. */
 static int verify_intervals(struct sim_verification *v, uint32_t n_subjects)
 {
     struct sim_interval eer, fnmr[SIM_FMR_TARGETS];
@@ -193,7 +194,8 @@ static void count_not_faces(const struct analysing *w)
     }
 }
 
-/* The figures of the probes whose row has `value` in a column. */
+/* Computes the figures of the probes whose row has the condition's value in a column. `scores` and
+ * `det` are scratch memory. */
 static void condition_figures(const struct analysing *w, size_t column_offset,
                               struct sim_scores *scores, struct sim_det_point *det,
                               struct sim_condition *condition)

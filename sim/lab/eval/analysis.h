@@ -78,7 +78,7 @@ struct sim_analysis {
     struct sim_latency stage[ISO_STAGES], extract_cpu, extract_wall, search_cpu, search_wall;
 };
 
-/* All arguments must outlive the result. -ENOMEM. */
+/* Computes all figures. All arguments must outlive the result. -ENOMEM. */
 int sim_analyse(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
                 const struct sim_gallery *gallery, const struct sim_matches *matches,
                 struct sim_analysis **out) __attribute__((warn_unused_result));

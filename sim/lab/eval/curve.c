@@ -95,7 +95,7 @@ static void add_to(struct sim_curve_bin *bin, const struct search *search)
     bin->not_rank_1.trials = bin->non_match.trials = n + 1;
 }
 
-/* Cuts sorted searches into bins, at changes of the value. */
+/* Cuts searches, which are sorted by value, into bins at changes of the value. */
 static struct sim_curve cut(const struct search *searches, size_t n)
 {
     struct sim_curve curve = {0};

@@ -6,8 +6,8 @@
 #include "sim/lab/eval/analysis.h"
 
 enum sim_factor {
-    SIM_FACTOR_LANDMARK_ERROR, /* mean distance from the true landmarks without constant offsets,
-                                  mm; where these are known */
+    SIM_FACTOR_LANDMARK_ERROR, /* mean distance from the known true landmarks, without constant
+                                  offsets, mm */
     SIM_FACTOR_NOISE,          /* residual of the fitted head, mm */
     SIM_FACTOR_DISTANCE,       /* nose tip from the sensor, mm */
     SIM_FACTOR_POSE,           /* angle between face and camera, degrees */
@@ -18,7 +18,7 @@ enum sim_factor {
     SIM_FACTORS
 };
 
-/* "landmark-error", ... and with its unit, for axes. */
+/* The name of a factor ("landmark-error", ...), and its label with the unit, for axes. */
 const char *sim_factor_name(enum sim_factor factor);
 const char *sim_factor_label(enum sim_factor factor);
 
@@ -26,7 +26,7 @@ enum { SIM_CURVE_BINS = 5 };
 
 struct sim_curve_bin {
     double low, mean, high;                /* of the factor */
-    struct sim_rate not_rank_1, non_match; /* of mated searches that were acquired */
+    struct sim_rate not_rank_1, non_match; /* of mated searches that were not missed */
 };
 
 /* Each bin holds about the same number of searches. Equal values are always in one bin. */
@@ -35,13 +35,15 @@ struct sim_curve {
     struct sim_curve_bin bins[SIM_CURVE_BINS];
 };
 
-/* The factors of each probe, [n_probes][SIM_FACTORS], NaN where unknown. The landmark error is
- * `landmark_error_mm` ([n_captures]) of the probe's first capture. */
+/* Measures the factors of each probe, [n_probes][SIM_FACTORS], NaN where unknown. They come from
+ * the probe's first capture; if this capture is not usable, all are unknown. The landmark error is
+ * `landmark_error_mm` ([n_captures]) of this capture. */
 void sim_factors_measure(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
                          const struct sim_matches *matches, const double *landmark_error_mm,
                          double (*factor)[SIM_FACTORS]);
 
-/* One curve for each factor. A search that scores below the threshold is a non-match. -ENOMEM. */
+/* Computes one curve for each factor. A search whose mate scores below the threshold is a
+ * non-match. -ENOMEM. */
 int sim_curves_of(const struct sim_analysis *analysis, const struct sim_matches *matches,
                   const double (*factor)[SIM_FACTORS], double threshold,
                   struct sim_curve out[SIM_FACTORS]) __attribute__((warn_unused_result));

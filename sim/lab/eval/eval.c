@@ -123,7 +123,8 @@ static int acquire_samples(struct sim_eval *eval, struct iso_fault *fault)
                : sim_scans_fuse(directory, eval->corpus, eval->acquisition, eval->faces, fault);
 }
 
-/* Prepares the method's knowledge before the comparison. */
+/* Provides the knowledge of a pairwise method: NULL for a method that does not learn. -EINVAL if
+ * the corpus lacks infrared images or the training set is missing; errors of the method. */
 static int teach_method(struct sim_eval *eval, const struct sim_method *method,
                         const void **knowledge, struct iso_fault *fault)
 {
@@ -144,6 +145,7 @@ static int teach_method(struct sim_eval *eval, const struct sim_method *method,
     return sim_training_set_teach(eval->options.training, method, marks, knowledge, fault);
 }
 
+/* Sets the fault for an error of comparing templates, and returns the error. */
 static int out_of_range(int error, struct iso_fault *fault)
 {
     if (!error) {
@@ -232,8 +234,8 @@ static double mean_error(const struct sim_deviation *deviation,
     return n > 0 ? sum / n : NAN;
 }
 
-/* Errors of the landmarks: figures over all captures, and error_mm ([n_captures], NaN: unknown) of
- * each. */
+/* Computes the errors of the landmarks: the figures over all usable captures, and the mean error
+ * of each capture, error_mm ([n_captures], NaN: unknown). */
 static int measure_landmarks(struct sim_eval *eval, double *error_mm, struct iso_fault *fault)
 {
     const struct sim_acquisition *a = eval->acquisition;

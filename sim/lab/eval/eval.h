@@ -24,7 +24,7 @@ struct sim_eval_options {
     /* The methods to compare; none: only the appliance's own method. */
     size_t n_methods;
     const struct sim_method *methods[SIM_METHODS];
-    bool lenient; /* a method that cannot learn here is skipped with a remark instead of refused */
+    bool lenient; /* skip a pairwise method that cannot work on the corpus, and keep the reason */
     struct sim_training_set *training; /* for methods that learn, or NULL */
 };
 
@@ -34,7 +34,7 @@ struct sim_eval_method {
     struct sim_matches *matches; /* NULL: the method was skipped; the fault has the reason */
     struct sim_analysis *analysis;
     struct iso_fault fault;
-    int64_t wall_ns; /* duration, including learning */
+    int64_t wall_ns; /* duration, including learning; 0 if the method was skipped */
 };
 
 /* All results of an evaluation, for the reports. */
@@ -46,7 +46,7 @@ struct sim_eval {
     struct iso_cohort *cohort; /* NULL: none was given */
     struct sim_acquisition *acquisition;
     struct sim_gallery *gallery;
-    struct sim_scans *faces; /* NULL: only the appliance's own method was requested */
+    struct sim_scans *faces; /* NULL: only the appliance's own methods were requested */
     bool trained_apart;      /* the training set and the corpus are known to share no person */
     size_t n_methods;
     struct sim_eval_method methods[SIM_METHODS]; /* in the order of the options */
@@ -79,8 +79,9 @@ enum sim_score_kind {
 
 enum sim_score_kind sim_eval_score_kind(const struct sim_eval *eval);
 
-/* The strings and the training set in the options must outlive the result. -EINVAL: options out
- * of range, a training set that shares people with the corpus, or a method that cannot learn.
+/* Runs an evaluation. The strings and the training set in the options must outlive the result.
+ * -EINVAL: options out of range, a training set that shares people with the corpus, or a method
+ * that cannot learn or needs infrared images that the corpus does not have.
  * -EBADMSG: a cohort or metric of another algorithm, a metric learned from people of the corpus,
  * or a cohort that may contain some of them. Otherwise the errors of reading the corpus and the
  * data files and of the extractor. Each comes with a fault. */

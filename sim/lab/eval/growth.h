@@ -1,7 +1,7 @@
 /* How the error rates of identification grow with the number of people enrolled.
  *
- * A search of N people stands for one of N people drawn from the M that are really enrolled. The
- * figures are the exact expectation over all such draws (hypergeometric), for every search. With
+ * For a gallery of N people, N people are drawn from the M that are really enrolled. The figures
+ * are the exact expectation over all such draws (hypergeometric), for every search. With
  * a constant threshold, FPIR grows about as 1 - (1 - FMR)^N (ISO/IEC 19795-1:2021; Grother and
  * Phillips 2004); with a constant FPIR, FNIR grows. */
 #ifndef SIM_LAB_EVAL_GROWTH_H
@@ -19,12 +19,12 @@ struct sim_growth_point {
 
 struct sim_growth {
     double target_fpir, threshold;
-    size_t n; /* 0: no searches, no strangers, or no one enrolled */
+    size_t n; /* 0: no searches, no strangers, or nobody enrolled */
     struct sim_growth_point
         points[SIM_GROWTH_MAX]; /* 10, 20, 50, 100, ... people, and all people */
 };
 
-/* -ENOMEM. */
+/* Computes the error rates for galleries of rising size. -ENOMEM. */
 int sim_growth_of(const struct sim_gallery *gallery, const struct sim_matches *matches,
                   const struct sim_analysis *analysis, double target_fpir, struct sim_growth *out)
     __attribute__((warn_unused_result));

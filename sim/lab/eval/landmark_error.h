@@ -6,7 +6,7 @@
 #include "sim/base/spread.h"
 #include "sim/lab/match/truth.h"
 
-/* Deviations of the landmarks found in a frame from the true ones. */
+/* Deviations of the landmarks found in a frame from the true landmarks. */
 struct sim_deviation {
     size_t row; /* of the manifest */
     bool known[ISO_LANDMARKS];
@@ -17,9 +17,9 @@ struct sim_deviation {
 struct sim_deviation sim_deviation_of(const struct iso_extraction *extraction,
                                       const struct sim_truth *truth, size_t row);
 
-/* The constant part of each landmark's error, which appears where two definitions of a landmark
- * mean different points. It is the median of the errors for each coordinate, so that frames with
- * large errors do not shift it. 0 for a landmark that is never known. -ENOMEM. */
+/* Computes the constant part of each landmark's error, which appears where two definitions of a
+ * landmark mean different points. It is the median of the errors for each coordinate, so that
+ * frames with large errors do not shift it. 0 for a landmark that is never known. -ENOMEM. */
 int sim_landmark_offsets(const struct sim_deviation *deviations, size_t n,
                          struct iso_vec3 offset_mm[ISO_LANDMARKS])
     __attribute__((warn_unused_result));
@@ -39,8 +39,8 @@ struct sim_landmark_error {
     struct sim_spread slip_mm;
 };
 
-/* Figures of each landmark; out[ISO_LANDMARKS] is over all landmarks of all frames together (its
- * offset is 0). Deviations are in the order of the manifest's rows. -ENOMEM. */
+/* Computes the figures of each landmark; out[ISO_LANDMARKS] is over all landmarks of all frames
+ * together (its offset is 0). Deviations are in the order of the manifest's rows. -ENOMEM. */
 int sim_landmark_errors(const struct sim_corpus *corpus, const struct sim_deviation *deviations,
                         size_t n, const struct iso_vec3 offset_mm[ISO_LANDMARKS],
                         struct sim_landmark_error out[ISO_LANDMARKS + 1])

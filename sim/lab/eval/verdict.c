@@ -4,7 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The index of the lowest FMR, not below the table's, that the comparisons support, or 0. */
+/* The index of the lowest FMR that the comparisons support and that is not below the table's; 0 if
+ * there is none. */
 static int supported_fmr(const struct sim_verification *v)
 {
     int k = SIM_VERDICT_FMR;

@@ -16,7 +16,7 @@ struct sim_verdict {
     struct sim_rate rank_1, rank_4, lost; /* lost: mated searches without a comparison */
     double eer;                           /* NaN: too few comparisons */
     struct sim_interval eer_interval;
-    /* At an FMR of 1e-3, or at the lowest target that the comparisons support. */
+    /* The FMR of `at`: 1e-3, or the next higher target that the comparisons support, at most 0.1 */
     double fmr;
     struct sim_operating_point at, at_coarse;
     /* Compared with the first method: errors at rank 1, and non-matches at that FMR. */

@@ -163,7 +163,8 @@ static void list_expressions(const struct work *w)
     }
 }
 
-/* Removes conditions without a frame. */
+/* Lists and measures the conditions, and removes those without a frame. Measures all frames
+ * together as well. */
 static void measure_conditions(const struct work *w)
 {
     struct sim_landmark_analysis *a = w->analysis;

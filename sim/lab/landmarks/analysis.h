@@ -29,8 +29,8 @@ const char *sim_failure_rule_name(enum sim_failure_rule rule);
 bool sim_frame_fails(const struct sim_measured_frame *frame, enum sim_failure_rule rule);
 
 struct sim_failures {
-    struct sim_rate before, after; /* of frames with ground truth */
-    struct sim_rate good_refused;  /* refused ones among the fitted frames that do not fail */
+    struct sim_rate before, after; /* of fitted frames with ground truth */
+    struct sim_rate good_refused;  /* refused frames among those of `before` that do not fail */
 };
 
 /* The genuine frames of one condition, or of all. */
@@ -69,7 +69,7 @@ struct sim_landmark_analysis {
         whole; /* over frames that reached the stage; `whole` over readable frames */
 };
 
-/* `corpus` must outlive the result. -ENOMEM. */
+/* Computes all figures. `corpus` must outlive the result. -ENOMEM. */
 int sim_landmark_analyse(const struct sim_corpus *corpus, const struct sim_measurement *measurement,
                          struct sim_landmark_analysis **out) __attribute__((warn_unused_result));
 

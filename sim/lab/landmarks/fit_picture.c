@@ -14,7 +14,8 @@ static double degrees(double rad)
     return rad * 180.0 / M_PI;
 }
 
-/* The fitted head in the camera frame. Free the arrays even after a failure. */
+/* Puts the fitted head into the view, in the camera frame. The caller frees the arrays, even after
+ * a failure. */
 static int place_head(const struct sim_fit_subject *s, struct iso_vec3 **vertices_mm,
                       bool **measured, struct sim_fit_view *view)
 {

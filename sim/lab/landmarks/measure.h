@@ -30,7 +30,7 @@ struct sim_measurement {
     struct sim_capture_origin origin;
 };
 
-/* sim_landmark_offsets of all fitted frames of people, accepted or not. -ENOMEM. */
+/* Computes sim_landmark_offsets over all fitted frames of people, accepted or not. -ENOMEM. */
 int sim_measure_offsets(const struct sim_corpus *corpus, const struct sim_measured_frame *frames,
                         size_t n_frames, struct iso_vec3 offset_mm[ISO_LANDMARKS])
     __attribute__((warn_unused_result));
@@ -39,7 +39,8 @@ int sim_measure_offsets(const struct sim_corpus *corpus, const struct sim_measur
 void sim_measure_frame_errors(const struct iso_vec3 offset_mm[ISO_LANDMARKS],
                               struct sim_measured_frame *frame);
 
-/* Errors of sim_capture_all and sim_truth_read. */
+/* Runs the extractor on all frames and compares the landmarks with the truth. Errors of
+ * sim_capture_all and sim_truth_read; -ENOMEM; each with a fault. */
 int sim_measure(const char *directory, const struct sim_corpus *corpus,
                 const struct sim_capture_options *options, struct sim_measurement **out,
                 struct iso_fault *fault) __attribute__((warn_unused_result));

@@ -14,6 +14,7 @@ enum sim_row_kind {
     SIM_ROW_KINDS
 };
 
+/* The kind of a row, from its subject and its note. */
 enum sim_row_kind sim_row_kind_of(const struct sim_corpus_row *row);
 
 /* Answers in the terms of ISO/IEC 30107-3. */

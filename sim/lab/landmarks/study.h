@@ -22,8 +22,9 @@ struct sim_study {
     int64_t wall_ns; /* duration of the whole study */
 };
 
-/* The strings in the options must outlive the result. -EINVAL for options out of range, or the
- * errors of reading the corpus and the model and of sim_measure; each with a fault. */
+/* Measures and analyses a corpus. The strings in the options must outlive the result. -EINVAL for
+ * options out of range, or the errors of reading the corpus and the model and of sim_measure; each
+ * with a fault. */
 int sim_study_run(const struct sim_study_options *options, struct sim_study **out,
                   struct iso_fault *fault) __attribute__((warn_unused_result));
 
@@ -33,12 +34,12 @@ void sim_study_free(struct sim_study *study);
 /* Prints tables for people. */
 void sim_study_text(const struct sim_study *study, FILE *out);
 
-/* landmarks.csv: the landmarks of every fitted frame; frames.csv: one line for each frame.
- * Errors of sim_result_file, as for the next functions. */
+/* Writes landmarks.csv, the landmarks of every fitted frame, and frames.csv, one line for each
+ * frame. Errors of sim_result_file. */
 int sim_study_csv(const struct sim_study *study, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* summary.json */
+/* Writes summary.json. Errors of iso_path_join and sim_json_file. */
 int sim_study_json(const struct sim_study *study, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -9,8 +9,8 @@ struct sim_chosen_frame {
     size_t rank;   /* 1: the worst, 2: the next; 0: the first of its outcome and kind */
 };
 
-/* First the n_worst fitted frames of people with the largest mean error (without the constant
- * offsets), worst first. Then, in the manifest's order, the first frame of each outcome of
+/* Lists first the n_worst fitted frames of people with the largest mean error (without the constant
+ * offsets), worst first. Then come, in the manifest's order, the first frame of each outcome of
  * people, and of each outcome for each note of subject `none`. Unreadable frames are left out.
  * Free *chosen with free(). -ENOMEM. */
 int sim_choose_frames(const struct sim_corpus *corpus, const struct sim_measurement *measurement,
@@ -18,9 +18,9 @@ int sim_choose_frames(const struct sim_corpus *corpus, const struct sim_measurem
     __attribute__((warn_unused_result));
 
 /* Draws the chosen frames into DIRECTORY as worst-01-RECORDING-FRAME.png and
- * first-OUTCOME-KIND-RECORDING-FRAME.png. KIND is `person` or the note. Characters other than
- * letters, digits, '.', '-' and '_' become '_'. The extractor runs again on these frames. Errors
- * of extraction, of reading and of drawing. */
+ * first-OUTCOME-KIND-RECORDING-FRAME.png. KIND is `person`, the note, or `none` if the note of a
+ * non-face is empty. Characters other than letters, digits, '.', '-' and '_' become '_'. The
+ * extractor runs again on these frames. Errors of extraction, of reading and of drawing. */
 int sim_study_pictures(const struct sim_study *study, const char *directory, size_t n_worst,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 

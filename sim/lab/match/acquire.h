@@ -26,8 +26,9 @@ struct sim_acquisition {
     struct sim_capture_origin origin;
 };
 
-/* `fuse`: frames in a sample; 0: all frames of the row. Errors of sim_capture_all and
- * iso_template_fuse. */
+/* Runs the extractor on all frames and makes the samples. `fuse`: frames in a sample; 0: all frames
+ * of the row. A sample never has more than SIM_SAMPLE_CAPTURES_MAX frames. Errors of
+ * sim_capture_all and iso_template_fuse; -ENOMEM; each with a fault. */
 int sim_acquire(const char *directory, const struct sim_corpus *corpus,
                 const struct sim_capture_options *options, size_t fuse,
                 struct sim_acquisition **out, struct iso_fault *fault)

@@ -22,6 +22,7 @@ enum { SIM_REASON_UNREADABLE = ISO_CAPTURES, SIM_REASONS };
 /* A word of isotherm/capture.h, or "unreadable". */
 const char *sim_reason_name(int reason);
 
+/* The outcome of a capture. */
 int sim_capture_reason(const struct sim_capture *capture);
 
 /* The number of frames of all rows. Frame i of row r has number (frames of the rows before r) + i.
@@ -47,7 +48,7 @@ struct sim_capture_options {
     void *inspect_context;
 };
 
-/* The kind of the templates. */
+/* The algorithm of the templates, and their kind of sensor. */
 struct sim_capture_origin {
     uint32_t algorithm;
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* of the first recording */
@@ -57,9 +58,10 @@ struct sim_capture_origin {
  * same time, once for each number. */
 typedef void sim_capture_visitor(void *context, size_t number, const struct sim_capture *capture);
 
-/* `directory` is the corpus's. Unreadable frames are reported on stderr. Errors of
- * iso_extractor_new and _run; -EBADMSG for a recording that cannot be opened. On failure the
- * visitor may not have been called for some numbers. */
+/* Runs the extractor on all frames of the corpus in `directory` and calls the visitor for each.
+ * Unreadable frames are reported on stderr. Errors of sim_recording_open, iso_extractor_new,
+ * iso_extractor_run and the inspector; -ENOMEM; each with a fault. On failure the visitor may not
+ * have been called for some numbers. */
 int sim_capture_all(const char *directory, const struct sim_corpus *corpus,
                     const struct sim_capture_options *options, sim_capture_visitor *visit,
                     void *context, struct sim_capture_origin *origin, struct iso_fault *fault)

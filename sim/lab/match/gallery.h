@@ -9,9 +9,9 @@
 /* The people of the rows with role gallery, in the manifest's order. */
 struct sim_gallery {
     size_t n_people, n_templates;
-    const char **names;                    /* [n_people]; the corpus's strings */
+    const char **names;                    /* [n_people]; they belong to the corpus */
     size_t *n_templates_of;                /* [n_people]; 0: failed to enrol */
-    const struct iso_template **templates; /* [n_templates]; the samples' */
+    const struct iso_template **templates; /* [n_templates]; they belong to the samples */
     size_t *person;                        /* [n_templates] */
     size_t *sample; /* [n_templates]: index of the sample in the acquisition */
 };

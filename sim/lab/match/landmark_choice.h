@@ -7,8 +7,8 @@
 #include "isotherm/landmark.h"
 #include "sim/base/options.h"
 
-/* The landmarks that a mouth does not move: nasion, nose tip, alae and corners of the eyes.
- * Subnasale and the landmarks below it are left out. */
+/* True for subnasale and the landmarks below it, which a mouth moves. False for the others: nasion,
+ * nose tip, alae and corners of the eyes. */
 extern const bool sim_landmarks_below[ISO_LANDMARKS];
 
 /* Sets bool[ISO_LANDMARKS], true for each landmark to leave out. The text is "all" (none is left

@@ -18,7 +18,7 @@ struct matching {
     struct iso_icp_workspace *registration; /* of each thread */
 };
 
-/* Distance to the nearest template of every person. */
+/* Sets the distance to the nearest template of every person. */
 static int measure_distances(const struct matching *work, int worker,
                              const struct iso_template *probe, double *distance_mm)
 {
@@ -39,7 +39,7 @@ static int measure_distances(const struct matching *work, int worker,
     return 0;
 }
 
-/* The vectors of the people, each from all of that person's templates. */
+/* Computes the vectors of the people, each from all of that person's templates. */
 static int enrol_vectors(const struct matching *work)
 {
     const struct sim_gallery *gallery = work->gallery;

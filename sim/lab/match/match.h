@@ -29,7 +29,7 @@ struct sim_matches {
     double *distance_mm; /* [n_probes][n_people]; INFINITY: not comparable; NaN with a metric */
     double *score;       /* the same shape; -INFINITY: not comparable */
     int64_t *wall_ns,
-        *cpu_ns; /* [n_probes]: of the whole search; 0 if the sample was not acquired */
+        *cpu_ns; /* [n_probes]: of the whole search; no meaning if the sample was not acquired */
 };
 
 /* Allocates the searches of all samples that are not in a gallery row: distances INFINITY,
@@ -37,9 +37,9 @@ struct sim_matches {
 int sim_matches_new(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
                     size_t n_people, struct sim_matches **out) __attribute__((warn_unused_result));
 
-/* A probe that cannot be compared with the cohort or projected by the metric becomes a failure
- * to acquire ("too-few-points"). -ENOMEM, or the errors of iso_match_distance or
- * iso_metric_project. */
+/* Compares every probe with the gallery. A probe that cannot be compared with the cohort or
+ * projected by the metric becomes a failure to acquire ("too-few-points"). -ENOMEM, or the errors
+ * of iso_match_distance, iso_cohort_normalise, iso_metric_project or sim_parallel. */
 int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisition,
               const struct sim_gallery *gallery, const struct sim_scoring *scoring, int threads,
               struct sim_matches **out) __attribute__((warn_unused_result));

@@ -18,7 +18,8 @@ int sim_scans_new(const struct sim_corpus *corpus, struct sim_scans **out)
 /* Frees it and what it holds. NULL is accepted. */
 void sim_scans_free(struct sim_scans *faces);
 
-/* Function for sim_capture_options.inspect; its context is the faces. */
+/* Copies the face of a usable frame. It is a function for sim_capture_options.inspect; its context
+ * is the struct sim_scans. */
 sim_capture_inspector sim_scans_inspect;
 
 /* Reads marked points from landmarks.csv of the recordings (sim/lab/methods/anthroface.h lists

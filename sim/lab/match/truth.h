@@ -15,13 +15,13 @@ struct sim_truth {
     struct iso_vec3 point_mm[ISO_LANDMARKS]; /* camera frame; 0 where not known */
 };
 
-/* The truth of each frame of one recording, [iso_recording_frames]; free it with free(). Without
- * landmarks.csv no landmark is known. -EBADMSG for a damaged landmarks.csv; -ENOMEM. */
+/* Reads the truth of each frame of one recording, [iso_recording_frames]; free it with free().
+ * Without landmarks.csv no landmark is known. -EBADMSG for a damaged landmarks.csv; -ENOMEM. */
 int sim_truth_of_recording(const struct iso_recording *recording, struct sim_truth **out,
                            struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* The truth of each frame of a corpus, [sim_corpus_frames], in the order of captures; free it
- * with free(). Errors of sim_truth_read's recordings and of opening them. */
+/* Reads the truth of each frame of a corpus, [sim_corpus_frames], in the order of captures; free
+ * it with free(). Errors of sim_recording_open and sim_truth_of_recording; -ENOMEM. */
 int sim_truth_read(const char *directory, const struct sim_corpus *corpus, struct sim_truth **out,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -32,7 +32,7 @@ static uint64_t total(const struct sim_score *scores, size_t n, const uint32_t *
     return sum;
 }
 
-/* Counts the scores equal to `score` from *i on. */
+/* Sums the weights of the scores equal to `score` from *i on, and moves *i behind them. */
 static uint64_t take(const struct sim_score *scores, size_t n, size_t *i, double score,
                      const uint32_t *copies)
 {
@@ -134,7 +134,7 @@ int sim_det_bootstrap(const struct sim_scores *scores, uint32_t n_people, const 
         }
         const size_t n = sim_det_points(scores, copies, points);
         if (n == 0) {
-            continue; /* no drawn person has a mate, so draw again */
+            continue; /* no drawn person has comparisons of one of the kinds, so draw again */
         }
         drawn[i] = sim_det_eer(points, n);
         for (size_t k = 0; k < n_fmr; k++) {

@@ -24,7 +24,7 @@ struct sim_scores {
     size_t n_mated, n_non_mated;
 };
 
-/* Sorts by rising score, as the functions below require. */
+/* Sorts both lists by rising score, as the functions below require. */
 void sim_scores_sort(struct sim_scores *scores);
 
 /* An operating point. */
@@ -32,10 +32,10 @@ struct sim_det_point {
     double threshold, fmr, fnmr;
 };
 
-/* The operating point at every distinct score, by rising threshold (FMR falls, FNMR rises), and
- * at +INFINITY (0, 1) at the end. `copies` is the weight of each person's comparisons (NULL: 1).
- * Writes at most n_mated + n_non_mated + 1 points and returns their number; 0 if one kind has no
- * comparison with a weight. */
+/* Writes the operating point at every distinct score, by rising threshold (FMR falls, FNMR rises),
+ * and at +INFINITY (0, 1) at the end. copies[person] is the weight of the person's comparisons
+ * (NULL: 1). Writes at most n_mated + n_non_mated + 1 points and returns their number, which is 0
+ * if the comparisons of one kind all have the weight 0. */
 size_t sim_det_points(const struct sim_scores *scores, const uint32_t *copies,
                       struct sim_det_point *points);
 
@@ -47,11 +47,11 @@ double sim_det_eer(const struct sim_det_point *points, size_t n);
  * interpolation, so that the FNMR was observed at such an FMR. n >= 1. */
 struct sim_det_point sim_det_at_fmr(const struct sim_det_point *points, size_t n, double fmr);
 
-/* 95% percentile intervals of the EER and of the FNMR at each of n_fmr FMRs. The people of the
- * probes are resampled, each with all their comparisons (subset bootstrap: Bolle, Ratha and
- * Pankanti 2004), because comparisons of one person are not independent. The people of the
- * gallery stay the same. Person numbers are below n_people. Reproducible. -EINVAL if a kind of
- * score is missing or there are fewer than 2 people, -ENOMEM. */
+/* Computes 95% percentile intervals of the EER and of the FNMR at each of n_fmr FMRs. The people
+ * of the probes are resampled, each with all comparisons of the person (subset bootstrap: Bolle,
+ * Ratha and Pankanti 2004), because comparisons of one person are not independent. The people of
+ * the gallery stay the same. Person numbers are below n_people. The same scores give the same
+ * intervals. -EINVAL if a kind of score is missing or there are fewer than 2 people, -ENOMEM. */
 int sim_det_bootstrap(const struct sim_scores *scores, uint32_t n_people, const double *fmr,
                       size_t n_fmr, struct sim_interval *eer, struct sim_interval *fnmr)
     __attribute__((warn_unused_result));

@@ -7,7 +7,7 @@
 
 enum { ALL_SIGNS_MAX = 16, DRAWS = 99999 };
 
-/* The sum of the differences with the signs in `bits`. */
+/* The absolute value of the sum of the differences; bit i set: difference i has the other sign. */
 static long signed_sum(const long *difference, size_t n, uint64_t bits)
 {
     long sum = 0;

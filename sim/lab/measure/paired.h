@@ -20,9 +20,9 @@ struct sim_paired {
 };
 
 /* first[i], second[i]: 1 if the method made an error in search i, otherwise 0. person[i] <
- * n_people is the person of the search. All signs are tried if at most 16 people differ;
- * otherwise 99,999 drawn choices and the observed one (Davison and Hinkley 1997), reproducibly.
- * -ENOMEM. */
+ * n_people is the person of the search. If at most 16 people have a difference, all choices of
+ * signs are tried; otherwise 99,999 random choices and the observed one (Davison and Hinkley
+ * 1997). The same input gives the same result. -ENOMEM. */
 int sim_paired_test(const uint8_t *first, const uint8_t *second, const uint32_t *person, size_t n,
                     uint32_t n_people, struct sim_paired *out) __attribute__((warn_unused_result));
 

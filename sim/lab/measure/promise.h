@@ -10,11 +10,11 @@ enum { SIM_PROMISES = 4 };
 
 struct sim_promise {
     double score;                /* 1, 2, 3, 4: the promised FMRs are 1e-1 to 1e-4 */
-    struct sim_rate false_match; /* non-mated comparisons that reach it */
-    struct sim_rate non_match;   /* mated ones that do not */
+    struct sim_rate false_match; /* non-mated comparisons that reach this score */
+    struct sim_rate non_match;   /* mated comparisons that do not reach it */
 };
 
-/* From sorted scores of a metric. */
+/* Counts the rates in the scores of a metric, which must be sorted (sim_scores_sort). */
 void sim_promises_of(const struct sim_scores *scores, struct sim_promise out[SIM_PROMISES]);
 
 #endif

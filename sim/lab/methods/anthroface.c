@@ -63,7 +63,7 @@ static void forget_knowledge(void *knowledge)
     }
 }
 
-/* Projects the points onto the surface; -ENODATA if one is outside the surface. */
+/* Projects the points onto the surface. -ENODATA if one is outside the surface or not marked. */
 static int place_points(const struct knowledge *k, const struct sim_scan *face,
                         struct iso_vec3 *points, int *n_points)
 {
@@ -85,7 +85,8 @@ static int place_points(const struct knowledge *k, const struct sim_scan *face,
     return 0;
 }
 
-/* Euclidean, then geodesic distances of all pairs; feature has room for FEATURES_MAX. */
+/* Computes the Euclidean, then the geodesic distances of all pairs of points: feature[n * (n - 1)]
+ * for n points. */
 static int measure_features(const struct knowledge *k, const struct sim_scan *face, float *feature)
 {
     struct iso_vec3 points[POINTS_MAX];

@@ -16,7 +16,7 @@ struct sim_mark {
     int ibug;         /* index among the 68 points of iBUG 300-W */
 };
 
-/* The 25 points, by Farkas's names where Gupta has them. */
+/* The 25 points. */
 extern const struct sim_mark sim_marks[SIM_MARKS];
 
 /* The index of a mark by its name, or -1. */

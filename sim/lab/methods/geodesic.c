@@ -119,8 +119,8 @@ static void spread(struct sim_geodesic *g, const struct sim_scan *face, struct e
     }
 }
 
-/* The grid points around a place, with the straight path to each. Returns the number with a
- * surface. */
+/* Finds the four grid points around a place, and the length of the straight path to each. Returns
+ * 4, or 0 if the place has no surface. */
 static int corners(const struct sim_scan *face, struct iso_vec3 place, int pixel[4],
                    double distance_mm[4])
 {

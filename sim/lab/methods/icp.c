@@ -119,7 +119,8 @@ static int describe_upper(const void *knowledge, const struct sim_scan *face, vo
     return describe_from(face, upper_y_mm, description);
 }
 
-/* The plane of the height field under a point; false where it was not measured. */
+/* Finds the plane of the height field under a point. Returns false where the field was not
+ * measured, or if the point is farther from the plane than cutoff_mm. */
 static bool pair_up(const struct surface *s, struct iso_vec3 p, struct pair *pair)
 {
     const double middle = (s->side - 1) / 2.0;
@@ -213,7 +214,8 @@ static double rms_within(const struct pair *pairs, size_t n, double limit_mm)
     return sqrt(sum / (double)count);
 }
 
-/* Moves the probe step by step; *rms_mm belongs to the last pairing. */
+/* Moves the probe step by step; *rms_mm belongs to the last pairing. -ENODATA if too few points
+ * have a partner. */
 static int register_pair(const struct surface *probe, const struct surface *gallery,
                          struct pair *pairs, double *rms_mm)
 {

@@ -1,5 +1,5 @@
-/* Methods of face recognition that can be compared in one run: the appliance's own, and the methods
- * that Abdelrahman (2013, figure 6.9) measured it against.
+/* Methods of face recognition that can be compared in one run: the appliance's own, the methods
+ * that Abdelrahman (2013, figure 6.9) compared it with, and others.
  *
  * A method is a table of functions. All except the appliance's own are pairwise: a face becomes a
  * description, two descriptions have a distance, and the score of a comparison is the negative
@@ -32,17 +32,18 @@ struct sim_method {
     bool infrared;      /* needs faces whose frames had an infrared image (sim_scan.reflectance) */
 
     /* OPTIONAL, with forget. Learns. -EINVAL with a fault if the faces are not sufficient (too
-     * few people, no marks), -ENOMEM. */
+     * few people, no marks), -ENOMEM. forget frees the knowledge; NULL is accepted. */
     int (*train)(const struct sim_training *training, void **knowledge, struct iso_fault *fault);
     void (*forget)(void *knowledge);
 
-    /* REQUIRED except for the appliance's own methods, which have neither. Several threads may
-     * call it at the same time. The description may refer to the face, which outlives it.
-     * -ENODATA for a face that cannot be described, -ENOMEM. */
+    /* REQUIRED, with discard and distance, except for the appliance's own methods, which have none
+     * of the three. Several threads may call it at the same time. The description may refer to the
+     * face, which outlives it. -ENODATA for a face that cannot be described, -ENOMEM. discard frees
+     * the description; NULL is accepted. */
     int (*describe)(const void *knowledge, const struct sim_scan *face, void **description);
     void (*discard)(void *description);
-    /* At least 0; it grows with the difference of the faces. Several threads may call it at the
-     * same time. -ENODATA if the two have too little in common. */
+    /* The distance is at least 0 and grows with the difference of the faces. Several threads may
+     * call it at the same time. -ENODATA if the two faces have too little in common, -ENOMEM. */
     int (*distance)(const void *knowledge, const void *probe, const void *gallery,
                     double *distance);
 };

@@ -8,7 +8,7 @@
 enum { REACH_MAX = 128 }; /* pixels; enough for 0.5 mm a pixel */
 
 static const double same_surface_mm = 10.0;
-static const double cosine_min = 0.2; /* surface seen at a flat angle has little information */
+static const double cosine_min = 0.2; /* a surface seen at a flat angle gives little information */
 static const double fine_mm = 2.5, around_mm = 15.0;
 static const double least = 0.25, most = 4.0;
 

@@ -6,8 +6,8 @@
  *
  *  1. Take the mean of the image over each pixel of the face's grid where the depth belongs to the
  *     face.
- *  2. Divide by the cosine between the surface and the line of sight (Lambert; a lamp beside the
- *     lens), and multiply by the square of the range of a pinhole camera.
+ *  2. Divide by the cosine between the surface's normal and the line of sight (Lambert; a lamp
+ *     beside the lens). For a pinhole camera also multiply by the square of the range.
  *  3. Smooth over 2.5 mm (projector dots, sensor noise), then divide by the local mean, a Gaussian
  *     of 15 mm. This removes slow changes of the light, with or without the lamp's fall-off, and
  *     the tone of the skin.

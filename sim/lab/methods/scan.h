@@ -1,7 +1,7 @@
-/* A face as every method receives it: the measured surface in the face frame, and the positions
- * of its landmarks.
+/* A face as every pairwise method receives it: the measured surface in the face frame, and the
+ * positions of its landmarks.
  *
- * All methods receive the same data: the extractor's face patch (core/surface/face_patch.h:
+ * All these methods receive the same data: the extractor's face patch (core/surface/face_patch.h:
  * resampled from the front in the fitted head's frame, holes filled, smoothed by the extractor's
  * options) and the landmarks that were found. So the methods differ only in how they describe
  * and compare a face. Face frame: x to the subject's left, y up, z out of the face, mm. */
@@ -53,8 +53,8 @@ static inline struct iso_vec3 sim_scan_point(const struct sim_scan *face, int co
                     (double)face->z_mm[row * face->side + column]);
 }
 
-/* An empty grid: NAN everywhere. -EINVAL for an even or too small side or a bad spacing, -ENOMEM.
- */
+/* Makes an empty grid: NAN everywhere. -EINVAL for an even side, a side outside 3..1023 or a
+ * spacing that is not positive; -ENOMEM. */
 int sim_scan_new(int side, double spacing_mm, struct sim_scan **out)
     __attribute__((warn_unused_result));
 
@@ -64,17 +64,17 @@ int sim_scan_of(const struct iso_extractor *extractor, const struct iso_frame *f
     __attribute__((warn_unused_result));
 
 /* Joins n >= 1 faces of the same person and grid: for each pixel the mean of the measured values
- * (of the filled ones if none was measured), and the mean of the points. Reflectance is known if
- * all faces have it. Each face uses the face frame of its own fit. -EINVAL for no face or for
- * different grids, -ENOMEM. */
+ * (of the filled ones if none was measured), and the mean of each point. A mark is the mean over
+ * the faces that have it. Reflectance is known if all faces have it. Each face uses the face frame
+ * of its own fit. -EINVAL for no face or for different grids, -ENOMEM. */
 int sim_scan_fuse(const struct sim_scan *const *faces, size_t n, struct sim_scan **out)
     __attribute__((warn_unused_result));
 
-/* Wipes and frees. */
+/* Wipes and frees it and what it holds. NULL is accepted. */
 void sim_scan_free(struct sim_scan *face);
 
-/* The surface between pixels, bilinear. False outside the domain; z and *share (measured share,
- * 0..1; may be NULL) are then unchanged. */
+/* Interpolates the surface between pixels, bilinearly. *share is the measured share, 0..1; it may
+ * be NULL. Returns false outside the domain; *z_mm and *share are then unchanged. */
 bool sim_scan_height(const struct sim_scan *face, double x_mm, double y_mm, double *z_mm,
                      double *share);
 

@@ -61,7 +61,7 @@ static void mean_of(const float *samples, size_t n, size_t n_in, float *mean)
     }
 }
 
-/* Four partial sums, because gcc does not reorder a sum. */
+/* Uses four partial sums, because gcc does not reorder a sum. */
 static double dot_product(const float *a, const float *b, size_t n)
 {
     double sum[4] = {0.0};
@@ -253,7 +253,7 @@ static void shrink_matrix(double *matrix, size_t d, double shrinkage)
     }
 }
 
-/* direction[k][i], k falling in the ratio of between to within: the generalised eigenvectors of
+/* Finds direction[k][i], by falling ratio of between to within: the generalised eigenvectors of
  * between v = ratio within v, v' within v = 1. Overwrites the scatter. */
 static int find_discriminant(struct scatter *s, size_t n_out, double *direction)
 {
@@ -274,7 +274,7 @@ static int find_discriminant(struct scatter *s, size_t n_out, double *direction)
     return 0;
 }
 
-/* directions in the coordinates of `inner` become a basis of the samples themselves. */
+/* Converts directions in the coordinates of `inner` to a basis for the samples themselves. */
 static int compose_subspace(const struct sim_subspace *inner, const double *direction, size_t n_out,
                             struct sim_subspace **out)
 {

@@ -18,17 +18,18 @@ struct sim_subspace {
 /* Frees it and what it holds. NULL is accepted. */
 void sim_subspace_free(struct sim_subspace *subspace);
 
-/* Principal components of n >= 2 samples, whitened: every coordinate has variance 1 over the
- * samples. Keeps the smallest number of components that hold `energy` (0..1] of the variance, at
- * most `n_most`. From the Gram matrix of the samples (Sirovich and Kirby 1987; Turk and Pentland
- * 1991), by LAPACK. -EINVAL for too few samples or identical samples, -ENOMEM. */
+/* Computes the principal components of n >= 2 samples, whitened: every coordinate has variance 1
+ * over the samples. Keeps the smallest number of components that hold `energy` (0..1] of the
+ * variance, at most `n_most`. It uses the Gram matrix of the samples (Sirovich and Kirby 1987; Turk
+ * and Pentland 1991) and LAPACK. -EINVAL for too few samples or identical samples, -ENOMEM, -EDOM
+ * if LAPACK does not converge. */
 int sim_subspace_principal(const float *samples, size_t n, size_t n_in, double energy,
                            size_t n_most, struct sim_subspace **out)
     __attribute__((warn_unused_result));
 
 /* Linear discriminant analysis after principal components (Belhumeur, Hespanha and Kriegman
- * 1997): at most n_people - 1 directions in which the means of people differ most, in units of
- * the spread within people. That spread is regularised by the share `shrinkage` (0..1) of its
+ * 1997). Finds at most n_people - 1 directions in which the means of people differ most, in units
+ * of the spread within people. That spread is regularised by the share `shrinkage` (0..1) of its
  * mean (Friedman 1989), because each person has few samples. person[i] < n_people. -EINVAL for
  * fewer than two people or no person with two samples, -ENOMEM, -EDOM if the spread within
  * people is singular. */
@@ -36,7 +37,7 @@ int sim_subspace_discriminant(const float *samples, const uint32_t *person, size
                               uint32_t n_people, double energy, double shrinkage,
                               struct sim_subspace **out) __attribute__((warn_unused_result));
 
-/* The coordinates of a sample, [n_out]. */
+/* Computes the coordinates of a sample, [n_out]. */
 void sim_subspace_project(const struct sim_subspace *subspace, const float *sample,
                           float *coordinate);
 

@@ -39,7 +39,7 @@ static void read_pixels(const struct sim_scan *face, const uint32_t *pixel, size
     }
 }
 
-/* The pixels at which every face has a surface. */
+/* Lists the pixels at which every face has a surface, and returns their number. */
 static size_t choose_pixels(const struct sim_training *training, uint32_t *pixel)
 {
     size_t n = 0;

@@ -7,8 +7,8 @@
  * of the density), sampling by polar angle, trimmed distance.
  *
  * `hfpc-weighted-1` is the control: the same computation on the same mesh with density 1
- * everywhere. The two differ only by the weight. The control and `hfpc` differ only by this
- * implementation. */
+ * everywhere. The two differ only by the weight. The control and `hfpc` without a metric differ
+ * only by the implementation. */
 #include <errno.h>
 #include <stdlib.h>
 
@@ -74,7 +74,8 @@ static int release_heat(const float *reflectance, double t_mm2, struct work *w)
                            &t_mm2, 1, w->heat);
 }
 
-/* Filled surface does not count. */
+/* Multiplies the weight of each point by the measured share of the surface there, so that filled
+ * surface does not count. */
 static void weigh(const struct sim_scan *face, struct iso_template *tmpl)
 {
     for (int i = 0; i < tmpl->n_radii * ISO_LANDMARKS * tmpl->n_points; i++) {

@@ -177,9 +177,8 @@ int sim_picture_isotherms(const struct sim_face *face, struct sim_face_angle ang
     return error;
 }
 
-/* Colours of heat over grey, on a logarithmic scale of a given number of decades down from the
- * hottest point. Heat falls off like a Gaussian, which would be a single bright spot on a linear
- * scale. */
+/* Colours of heat over grey, on a logarithmic scale of four decades down from the hottest point.
+ * Heat falls off like a Gaussian, which would be a single bright spot on a linear scale. */
 static void heat_colours(const double *heat, int32_t n, struct sim_colour *out)
 {
     const double decades = 4.0;

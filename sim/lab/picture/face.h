@@ -8,12 +8,13 @@
 /* The content of a picture, in the face frame; the caller owns all of it. */
 struct sim_face {
     const struct iso_mesh *mesh;
-    struct iso_vec3 landmark_mm[ISO_LANDMARKS];
-    const double *heat[ISO_LANDMARKS]; /* [n_vertices] */
+    struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* where heat was released */
+    const double *heat[ISO_LANDMARKS];          /* [n_vertices] */
     const struct iso_template *tmpl;
 };
 
-/* The content from the extractor's last run, whose outcome must be OK. Valid until the next run. */
+/* The content from the extractor's last run, whose outcome must be OK. It refers to the extractor
+ * and to the extraction, and is valid until the next run. */
 struct sim_face sim_face_of(const struct iso_extractor *extractor,
                             const struct iso_extraction *extraction);
 
@@ -22,7 +23,8 @@ struct sim_face_angle {
     double yaw_rad, pitch_rad;
 };
 
-/* Draws the mesh with its triangles' edges. -ENOMEM, -EIO, as for the other functions. */
+/* Draws the mesh with its triangles' edges. All functions: -EINVAL for a mesh without triangles,
+ * -ENOMEM, -EIO; each with a fault. */
 int sim_picture_mesh(const struct sim_face *face, struct sim_face_angle angle, const char *path,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -65,7 +65,7 @@ struct picture {
 
 enum panel { PANEL_FRAME, PANEL_LANDMARKS, PANEL_MESH, PANEL_RESIDUALS, PANELS };
 
-/* A dark strip at the bottom of a panel, for text. */
+/* Draws a dark strip at the bottom of a panel, for text, and sets the size of the text. */
 static void draw_strip(const struct picture *p)
 {
     cairo_set_source_rgba(p->cr, 0.05, 0.055, 0.07, 0.75);
@@ -94,7 +94,7 @@ static void draw_mark(cairo_t *cr, double x, double y, double radius, uint32_t h
     cairo_stroke(cr);
 }
 
-/* Rings at the true landmarks, dots at the found ones, and lines between them. */
+/* Draws rings at the true landmarks, dots at the found ones, and lines between them. */
 static void draw_landmarks(const struct picture *p)
 {
     const struct sim_fit_view *v = p->view;

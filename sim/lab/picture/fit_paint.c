@@ -43,7 +43,7 @@ void sim_fit_paint_frame(struct sim_canvas *canvas, const struct iso_frame *fram
     }
 }
 
-/* The frame's camera, scaled so that the window fills the given number of samples. */
+/* The frame's camera, scaled and moved so that the window fills the samples of a panel. */
 static struct iso_camera camera_of(const struct iso_frame *frame, struct sim_fit_window window)
 {
     const double zoom = SIM_FIT_SAMPLES / window.side;

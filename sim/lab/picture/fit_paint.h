@@ -23,13 +23,14 @@ struct sim_fit_window {
 /* The fitted head as a panel shows it. */
 struct sim_fit_head {
     struct iso_raster raster;
-    uint32_t *storage; /* holds its three planes; free it with free() */
+    uint32_t *storage; /* memory of the raster's planes; free it with free() */
 };
 
 /* The frame in grey, lit, and darker with distance; unmeasured pixels are dark blue. One colour
  * for each pixel; free it with free(). NULL: out of memory. */
 struct sim_colour *sim_fit_grey_new(const struct iso_frame *frame);
 
+/* Paints the frame's part in the window, in the colours of sim_fit_grey_new. */
 void sim_fit_paint_frame(struct sim_canvas *canvas, const struct iso_frame *frame,
                          const struct sim_colour *grey, struct sim_fit_window window);
 
@@ -37,10 +38,11 @@ void sim_fit_paint_frame(struct sim_canvas *canvas, const struct iso_frame *fram
 int sim_fit_head_new(const struct sim_fit_view *view, struct sim_fit_window window,
                      struct sim_fit_head *out) __attribute__((warn_unused_result));
 
+/* Paints the head's triangles and their edges, partly transparent. */
 void sim_fit_paint_mesh(struct sim_canvas *canvas, const struct sim_fit_view *view,
                         const struct sim_fit_head *head);
 
-/* The residuals in colours, slightly lit, so that the face is recognisable. */
+/* Paints the residuals in colours, slightly lit, so that the face is recognisable. */
 void sim_fit_paint_residuals(struct sim_canvas *canvas, const struct sim_fit_view *view,
                              const struct sim_fit_head *head);
 

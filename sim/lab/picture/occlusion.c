@@ -39,7 +39,8 @@ static struct iso_vec3 coarse_point(const struct sim_scene *scene, int x, int y,
                     (S * y + S / 2 - camera->cy_px) * z_mm / camera->fy_px, z_mm);
 }
 
-/* Sine of the highest horizon over the plane of normal n from p, in a direction of steps. */
+/* Sine of the highest horizon over the plane of normal n, seen from p in the direction (step_x,
+ * step_y). A distant horizon counts less. */
 static double horizon_of(const struct sim_scene *scene, const struct coarse *coarse, int x, int y,
                          struct iso_vec3 p, struct iso_vec3 n, double step_x, double step_y)
 {
@@ -70,8 +71,8 @@ static double openness(const struct sim_scene *scene, const struct coarse *coars
         sim_scene_interpolate(scene, sample, r->triangle[sample], scene->normals));
     double step_px = occlusion_step_mm * r->camera.fx_px / p.z / S, hidden = 0.0;
     for (int d = 0; d < DIRECTIONS; d++) {
-        /* A fixed pattern turns the directions from pixel to pixel, so that none becomes visible.
-         */
+        /* A fixed pattern turns the directions from pixel to pixel, so that no direction becomes
+         * visible in the picture. */
         const double angle = 2.0 * M_PI * (d + 0.25 * ((x + 2 * y) % 4)) / DIRECTIONS;
         hidden += horizon_of(scene, coarse, x, y, p, n, step_px * cos(angle),
                              step_px * sin(angle)) /

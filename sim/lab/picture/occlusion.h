@@ -13,7 +13,7 @@ struct sim_occlusion {
     float *open;       /* [height * width]: 1 where nothing is hidden */
 };
 
-/* Free `open` with free(). -ENOMEM. */
+/* Computes the occlusion of a scene. Free `open` with free(). -ENOMEM. */
 int sim_occlusion_compute(const struct sim_scene *scene, struct sim_occlusion *out)
     __attribute__((warn_unused_result));
 

@@ -8,12 +8,11 @@
 #include "isotherm/mesh.h"
 #include "sim/lab/draw/canvas.h"
 
-/* The viewpoint on a face: face frame, with the nose tip at the centre of the picture unless it
- * is moved. */
+/* The viewpoint on a face. */
 struct sim_view {
     double yaw_rad,
         pitch_rad; /* of the viewer about the face; > 0 shows more of its left side, of its top */
-    struct iso_vec3 centre_mm; /* face frame: the point in the middle of the picture */
+    struct iso_vec3 centre_mm; /* face frame: the point in the middle of the picture; 0: nose tip */
     double distance_mm;        /* of the viewer from the centre */
     double height_mm;          /* the height of the picture at the centre's distance */
 };
@@ -39,8 +38,8 @@ struct sim_surface_style {
     bool edges; /* draw the triangles' edges */
 };
 
-/* Shades the visible part: two lights, sky light with ambient occlusion, a soft highlight. -ENOMEM.
- */
+/* Shades the visible part: three lights, sky light with ambient occlusion, a soft highlight.
+ * -ENOMEM. */
 int sim_scene_shade(const struct sim_scene *scene, const struct sim_surface_style *style)
     __attribute__((warn_unused_result));
 

@@ -22,8 +22,8 @@ struct sim_visit_frame {
 };
 
 struct sim_visit_switch {
-    double t_s;
-    bool active;
+    double t_s;  /* since the visitor arrived */
+    bool active; /* whether the relay has power from now on */
 };
 
 /* The caller owns all of it. */

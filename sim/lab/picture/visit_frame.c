@@ -11,7 +11,8 @@ struct window {
     double x, y, width, height;
 };
 
-/* Twice as high as the face; without a face as high as the frame. */
+/* The window around the face, 1.75 times as high as the extent of the 68 points; without a face, a
+ * window as high as the frame. */
 static struct window window_of(const struct sim_visit_picture *p, const struct sim_visit_frame *f)
 {
     const double aspect = p->width / p->height;

@@ -32,9 +32,10 @@ struct sim_visit_picture {
     cairo_t *cr;
     int n;                /* number of frames to draw */
     double width, height; /* of a frame's panel, px */
-    double score_max;
+    double score_max;     /* the score whose bar has the full height */
 };
 
+/* Set the current colour (0xRRGGBB) and the current font. */
 void sim_visit_colour(const struct sim_visit_picture *p, uint32_t hex);
 void sim_visit_font(const struct sim_visit_picture *p, double size, bool bold);
 

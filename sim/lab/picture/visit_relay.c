@@ -5,7 +5,7 @@
 #include "sim/lab/picture/visit_parts.h"
 
 struct lane {
-    double left, right, high, low; /* px; of the curve */
+    double left, right, high, low; /* px: the curve's ends; its height with power, without */
     struct sim_axis axis;
 };
 

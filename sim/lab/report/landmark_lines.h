@@ -6,7 +6,8 @@
 
 #include "isotherm/extract.h"
 
-/* The line of column names, and the twelve rows of a frame. */
+/* Print the line of column names, and the twelve lines of a frame. Landmarks are in the camera
+ * frame, mm. */
 void sim_report_landmarks_header(FILE *out);
 void sim_report_landmarks(const char *recording, size_t frame,
                           const struct iso_vec3 landmark_mm[ISO_LANDMARKS], FILE *out);

@@ -1,5 +1,6 @@
-/* The reports of an evaluation. Each function writes into an existing directory and replaces old
- * files. It returns 0 or a negative errno, with a fault that names the file. */
+/* The reports of an evaluation. A function with a directory writes into this directory, which must
+ * exist, and replaces old files. It returns 0 or a negative errno, with a fault that names the
+ * file. */
 #ifndef SIM_LAB_REPORT_REPORT_H
 #define SIM_LAB_REPORT_REPORT_H
 
@@ -7,9 +8,9 @@
 
 #include "sim/lab/eval/eval.h"
 
-/* scores.csv: every comparison; landmarks.csv: the landmarks found in every usable frame;
- * cmc.csv; det.csv; growth.csv: error rates by the number of people enrolled; curves.csv: error
- * rates by the conditions of a search. */
+/* scores.csv: every comparison, and every probe that was not acquired; landmarks.csv: the landmarks
+ * found in every usable frame; cmc.csv; det.csv; growth.csv: error rates by the number of people
+ * enrolled; curves.csv: error rates by the conditions of a search. */
 int sim_report_csv(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -17,7 +18,8 @@ int sim_report_csv(const struct sim_eval *eval, const char *directory, struct is
 int sim_report_json(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* cmc.png, det.png, scores.png, growth.png, and curve-FACTOR.png for every factor that varies */
+/* cmc.png, det.png, scores.png, growth.png, and curve-FACTOR.png for every factor that varies. A
+ * picture is not written if there are too few data for it. */
 int sim_report_plots(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -68,7 +68,7 @@ static void print_verdict(const struct sim_verdict *v, bool is_first, FILE *out)
     fputc('\n', out);
 }
 
-/* Compares the first method with the best of the others in one figure; lower is better. */
+/* The first method's value of one figure, and the best value among the others; lower is better. */
 struct standing {
     double own, best;
     struct sim_interval best_interval;

@@ -15,13 +15,15 @@ struct sim_contest {
     size_t n_people, n_searches, n_strangers, n_non_mated;
 };
 
-/* -ENOMEM. */
+/* Takes the verdicts of all methods that were not skipped. -ENOMEM. */
 int sim_contest_of(const struct sim_eval *eval, struct sim_contest *out)
     __attribute__((warn_unused_result));
 
-/* Prints the table of one corpus, one method in each line, then the skipped methods and the
- * reasons. */
+/* Prints the table of one corpus, one method in each line, and how the first method compares with
+ * the best of the others. */
 void sim_contest_text(const struct sim_contest *contest, FILE *out);
+
+/* Prints a line with the reason for each method that was skipped. */
 void sim_contest_left_out(const struct sim_eval *eval, FILE *out);
 
 /* methods.csv: one line for each method and corpus. */

@@ -23,7 +23,7 @@ static int out_of_memory(const char *name, struct iso_fault *fault)
 
 enum { RANKS_MAX = 20, CURVES_MAX = SIM_METHODS };
 
-/* The methods that were not skipped. */
+/* Lists the methods that were not skipped, and returns their number. */
 static size_t list_methods(const struct sim_eval *eval,
                            const struct sim_eval_method *methods[CURVES_MAX])
 {
@@ -148,7 +148,8 @@ static int plot_det(const struct sim_eval *eval, const char *directory, struct i
 
 enum { BINS = 80 };
 
-/* The outline of a histogram as shares, two points for each bin. Returns the highest share. */
+/* The outline of a histogram of shares in percent, two points for each bin. Returns the highest
+ * share. */
 static double histogram_outline(const struct sim_score *scores, size_t n, double from, double to,
                                 double *x, double *y)
 {
@@ -166,7 +167,7 @@ static double histogram_outline(const struct sim_score *scores, size_t n, double
     return highest;
 }
 
-/* The lowest finite of rising scores. */
+/* The lowest finite one of rising scores, or the last one if none is finite. */
 static double lowest_finite(const struct sim_score *scores, size_t n)
 {
     size_t i = 0;
@@ -176,7 +177,7 @@ static double lowest_finite(const struct sim_score *scores, size_t n)
     return scores[i].score;
 }
 
-/* Draws the scores of the first method. */
+/* The label of the axis of scores, by the kind of the first method's scores. */
 static const char *score_label(const struct sim_eval *eval)
 {
     static const char *const labels[] = {
