@@ -112,8 +112,9 @@ static int train(const struct iso_labelled *training, void **model)
     return 0;
 }
 
-/* Each pair of classes has a vote. The score of a class is the confidence of the votes for it
- * minus that of the votes against it. */
+/* Each pair of classes divides one vote between its two classes, by a logistic function of the
+ * decision value. The score of a class is the sum of its parts; -INFINITY for a class without
+ * training samples. */
 static int score(const void *model, const float *feature, double *score)
 {
     const struct machine *m = model;

@@ -1,5 +1,6 @@
-/* Decision trees in plain C. Only this interface uses OpenCV's ml. No C++ exception leaves it.
- * Its code is the module `trees` (drivers/base/module.h). */
+/* OpenCV's decision trees with an interface in plain C. Only the code behind this interface uses
+ * OpenCV's ml; it lets no C++ exception out. The code is in the module `trees`
+ * (drivers/base/module.h). */
 #ifndef ISO_SIM_SHAPES_LEARN_TREE_H
 #define ISO_SIM_SHAPES_LEARN_TREE_H
 
@@ -20,7 +21,7 @@ int iso_tree_new(const float *feature, const int32_t *label, int32_t n, int32_t 
 /* Frees it. NULL is accepted. */
 void iso_tree_free(struct iso_tree *tree);
 
-/* The label that the tree predicts. -EDOM, -ENOMEM. */
+/* Sets the label that the tree predicts. -EDOM if OpenCV refuses the feature, -ENOMEM. */
 int iso_tree_tell(const struct iso_tree *tree, const float *feature, int32_t *label)
     __attribute__((warn_unused_result));
 

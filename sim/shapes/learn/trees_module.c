@@ -4,7 +4,7 @@
 static struct iso_module_slot slot = {.name = ISO_TREES_MODULE_NAME,
                                       .size_bytes = sizeof(struct iso_trees_module)};
 
-/* Call this only after iso_tree_load. */
+/* The module's functions. Call this only after iso_tree_load. */
 static const struct iso_trees_module *module(void)
 {
     return (const struct iso_trees_module *)slot.table;

@@ -113,7 +113,7 @@ static int polygonise_skeleton(const struct sim_skeleton *skeleton, int32_t n_ve
 
 /* ---- well-shaped triangles --------------------------------------------------------- */
 
-/* Keeps the largest of several surfaces and removes small unconnected pieces. */
+/* Keeps the largest of several unconnected surfaces and removes the triangles of the others. */
 static int keep_largest(struct iso_mesh *mesh)
 {
     const size_t n = (size_t)mesh->n_triangles;
@@ -160,8 +160,8 @@ static struct iso_vec3 onto_surface(const struct sim_skeleton *skeleton, struct 
     return p;
 }
 
-/* Makes the triangles more even: each vertex moves halfway to the middle of its neighbours,
- * weighted by the areas of the triangles between them, and back onto the surface. */
+/* Makes the triangles more even: each vertex moves 70 % of the way to the mean of the middles of
+ * its triangles, weighted by their areas, and back onto the surface. */
 static int relax_mesh(const struct sim_skeleton *skeleton, struct iso_mesh *mesh)
 {
     const size_t n = (size_t)mesh->n_vertices;

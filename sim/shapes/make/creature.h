@@ -20,9 +20,9 @@ struct sim_creature_options {
     double pose;        /* strength of bending: 0 is rest, 1 is usual for the species */
 };
 
-/* Polygonises on a grid drawn from `grid`, and poses the result as drawn from `pose`. The same
- * states give the same numbers. -EINVAL for options out of range or a skeleton without surface,
- * -ENOMEM. */
+/* Polygonises on a grid in a random position drawn from `grid`, and bends the result into a random
+ * pose drawn from `pose`. The same states give the same numbers. -EINVAL for options out of range
+ * or a skeleton without surface, -ENOMEM. */
 int sim_creature_new(const struct sim_skeleton *skeleton,
                      const struct sim_creature_options *options, struct sim_random *grid,
                      struct sim_random *pose, struct sim_creature **out)

@@ -29,7 +29,8 @@ struct cutter {
         *pixels_at; /* [DEPTH_MAX_MM] number of the frame's pixels for each millimetre of depth */
 };
 
-/* The depth that is larger than a hundredth of the measured depths; 0 if no pixel is measured. */
+/* The depth, in whole millimetres, below which a hundredth of the measured depths are; 0 if no
+ * pixel is measured. */
 static int foremost_mm(struct cutter *cutter, const struct iso_frame *frame)
 {
     static const size_t share = 100;

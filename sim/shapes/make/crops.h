@@ -23,9 +23,9 @@ struct sim_crops_options {
 };
 
 /* Writes OFF files and manifest.csv with class `face` or, for subject `none`, `not-face`. Only
- * the first frame of each row is used. *n_written: number of shapes; *n_empty: frames with too
- * few pixels. -EINVAL without a corpus; errors of reading and writing; -ENOMEM; each with a
- * fault. */
+ * the first frame of each row is used. *n_written: number of shapes; *n_empty: frames without an
+ * object or with too few pixels of it. -EINVAL without a corpus; errors of reading and writing;
+ * -ENOMEM; each with a fault. */
 int sim_crops_write(const struct sim_crops_options *options, int32_t *n_written, int32_t *n_empty,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -15,7 +15,7 @@ static const struct {
     {"missing", {0.05, 0.10, 0.20}}, {"stretch", {1.1, 1.25, 1.5}}, {"bulge", {0.02, 0.04, 0.06}},
 };
 
-/* Shot noise changes one vertex of this number. */
+/* Shot noise changes on average one in this number of vertices. */
 enum { SHOT_ONE_IN = 100 };
 
 const char *sim_distortion_name(enum sim_distortion_kind kind)
@@ -122,8 +122,8 @@ static int vertex_normals(const struct iso_mesh *mesh, struct iso_vec3 **out)
     return 0;
 }
 
-/* Moves vertices along their normals by noise that varies over half the spread of the shape. The
- * mean square of the noise is about 0.1. */
+/* Moves vertices along their normals by smooth noise, whose grid has half the spread of the shape
+ * (spread_of) as its pitch. The mean square of the noise is about 0.1. */
 static int bulge_mesh(struct iso_mesh *mesh, double share, struct sim_random *random)
 {
     struct iso_vec3 *normal = NULL;

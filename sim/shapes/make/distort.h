@@ -14,7 +14,8 @@ enum sim_distortion_kind {
     SIM_DISTORTION_SCALE,   /* larger or smaller by 1.5, 2, 3 */
     SIM_DISTORTION_MISSING, /* 5, 10, 20 % of the surface around a point is cut away */
     SIM_DISTORTION_STRETCH, /* along a random axis by 1.1, 1.25, 1.5, with constant volume */
-    SIM_DISTORTION_BULGE,   /* smoothly swollen and shrunk by 2, 4, 6 % of the size, rms */
+    SIM_DISTORTION_BULGE,   /* smoothly swollen and shrunk by 2, 4, 6 % of the coordinates' standard
+                               deviation, rms */
     SIM_DISTORTIONS
 };
 
@@ -31,7 +32,7 @@ const char *sim_distortion_name(enum sim_distortion_kind kind);
 /* The value of a level, as listed above: NSR, factor or share. */
 double sim_distortion_strength(struct sim_distortion distortion);
 
-/* A sim_option_parser for texts such as "white:2". -EINVAL. */
+/* A sim_option_parser of a struct sim_distortion for texts such as "white:2". -EINVAL. */
 int sim_distortion_parse(const char *text, void *field);
 
 /* Changes a mesh in place. The same state of `random` gives the same change. -EINVAL for a level

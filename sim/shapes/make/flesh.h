@@ -14,7 +14,7 @@
 /* The level of the surface: the field of a long bone at its radius. */
 extern const double sim_flesh_level;
 
-/* The reach of a bone's field from its axis, in units of its larger radius. */
+/* The reach of a bone's field from its axis, in units of the bone's radius. */
 extern const double sim_flesh_reach;
 
 /* The field of one bone at a point, >= 0. */

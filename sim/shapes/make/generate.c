@@ -26,8 +26,8 @@ enum {
     CLASS_NAME_MAX = 40,
 };
 
-/* Amount of variation of a class's body from its species, and of the two bodies of a class from
- * each other. */
+/* Amount of variation of a body from its species: of a class beyond the species themselves, and of
+ * each of the two bodies of a textured class. */
 static const double other_class = 0.5, other_body = 0.12;
 
 /* One shape to make. */
@@ -47,7 +47,7 @@ struct shape_maker {
     struct shape_plan *plan;
     int32_t n;
     pthread_mutex_t fault_lock;
-    struct iso_fault *fault; /* fault of the first shape that failed */
+    struct iso_fault *fault; /* of the shape that failed first */
 };
 
 /* ---- the plan of shapes ------------------------------------------------------------ */

@@ -5,8 +5,9 @@
  * have the limbs of a species in other proportions.
  *
  * `textured` is like SHREC'13 of section 5.4, with colours, as PLY. Each class has two bodies
- * with three coats each, and each of these null shapes has four transformations (another pose;
- * stretched; bulging; noisy): 24 shapes. The class in the manifest is SHAPE/COAT. */
+ * with three coats each. Each of these null shapes has four transformations (another pose;
+ * stretched; bulging; noisy), and only these are written: 24 shapes. The class in the manifest is
+ * SHAPE/COAT. */
 #ifndef SIM_SHAPES_MAKE_GENERATE_H
 #define SIM_SHAPES_MAKE_GENERATE_H
 

@@ -87,8 +87,8 @@ static int check_files(const char *name, const struct sim_shape_manifest *manife
     return error;
 }
 
-/* The class number of row i: the number of the first row whose class has the same first
- * `length(row)` characters, or the next free number. */
+/* The class number of row i: that of the first row with the same class, or n_so_far for a new
+ * class. With `wider` it is the number of the wider class, the part before the slash. */
 static int32_t number_of(const struct sim_shape_manifest *manifest, const int32_t *numbers,
                          int32_t i, bool wider, int32_t n_so_far)
 {

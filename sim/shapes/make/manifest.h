@@ -33,7 +33,7 @@ struct sim_shape_manifest {
 int sim_shape_manifest_read(const char *directory, struct sim_shape_manifest **out,
                             struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Parses a manifest from a text; `name` stands for the file in faults. */
+/* Parses a manifest from a text; `name` stands for the file in faults. -EBADMSG, -ENOMEM. */
 int sim_shape_manifest_parse(const char *name, const char *text, struct sim_shape_manifest **out,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 

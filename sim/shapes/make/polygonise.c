@@ -45,7 +45,7 @@ static struct iso_vec3 node_place(const struct sim_field_grid *grid, size_t node
 static int32_t edge_vertex(struct march *m, size_t node, int a, int b)
 {
     const int low = a < b ? a : b,
-              high = a < b ? b : a; /* corners of one tetrahedron: low is in high */
+              high = a < b ? b : a; /* in a tetrahedron, high has all bits of low */
     const size_t from = corner_node(m->grid, node, low), to = corner_node(m->grid, node, high);
     int32_t *known = &m->vertex_of_edge[from * EDGE_KINDS + (size_t)(high - low) - 1];
     if (*known == 0) {
@@ -74,8 +74,8 @@ static int add_triangle(struct march *m, int32_t a, int32_t b, int32_t c)
     return 0;
 }
 
-/* One corner p apart from the other three, which are in the order that makes (p, q, r, s)
- * right-handed. */
+/* Adds the triangle that separates corner p from the other three, q, whose order makes
+ * (p, q[0], q[1], q[2]) right-handed. `inside`: p is inside. */
 static int cut_corner(struct march *m, size_t node, int p, const int q[3], bool inside)
 {
     const int32_t a = edge_vertex(m, node, p, q[0]), b = edge_vertex(m, node, p, q[1]);
@@ -83,7 +83,8 @@ static int cut_corner(struct march *m, size_t node, int p, const int q[3], bool 
     return inside ? add_triangle(m, a, b, c) : add_triangle(m, a, c, b);
 }
 
-/* Corners p0, p1 inside and q0, q1 outside, (p0, p1, q0, q1) right-handed. */
+/* Adds the two triangles that separate the corners p, which are inside, from the corners q, which
+ * are outside. (p[0], p[1], q[0], q[1]) is right-handed. */
 static int cut_between(struct march *m, size_t node, const int p[2], const int q[2])
 {
     const int32_t a = edge_vertex(m, node, p[0], q[0]), b = edge_vertex(m, node, p[1], q[0]);

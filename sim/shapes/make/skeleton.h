@@ -54,7 +54,7 @@ void sim_skeleton_grow(const struct sim_limb *limbs, int n_limbs, const struct s
                        struct sim_skeleton *out);
 
 /* Draws a random pose: posed_from_rest[n_bones]. Every joint turns by at most its `bend` times
- * `strength` about its own axis; in chains that follow, all joints turn similarly. */
+ * `strength` about a random axis; in chains that follow, all joints turn similarly. */
 void sim_skeleton_pose(const struct sim_skeleton *skeleton, double strength,
                        struct sim_random *random, struct iso_rigid *posed_from_rest);
 

@@ -13,7 +13,7 @@ struct rings {
     double *weight;
 };
 
-/* Adds one neighbour. A vertex of the boundary only uses neighbours on the boundary. */
+/* Adds the neighbour `from` to the sums of vertex v. */
 static void hear(const struct iso_mesh *mesh, struct rings *rings, int32_t v, int32_t from,
                  double weight)
 {
@@ -21,7 +21,8 @@ static void hear(const struct iso_mesh *mesh, struct rings *rings, int32_t v, in
     rings->weight[v] += weight;
 }
 
-/* Each triangle adds its edges once, so that an inner edge is added twice with half weight. */
+/* Each triangle adds its edges once, so that an inner edge is added twice with half weight. A
+ * vertex on the boundary uses only its neighbours along the boundary. */
 static void hear_edges(const struct iso_mesh *mesh, struct rings *rings)
 {
     for (int32_t t = 0; t < mesh->n_triangles; t++) {

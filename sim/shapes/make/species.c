@@ -19,7 +19,7 @@
         }                                                                                         \
     }
 
-/* A limb is one line, or two. */
+/* The tables are laid out by hand: a limb takes one to three lines. */
 /* clang-format off */
 static const struct sim_limb man[] = {
     {"torso", -1, 0, false, 0.25, 0.3, {{{0, 94, 0}, 13}, {{0, 114, 0}, 12}, {{0, 136, 0}, 15}}},

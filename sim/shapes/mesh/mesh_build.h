@@ -26,11 +26,13 @@ int iso__mesh_build_init(struct iso__mesh_build *build, const char *name, struct
 int iso__mesh_build_vertex(struct iso__mesh_build *build, unsigned line, struct iso_vec3 at_mm,
                            const struct iso_colour *colour) __attribute__((warn_unused_result));
 
-/* Adds a triangle; indices count from 0 and are checked at the end. */
+/* Adds a triangle; indices count from 0 and are checked at the end. -EFBIG, -ENOMEM, with a fault.
+ */
 int iso__mesh_build_triangle(struct iso__mesh_build *build, unsigned line, const int32_t corner[3])
     __attribute__((warn_unused_result));
 
-/* Checks that every index has a vertex and hands the mesh to the caller. -EBADMSG. */
+/* Checks that there are triangles and that every index has a vertex. Hands the mesh to the caller.
+ * -EBADMSG with a fault. */
 int iso__mesh_build_finish(struct iso__mesh_build *build, struct iso_coloured_mesh *out)
     __attribute__((warn_unused_result));
 

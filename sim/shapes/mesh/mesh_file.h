@@ -9,8 +9,9 @@
  *           counted from 1
  *
  * Faces of more than three corners are cut into fans. Coordinates are not converted, whatever
- * their unit. A reader refuses what it does not understand: every failure is one line "file:line:
- * what is wrong". Mending deals with defects of a mesh that could be read. */
+ * their unit. A reader refuses contents that it does not understand, with a fault "file:line: what
+ * is wrong", or "file: what is wrong" for a fault of the whole file. Mending deals with defects of
+ * a mesh that could be read. */
 #ifndef ISO_SIM_SHAPES_MESH_MESH_FILE_H
 #define ISO_SIM_SHAPES_MESH_MESH_FILE_H
 
@@ -41,14 +42,16 @@ enum iso_mesh_format {
 const char *iso_mesh_format_suffix(enum iso_mesh_format format);
 
 /* Reads a file by the ending of its name and mends it (see iso_mesh_mend). -ENOENT; -EBADMSG for
- * refused contents or a mesh without a triangle; -ENOTSUP for another ending; -EFBIG above 1
- * GiB; -ENOMEM; or the errno of open and read. Each comes with a fault that names the file. */
+ * refused contents or a mesh without a triangle; -ENOTSUP for another ending; -EFBIG above 1 GiB
+ * or for too many vertices or triangles; -ENOMEM; or the errno of open and read. Each comes with a
+ * fault that names the file. */
 int iso_mesh_file_read(const char *path, struct iso_coloured_mesh *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* The same from memory and without mending: triangles may repeat a corner or each other, but
  * their indices are in range. `bytes` is changed; a NUL must follow its end. A TOSCA mesh
- * consists of two texts; `tri` is NULL for other formats. `name` stands for the file in faults. */
+ * consists of two texts; `tri` is NULL for other formats. `name` stands for the file in faults.
+ * -EBADMSG, -EFBIG, -ENOMEM; each with a fault. */
 int iso_mesh_parse(enum iso_mesh_format format, const char *name, char *bytes, size_t size,
                    char *tri, struct iso_coloured_mesh *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -63,8 +66,8 @@ struct iso_mesh_mended {
 
 /* Mends a mesh by these rules:
  *
- * - Vertices at exactly the same place become one vertex with the mean of their colours, so that
- *   separately written faces are connected.
+ *  - Vertices at exactly the same place become one vertex with the mean of their colours, so that
+ *    separately written faces are connected.
  *  - Triangles with two corners at the same place, and copies of a triangle, are removed.
  *  - Vertices of no triangle are removed.
  *  - Boundaries, edges of more than two triangles, triangles without area, triangles that are

@@ -7,7 +7,8 @@
 
 enum { WORDS_MAX = 8 };
 
-/* The next line with words; a comment begins with #. 0 words: the end of the file. */
+/* Reads the next line with words, and returns their number; 0 at the end of the file. A comment
+ * begins with #. */
 static size_t next_words(struct iso_text_lines *lines, char **words, size_t max)
 {
     size_t n = 0;

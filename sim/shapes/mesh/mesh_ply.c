@@ -1,5 +1,5 @@
 /* PLY (Turk 1994). A file is a header, which lists elements and their properties, and the elements
- * as text or as little- or big-endian binary. Both give the same values here. */
+ * as text or as little- or big-endian binary. All three give the same values here. */
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -230,7 +230,7 @@ static double value_of(enum type type, uint64_t bits)
     }
 }
 
-/* The next value in any encoding. Texts are read word by word, like in most readers. */
+/* Reads the next value in any encoding. Texts are read word by word, as most readers do. */
 static int read_value(struct ply *ply, enum type type, double *out)
 {
     if (ply->encoding != TEXT) {
@@ -276,7 +276,8 @@ static int read_list(struct ply *ply, const struct property *property)
     return error;
 }
 
-/* The greatest value of a colour channel; 1 for floating point. */
+/* The greatest value of a colour channel: that of the type for one or two unsigned bytes, otherwise
+ * 1. */
 static double full_scale(enum type type)
 {
     if (type == UINT8) {

@@ -32,7 +32,7 @@ struct sim_bank {
     long peak_kib; /* peak memory of the process so far */
 };
 
-/* Reads, distorts, smooths and describes the shapes. One thread describes a shape by all
+/* Reads, thins, distorts, smooths and describes the shapes. One thread describes a shape by all
  * methods. If one shape cannot be read or described, the whole call fails: -EBADMSG, -ENODATA,
  * -ENOENT, ..., with a fault that names its file; -ENOMEM. */
 int sim_bank_new(const struct sim_bank_options *options, struct sim_bank **out,
@@ -44,8 +44,10 @@ void sim_bank_free(struct sim_bank *bank);
 /* The descriptions of all shapes by one method: [n]. */
 const struct iso_shape_description *const *sim_bank_of(const struct sim_bank *bank, int method);
 
-/* Reads a shape in the same way as a bank: mended, thinned, distorted, smoothed. `row` seeds the
- * distortion. */
+/* Reads the shape of a row of the manifest in the same way as a bank: mended, thinned, distorted,
+ * smoothed. The random numbers of the distortion depend on the seed, the file's name and the kind
+ * of distortion. Errors of iso_mesh_file_read, sim_thin, sim_distort and sim_smooth, with a fault.
+ */
 int sim_bank_read(const struct sim_bank_options *options, int32_t row,
                   struct iso_coloured_mesh *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -44,8 +44,8 @@ int sim_features_ask(struct sim_features *features, const struct sim_bank *queri
 /* Frees it and what it holds. NULL is accepted. */
 void sim_features_free(struct sim_features *features);
 
-/* distance[query][item], 0 for the query's own item, by a classifier that learns from all items.
- * -ENOSYS for a classifier that cannot rank; errors of the classifier; -ENOMEM. */
+/* Computes distance[query][item], 0 for the query's own item, by a classifier that learns from all
+ * items. -ENOSYS for a classifier that cannot rank; errors of the classifier; -ENOMEM. */
 int sim_features_rank(const struct sim_features *features,
                       const struct iso_classifier_ops *classifier, int threads, double *distance)
     __attribute__((warn_unused_result));
@@ -54,10 +54,10 @@ int sim_features_rank(const struct sim_features *features,
 int sim_features_measure(const struct sim_features *features, const double *distance,
                          struct iso_retrieval *out) __attribute__((warn_unused_result));
 
-/* The quality of classification, as means over classes. A corpus is tested by 10-fold
- * cross-validation. For distorted queries, each query has its own classifier, which learns from
- * all items except the query's own. count[true * n_classes + predicted] may be NULL. Errors of
- * the classifier, -ENOMEM. */
+/* Measures the quality of classification, as means over classes. If the queries are the items, they
+ * are tested by 10-fold cross-validation (with fewer than 10 items, one fold for each). Otherwise
+ * each query has its own classifier, which learns from all items except the query's own.
+ * count[true * n_classes + predicted] may be NULL. Errors of the classifier, -ENOMEM. */
 int sim_features_classify(const struct sim_features *features,
                           const struct iso_classifier_ops *classifier, uint64_t seed, int threads,
                           int32_t *count, struct iso_confusion_rates *out)

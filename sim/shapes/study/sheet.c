@@ -163,7 +163,8 @@ int sim_sheet_classes(const struct sim_bank_options *how, int columns, const cha
     return draw_sheet(&sheet, path, fault);
 }
 
-/* The items of one query without its own, nearest first, as many as there is room for. */
+/* Fills a row with the items nearest to a query, nearest first. The query's own item is left out.
+ */
 static void fill_matches(struct sheet *sheet, int r, const struct sim_features *features,
                          int32_t query, const double *distance)
 {

@@ -4,13 +4,14 @@
 
 #include "sim/shapes/study/retrieve.h"
 
-/* Draws one class in each row, with up to `columns` of its shapes (at most 20 rows, one for each
- * class). -ENOMEM, -EIO, errors of sim_bank_read. */
+/* Draws one class in each row, with up to `columns` of its shapes. A sheet has at most 20 rows and
+ * 16 columns. -ENOMEM, -EIO, errors of sim_bank_read. */
 int sim_sheet_classes(const struct sim_bank_options *how, int columns, const char *path,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Draws a picture like figure 4.5: on the left a query of each class (distorted as in `how`),
- * then its first matches by a matrix of distances. Matches of another class are green. */
+/* Draws a picture like figure 4.5: on the left the first query of each class (distorted as in
+ * `how`), then its first matches by a matrix of distances. Matches of another class are green.
+ * Limits and errors are those of sim_sheet_classes. */
 int sim_sheet_matches(const struct sim_bank_options *how, const struct sim_features *features,
                       const double *distance, int columns, const char *path,
                       struct iso_fault *fault) __attribute__((warn_unused_result));

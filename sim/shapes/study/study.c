@@ -8,8 +8,7 @@
 #include "sim/shapes/learn/learn.h"
 #include "sim/shapes/study/study_data.h"
 
-/* ---- the requested methods and classifiers
- * ---------------------------------------------------------- */
+/* ---- the requested methods and classifiers ---------------------------------------------- */
 
 /* Whether the first shape of the corpus has colours. */
 static int find_colours(const struct sim_study *study, bool *coloured, struct iso_fault *fault)

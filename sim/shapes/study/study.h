@@ -24,14 +24,17 @@ struct sim_shapes_study_options {
 /* Prints a line for each method and classifier, and writes below `out`:
  *
  *   measures.csv                       all measures, and times
- *   precision-recall.png               of all that rank
- *   shapes.png                         some shapes of each class
+ *   precision-recall.png               of the first twelve methods and classifiers that rank
+ *   shapes.png                         some shapes of each class; only with `pictures`
  *   METHOD-CLASSIFIER/distances.csv    a line for each query: its file, then the distance to every
- *                                      item; a query's own item is at 0 and never counts
- *   METHOD-CLASSIFIER/confusion.csv    how often each class was taken for each
- *   METHOD-CLASSIFIER/matches.png      first matches of a query of each class
+ *                                      item; a query's own item is at 0 and never counts; only if
+ *                                      the classifier ranks
+ *   METHOD-CLASSIFIER/confusion.csv    how often each class was taken for each class
+ *   METHOD-CLASSIFIER/matches.png      first matches of a query of each class; only with `pictures`
+ *                                      and if the classifier ranks
  *
- * -EINVAL for an unknown name; errors of the banks and of writing; each with a fault. */
+ * -EINVAL for an unknown name; -ENOTSUP if the build lacks a method's own classifier; errors of the
+ * banks and of writing; each with a fault. */
 int sim_shapes_study(const struct sim_shapes_study_options *options, FILE *out,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -40,7 +40,7 @@ struct sim_study {
 int sim_study_run_method(struct sim_study *study, int m, FILE *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Writes the files of the whole study. */
+/* Writes the files of the whole study. Errors of writing, with a fault. */
 int sim_study_save(const struct sim_study *study, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -70,7 +70,7 @@ static int directory_of(const struct sim_study *study, const struct sim_study_re
     return sim_make_directory(directory, fault);
 }
 
-/* Writes the distances and a picture of them. */
+/* Writes the distances and, if pictures are wanted, a picture of the first matches. */
 static int save_matrix(const struct sim_study *study, const struct sim_study_result *result,
                        const struct matrix *matrix, struct iso_fault *fault)
 {

@@ -192,7 +192,7 @@ static void ask_methods(const struct tables *tables, struct sim_tables_corpus *c
     }
 }
 
-/* Selects the corpus that stands for a data set. */
+/* Selects the corpus that stands for each data set. */
 static void assign_corpora(struct tables *tables)
 {
     const char *const directories[SIM_PAPER_SETS] = {

@@ -3,7 +3,7 @@
  *
  * The corpora differ, so compare figures within a column only. Queries never find themselves or
  * their undistorted originals, which is stricter than tables 4.8 and 4.11-4.13 of the
- * dissertation. Additional rows that the dissertation does not have are marked. */
+ * dissertation. Rows that the dissertation does not have show "-" in place of its figures. */
 #ifndef SIM_SHAPES_STUDY_TABLES_H
 #define SIM_SHAPES_STUDY_TABLES_H
 
@@ -17,14 +17,14 @@ struct sim_tables_options {
     const char *large;    /* stands for SHREC'11; NULL: the same as `corpus` */
     const char *textured; /* stands for SHREC'13; NULL: tables 5.1 and 5.2 are left out */
     const char *out;      /* directory for tables.csv, created if it is missing */
-    size_t queries; /* number of shapes of `large` to distort, from the classes in turn; 0: all */
+    size_t queries; /* number of shapes of a corpus to distort, from its classes in turn; 0: all */
     size_t seed;
     int smooth; /* see sim_smooth; applied to all shapes, distorted or not */
     int threads;
 };
 
-/* Prints the tables. -EINVAL for a corpus with fewer than two classes; errors of reading,
- * describing and writing; each with a fault. */
+/* Prints the tables and writes tables.csv. -EINVAL for a corpus with fewer than two classes; errors
+ * of reading, describing and writing; each with a fault. */
 int sim_shapes_tables(const struct sim_tables_options *options, FILE *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
