@@ -11,10 +11,10 @@
 
 enum { SIM_FIELDS_MAX = 128 };
 
-/* Eigenvalues (falling) and eigenvectors (vector[k * n ..] belongs to value k, unit length) of
- * the symmetric row-major n x n matrix a, which is destroyed, by cyclic Jacobi rotations (Golub
- * and Van Loan, Matrix Computations, 8.5). The code is plain C, so that results do not depend on
- * the installed BLAS. */
+/* Computes the eigenvalues (falling) and eigenvectors (vector[k * n ..] belongs to value k, unit
+ * length) of the symmetric row-major n x n matrix a, which is destroyed. It uses cyclic Jacobi
+ * rotations (Golub and Van Loan, Matrix Computations, 8.5). The code is plain C, so that results
+ * do not depend on the installed BLAS. */
 void sim_symmetric_eigen(double *a, uint32_t n, double *value, double *vector);
 
 /* Fits the six rigid motions to the weighted vertices of every field, and subtracts them from all

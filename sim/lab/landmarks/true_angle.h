@@ -8,11 +8,11 @@
 /* The angle between the direction of the face and the camera's axis, from yaw and pitch together:
  * cos angle = cos yaw cos pitch, 0..pi.
  *
- * If at least 4 of the landmarks that move little with expression (all except lip and mouth
- * corners) are known, the mean head's landmarks are registered to these true ones (Horn 1987).
- * The result is accurate to a few degrees, because the mean head is not the person's. Otherwise
- * the angle comes from the manifest's pose of the form y+02p-04r+07 (degrees of yaw, pitch,
- * roll). NaN if neither is available. */
+ * It is computed from the landmarks that move little with expression (all except upper lip and
+ * mouth corners), if at least 4 of them are known: the mean head's landmarks are registered to
+ * them (Horn 1987). The result is accurate to a few degrees, because the mean head is not the
+ * person's. If fewer are known, the angle comes from the manifest's pose of the form y+02p-04r+07
+ * (degrees of yaw, pitch, roll). NaN if neither is available. */
 double sim_true_angle(const struct iso_head_model *model, const struct sim_truth *truth,
                       const char *pose);
 

@@ -3,7 +3,7 @@
  * Closed set: rank and CMC. Open set: a search may be for a person who is not enrolled. FPIR is
  * the share of strangers' searches that return any candidate at the threshold. FNIR is the share
  * of enrolled people's searches that do not return this person as the first candidate at the
- * threshold (one candidate, because a door acts on the first only). */
+ * threshold. Only the first candidate counts, because a door acts on no other. */
 #ifndef SIM_LAB_MEASURE_IDENTIFICATION_H
 #define SIM_LAB_MEASURE_IDENTIFICATION_H
 

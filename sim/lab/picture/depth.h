@@ -5,10 +5,9 @@
 #include "core/base/fault.h"
 #include "isotherm/frame.h"
 
-/* Draws depth in colours from the nearest (bright) to the farthest (dark) of the middle 98% of
- * the measured pixels, black where there is no measurement, with a colour bar in mm. Small
- * frames are enlarged by a whole factor. A frame without measurements is all black. -ENOMEM,
- * -EIO. */
+/* Draws depth in colours, with a colour bar in mm. The colours reach from the nearest (bright) to
+ * the farthest (dark) of the middle 98% of the measured pixels; pixels without a measurement are
+ * black. Small frames are enlarged by a whole factor. -ENOMEM, -EIO, with a fault. */
 int sim_picture_depth(const struct iso_frame *frame, const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -15,12 +15,11 @@ struct sim_decimate_options {
 };
 
 /* Merges vertices until n_target of them have triangles, or until no merge is allowed. A merge
- * is not allowed if it would flip a triangle, make a sliver, change the topology, move the
- * boundary (a boundary vertex only moves along it), or give a vertex more than 24 triangles.
- * `triangles` is changed in place and
- * *n_triangles is reduced. Vertices keep their places; some have no triangles afterwards.
- * Deterministic: among equal costs the lowest vertex goes first. -EINVAL for a triangle out of
- * range or a vertex with more than 24 triangles; -ENOMEM. */
+ * must not flip a triangle, make a sliver, change the topology or move the boundary (a boundary
+ * vertex only moves along it). It must not give a vertex more than 24 triangles. `triangles` is
+ * changed in place and *n_triangles is reduced. Vertices keep their places; some have no triangles
+ * afterwards. The result is deterministic: among equal costs the lowest vertex goes first. -EINVAL
+ * for a triangle out of range or a vertex with more than 24 triangles; -ENOMEM. */
 int sim_decimate(const struct iso_vec3 *vertices_mm, uint32_t n_vertices,
                  const struct sim_decimate_options *options, uint32_t (*triangles)[3],
                  uint32_t *n_triangles) __attribute__((warn_unused_result));

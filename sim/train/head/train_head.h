@@ -29,11 +29,10 @@ struct sim_train_head_report {
     double expression_left_rms_mm; /* residual after the modes */
 };
 
-/* Keeps the front of the head (head_surface.h), decimates it but keeps all 68 landmarks, and
- * takes principal components of identity and of seeded random expressions, both without rigid
- * motion of the region ISO_HEAD_RIGID. The same arguments give the same model. -EINVAL for an
- * unsuitable head model or unsuitable options; -EDOM as sim_remove_rigid; -ENOMEM; each with a
- * fault. */
+/* Keeps the front of the head (head_surface.h), and decimates it but keeps all 68 landmarks. Takes
+ * the principal components of identity and of seeded random expressions, both without rigid motion
+ * of the region ISO_HEAD_RIGID. The same arguments give the same model. -EINVAL for an unsuitable
+ * head model or unsuitable options; -EDOM as sim_remove_rigid; -ENOMEM; each with a fault. */
 int sim_train_head(const struct sim_ict *ict, const struct sim_train_head_options *options,
                    struct iso_head_model **out, struct sim_train_head_report *report,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
