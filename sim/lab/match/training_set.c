@@ -136,7 +136,7 @@ int sim_training_set_check(const struct sim_training_set *set, const char *direc
                            const struct sim_corpus *corpus, bool *known, struct iso_fault *fault)
 {
     if (strcmp(set->directory, directory) == 0) {
-        return iso_fault_set(fault, -EINVAL, "%s: cannot be learned from and tested with",
+        return iso_fault_set(fault, -EINVAL, "%s: is both the training and the test corpus",
                              directory);
     }
     for (size_t i = 0; i < corpus->n_rows; i++) {

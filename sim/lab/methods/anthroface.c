@@ -180,14 +180,15 @@ static int train_on(const struct sim_training *training, bool marked, void **kno
     }
     if (n_points < POINTS_MIN) {
         forget_knowledge(k);
-        return iso_fault_set(fault, -EINVAL, "%s: %zu points are marked in all faces, not %d", name,
+        return iso_fault_set(fault, -EINVAL,
+                             "%s: %zu points are marked in all faces, %d are needed", name,
                              n_points, POINTS_MIN);
     }
     k->n_features = n_points * (n_points - 1);
     const int error = learn_subspace(training, k);
     if (error) {
         forget_knowledge(k);
-        return iso_fault_set(fault, error, "%s: %zu faces of %u %s cannot teach it: %s", name,
+        return iso_fault_set(fault, error, "%s: %zu faces of %u %s: learning failed: %s", name,
                              training->n, (unsigned)training->n_people,
                              iso_plural((uint64_t)training->n_people, "person", "people"),
                              strerror(-error));

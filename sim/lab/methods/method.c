@@ -4,7 +4,7 @@
 
 const struct sim_method sim_method_hfpc = {
     .name = "hfpc",
-    .source = "heat front propagation contours (Abdelrahman 2013, chapter 6) as the appliance has "
+    .source = "heat front propagation contours (Abdelrahman 2013, chapter 6) as the appliance uses "
               "them; with a metric, the best candidates are reranked by their upper faces",
 };
 
@@ -15,8 +15,8 @@ const struct sim_method sim_method_hfpc_metric = {
 
 const struct sim_method sim_method_hfpc_upper = {
     .name = "hfpc-upper",
-    .source = "the same by distance, whether there is a metric or not, of the landmarks that a "
-              "mouth does not move",
+    .source = "the same by distance, even if there is a metric, with the landmarks that a mouth "
+              "does not move",
 };
 
 const struct sim_method *const sim_methods[SIM_METHODS + 1] = {

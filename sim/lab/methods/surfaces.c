@@ -89,7 +89,7 @@ static int train(const struct sim_training *training, bool fisher, void **knowle
     if (error) {
         forget(k);
         return iso_fault_set(
-            fault, error, "%s: %zu faces of %u %s cannot teach it: %s",
+            fault, error, "%s: %zu faces of %u %s: learning failed: %s",
             fisher ? "fishersurfaces" : "eigensurfaces", training->n, (unsigned)training->n_people,
             iso_plural((uint64_t)training->n_people, "person", "people"), strerror(-error));
     }

@@ -168,8 +168,8 @@ static int distance(const void *knowledge, const void *probe, const void *galler
 
 const struct sim_method sim_method_hfpc_weighted = {
     .name = "hfpc-weighted",
-    .source = "Abdelrahman 2013, chapters 6 and 5: the appliance's contours by distance, of heat "
-              "whose density is the skin's infrared reflectance",
+    .source = "Abdelrahman 2013, chapters 6 and 5: the appliance's contours by distance, on a "
+              "surface whose density is the skin's infrared reflectance",
     .infrared = true,
     .describe = describe_weighted,
     .discard = discard,

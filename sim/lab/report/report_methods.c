@@ -140,9 +140,10 @@ void sim_contest_text(const struct sim_contest *c, FILE *out)
     for (size_t i = 0; i < c->n_verdicts; i++) {
         print_verdict(&c->verdicts[i], i == 0, out);
     }
-    fprintf(out,
-            "  people: for how many %s errs less, and for how many more; p: of the paired test\n",
-            first->method->name);
+    fprintf(
+        out,
+        "  people: how many have fewer errors with %s, and how many have more; p: paired test\n",
+        first->method->name);
     if (c->n_verdicts > 1 && c->n_searches > 0) {
         print_standings(c, out);
     }

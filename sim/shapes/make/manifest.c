@@ -79,7 +79,7 @@ static int check_files(const char *name, const struct sim_shape_manifest *manife
     qsort(order, (size_t)manifest->n, sizeof *order, compare_files);
     for (int32_t i = 1; i < manifest->n && !error; i++) {
         if (strcmp(order[i]->file, order[i - 1]->file) == 0) {
-            error = iso_fault_set(fault, -EBADMSG, "%s: '%s' stands there twice", name,
+            error = iso_fault_set(fault, -EBADMSG, "%s: '%s' is listed twice", name,
                                   order[i]->file);
         }
     }

@@ -93,7 +93,7 @@ int iso__mesh_read_stl(struct iso__mesh_build *build, char *bytes, size_t size)
     }
     if (strncmp(bytes, "solid", 5) != 0) {
         return iso_fault_set(build->fault, -EBADMSG,
-                             "%s: neither text nor of the size that its number of triangles says",
+                             "%s: neither text nor as long as its number of triangles requires",
                              build->name);
     }
     if (memchr(bytes, 0, size)) {

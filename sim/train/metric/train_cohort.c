@@ -178,7 +178,7 @@ int sim_train_cohort(const struct sim_train_cohort_options *options, struct iso_
     if (error) {
         free(templates);
         return iso_fault_set(fault, error, "cohort: %s",
-                             error == -ENODATA ? "hardly any face is accepted" : strerror(-error));
+                             error == -ENODATA ? "too few faces are accepted" : strerror(-error));
     }
     *out = templates;
     *report = done;

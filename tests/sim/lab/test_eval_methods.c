@@ -210,7 +210,7 @@ static void test_nobody_is_learned_from_and_tested(void **state)
     struct sim_eval_options options = options_for(*state);
     struct sim_training_set *training = choose("eigensurfaces", scratch_path(*state, "tested"),
                                                &options);
-    expect_refusal(&options, "learned from and tested with");
+    expect_refusal(&options, "both the training and the test corpus");
     sim_training_set_free(training);
     /* This corpus is in another directory, but its notes name a person who is also tested. */
     make_corpus(scratch_path(*state, "mixed"),

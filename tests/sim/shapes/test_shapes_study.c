@@ -79,7 +79,7 @@ static void reads_manifests(void **state)
         {"file,class\n../a,b\n", "m:2: bad file '../a'"},
         {"file,class\na/../b,b\n", "m:2: bad file"},
         {"file,class\na,\n", "m:2: bad class"},
-        {"file,class\na,b\na,c\n", "'a' stands there twice"},
+        {"file,class\na,b\na,c\n", "'a' is listed twice"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         manifest = NULL;

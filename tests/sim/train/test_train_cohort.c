@@ -178,7 +178,7 @@ static void says_when_hardly_anyone_is_accepted(void **state)
     options.extract.distance_min_mm = 9000.0;
     options.extract.distance_max_mm = 9100.0;
     assert_int_equal(sim_train_cohort(&options, &templates, &report, &fault), -ENODATA);
-    assert_non_null(strstr(fault.text, "hardly any face"));
+    assert_non_null(strstr(fault.text, "too few faces"));
     assert_null(templates);
 }
 
