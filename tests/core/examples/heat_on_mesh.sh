@@ -1,6 +1,6 @@
 #!/bin/sh
-# The example program heat_on_mesh, on a sphere: a circle that encloses the area of a disc of radius r has the distance r from its
-# centre, through the sphere (Archimedes). Heat is kept.
+# The example program heat_on_mesh, on a sphere. A circle on the sphere that encloses the area of a flat disc of radius r has the
+# distance r from its centre, straight through the sphere (Archimedes). The amount of heat is kept.
 # usage: heat_on_mesh.sh PROGRAM SOURCE_DIR
 set -eu
 program=$1

@@ -7,7 +7,7 @@ stored=$2/sim/stored
 out=$("$program" "$2/core/data" "$stored/p01-enrol" "$stored/p02-enrol" "$stored/p03-enrol" -- \
     "$stored/p01-v1" "$stored/p03-v2" "$stored/x01-v1" "$stored/none-photo1" | sed "s#$stored/##g")
 
-# count N PATTERN: so many lines of the output match
+# count N PATTERN: fails unless N lines of the output match
 count() {
     n=$(echo "$out" | grep -cE "$2" || true)
     [ "$n" -eq "$1" ] || {

@@ -16,17 +16,17 @@ struct extract_rig {
 int extract_rig_new(void **state);
 int extract_rig_free(void **state);
 
-/* A new extractor with the options that the rig has now. */
+/* Replaces the extractor of the rig by a new one with the present options of the rig. */
 void extract_rig_renew(struct extract_rig *rig);
 
-/* Draws the mean head alone into the frame. */
+/* Draws the mean head alone into the frame, with its nose tip at nose_mm in the camera frame. */
 void extract_rig_draw(struct extract_rig *rig, double yaw_deg, double pitch_deg,
                       struct iso_vec3 nose_mm);
 
-/* Runs the extractor on the frame. An error fails the test. */
+/* Runs the extractor on the frame and returns the outcome. An error fails the test. */
 enum iso_capture extract_rig_run(struct extract_rig *rig);
 
-/* Draws the mean head, then runs the extractor. */
+/* Draws the mean head, then runs the extractor and returns the outcome. */
 enum iso_capture extract_rig_outcome(struct extract_rig *rig, double yaw_deg, double pitch_deg,
                                      struct iso_vec3 nose_mm);
 

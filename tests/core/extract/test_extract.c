@@ -57,8 +57,8 @@ static void hints_say_where_to_stand(void **state)
     assert_int_equal(extract_rig_outcome(f, 0, 0, iso_vec3(0, 263, 600)), ISO_CAPTURE_MOVE_UP);
 }
 
-/* A person who is turned to the left should turn to the right, and so on. The search ends at a half
- * turn, so that the limit is lowered here. */
+/* A person who is turned to the left should turn to the right, and so on. The test lowers the
+ * limits, because the search finds no face that is turned by more than 60 degrees. */
 static void hints_say_where_to_look(void **state)
 {
     struct extract_rig *f = *state;

@@ -1,6 +1,6 @@
-/* An extractor allocates only when it is created, and it survives every allocation that fails. The
- * test compiles core into itself, so that the linker's --wrap affects core, but not CHOLMOD and
- * LAPACK. */
+/* An extractor allocates memory only when it is created. The creation survives every allocation
+ * that fails. The test compiles core into itself, so that the linker's --wrap affects core, but not
+ * CHOLMOD and LAPACK. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>

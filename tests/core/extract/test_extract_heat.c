@@ -13,8 +13,8 @@
 /* The working memory of registrations. */
 static struct iso_icp_workspace registration;
 
-/* Runs the frame of the rig by another method. Returns the distance between its template and the
- * previous one. */
+/* Runs the frame of the rig with another heat method. Returns the distance between its template and
+ * the previous one. */
 static double distance_of_method(struct extract_rig *f, enum iso_heat_method method)
 {
     struct iso_template first = f->out.tmpl;
@@ -38,7 +38,8 @@ static void all_ways_to_the_heat_agree(void **state)
     struct extract_rig *f = *state;
     assert_int_equal(extract_rig_outcome(f, 0, 0, iso_vec3(0, 0, 600)), ISO_CAPTURE_OK);
     struct iso_template grid = f->out.tmpl;
-    assert_true(distance_of_method(f, ISO_HEAT_DIRECT) < 0.2); /* lumped and consistent mass */
+    /* The grid lumps the mass, the direct method does not. */
+    assert_true(distance_of_method(f, ISO_HEAT_DIRECT) < 0.2);
     f->out.tmpl = grid;
     assert_true(distance_of_method(f, ISO_HEAT_SPECTRAL) < 1.0);
     assert_string_equal(iso_heat_method_name(ISO_HEAT_GRID), "grid");
@@ -73,8 +74,8 @@ static void the_mesh_and_its_heat_can_be_shown(void **state)
             hottest = heat[i] > heat[hottest] ? i : hottest;
         }
         struct iso_vec3 at = iso_rigid_apply(&f->out.camera_from_face, mesh->vertices_mm[hottest]);
-        /* The vertex may be one or two away. Beside the nose, where the grid is steep, this is a
-         * long distance. */
+        /* The hottest vertex may be one or two grid cells away from the landmark. Beside the nose,
+         * where the surface is steep, this is a long distance. */
         double off_mm = iso_norm(iso_sub(at, f->out.landmark_mm[l]));
         assert_true(off_mm < (l == ISO_LM_ALA_R || l == ISO_LM_ALA_L ? 12.0 : 3.0));
     }

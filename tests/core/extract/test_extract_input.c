@@ -37,7 +37,7 @@ static void bad_options_are_refused(void **state)
     bad[13].fit.iterations = 0;
     bad[14].fit.identity_stiffness_mm2 = 0.0;
     bad[15].distance_min_mm = 0.0;
-    bad[16].distance_max_mm = 299.0; /* below the smallest */
+    bad[16].distance_max_mm = 299.0; /* below distance_min_mm */
     bad[17].yaw_max_rad = -0.1;
     bad[18].yaw_max_rad = NAN;
     bad[19].pitch_max_rad = 1.6;
@@ -88,7 +88,8 @@ static void bad_frames_are_refused(void **state)
     f->frame = NULL;
 }
 
-/* Every camera that iso_camera_check accepts, up to the largest planes, down to one pixel. */
+/* Frames from the largest size that the extractor accepts down to one pixel, with narrow and wide
+ * views. */
 static void every_size_of_frame_can_be_run(void **state)
 {
     struct extract_rig *f = *state;
@@ -120,7 +121,7 @@ static void every_size_of_frame_can_be_run(void **state)
     }
 }
 
-/* The widest patch at the distance at which its cut-out has the most pixels. */
+/* The widest patch, at the distances at which its cut-out has the most pixels. */
 static void the_widest_patch_has_room(void **state)
 {
     struct extract_rig *f = *state;

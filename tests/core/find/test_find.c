@@ -155,7 +155,7 @@ static void of_two_people_the_nearer_is_meant(void **state)
 static void the_farther_is_not_meant_for_being_bigger(void **state)
 {
     struct fixture *f = *state;
-    /* 0.9 / 650 against 1.3 / 800. */
+    /* The apparent sizes are 0.9 / 650 for the nearer head and 1.3 / 800 for the farther one. */
     assert_nearer_is_meant(f, NULL, 0.9, 1.3, 12.0);
 }
 
@@ -205,7 +205,7 @@ static void a_person_out_of_range_is_not_seen(void **state)
     assert_int_equal(f->n_parts, 0);
 }
 
-/* A ball before a wall. */
+/* Draws a ball. The other pixels stay as they are. */
 static void draw_ball(struct iso_frame *frame, struct iso_vec3 centre, double radius_mm)
 {
     for (int row = 0; row < frame->height_px; row++) {
@@ -234,7 +234,8 @@ static void a_ball_is_no_face(void **state)
     }
 }
 
-/* A linear congruential generator (Numerical Recipes), 0..1. */
+/* Returns a pseudo-random number in 0..1 from a linear congruential generator (Numerical Recipes).
+ */
 static double next_uniform(uint32_t *state)
 {
     *state = *state * 1664525u + 1013904223u;
@@ -255,7 +256,8 @@ static void noise_is_no_face(void **state)
     }
 }
 
-/* Tens of thousands of small pieces, each a part of the scene, come before the face. */
+/* The rows above the face have tens of thousands of pixels that are not connected with each other.
+ */
 static void scraps_do_not_hide_a_face(void **state)
 {
     struct fixture *f = *state;

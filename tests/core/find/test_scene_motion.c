@@ -41,7 +41,7 @@ static void load(struct fixture *f, const char *name)
     iso_recording_close(recording);
 }
 
-/* Feeds stored frame i % STORED, its window moved to the left by this many pixels. */
+/* Feeds stored frame i % STORED, its content moved to the left by shift_px pixels. */
 static bool feed(struct fixture *f, int i, int shift_px)
 {
     const struct iso_frame *from = f->stored[i % STORED];

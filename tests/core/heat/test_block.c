@@ -16,7 +16,8 @@
 #include "tests/core/surfaces/matrices.h"
 #include "tests/core/surfaces/shapes.h"
 
-/* L + B of an artificial face, its factor, and the matrix in the order of the factor. */
+/* The matrices L and B of an artificial face, the factor of 15 L + B, and B in the order of the
+ * factor. */
 struct scene {
     struct iso_mesh *mesh;
     struct matrices m;
@@ -56,13 +57,13 @@ static double *room(const struct scene *s)
     return values;
 }
 
-/* Value i of vector k: pseudo-random. */
+/* Returns value i of vector k, a pseudo-random number. */
 static double any(int32_t i, int k)
 {
     return sin(1.0 + 0.7 * i + 2.3 * k) + 0.3 * k;
 }
 
-/* Makes a block of such vectors in the order of the factor. Vector 0 is vector `first` of them. */
+/* Makes a block of such vectors in the order of the factor. Lane k holds vector first + k. */
 static double *any_block(const struct scene *s, int width, int first)
 {
     const int lanes = width * ISO_DOUBLES;
@@ -75,7 +76,7 @@ static double *any_block(const struct scene *s, int width, int first)
     return values;
 }
 
-/* Returns one of these vectors in the order of the mesh. */
+/* Writes vector k in the order of the mesh to `out`. */
 static void any_vector(const struct scene *s, int k, double *out)
 {
     for (int32_t i = 0; i < s->n; i++) {

@@ -14,7 +14,7 @@
 #include "tests/core/surfaces/matrices.h"
 #include "tests/core/surfaces/shapes.h"
 
-/* Machine precision: these shapes are symmetric (eigenpairs.h). */
+/* These shapes are symmetric and have multiple eigenvalues. 0 is machine precision. */
 static const double tight = 0.0;
 
 static struct iso_eigenpairs *solve(const struct iso_mesh *mesh, int k)
@@ -40,7 +40,7 @@ static void expect_values(const struct iso_eigenpairs *pairs, const double *expe
     }
 }
 
-/* The sphere has l (l + 1) / R^2, each 2 l + 1 times. */
+/* The sphere has the eigenvalues l (l + 1) / R^2, each 2 l + 1 times. */
 static void a_sphere_has_its_harmonics(void **state)
 {
     (void)state;
@@ -77,8 +77,9 @@ static void fold_entries(double *dense, const struct iso_symmetric *a, const int
     }
 }
 
-/* Identifies vertices of a mesh: P' A P, through a dense matrix. Keeps the pattern of all entries
- * with either matrix non-zero, so that both share it. */
+/* Joins vertices of a mesh: vertex i becomes vertex fold[i] of n vertices (P' A P, by way of a
+ * dense matrix). Both results store the entries at which the mass is not 0, so that they have the
+ * same pattern. */
 static struct matrices fold_matrices(const struct matrices *flat, const int32_t *fold, int32_t n)
 {
     size_t entries = (size_t)n * (size_t)n;
@@ -114,8 +115,8 @@ static int ascending(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-/* The flat torus w x h has 4 pi^2 (a^2 / w^2 + b^2 / h^2) for whole a and b. It does not fit into
- * space. Its matrices are those of a sheet whose opposite sides are joined. */
+/* The flat torus of w x h has the eigenvalues 4 pi^2 (a^2 / w^2 + b^2 / h^2) for whole a and b. It
+ * does not fit into space. Its matrices are those of a sheet whose opposite sides are joined. */
 static void a_flat_torus_has_its_waves(void **state)
 {
     (void)state;
@@ -154,7 +155,7 @@ static const double bessel_zeros[] = {0.0,     1.84118, 1.84118, 3.05424, 3.0542
                                       4.20119, 4.20119, 5.31755, 5.31755, 5.33144, 5.33144,
                                       6.41562, 6.41562, 6.70613, 6.70613, 7.01559};
 
-/* The disc with an insulated border has (j'_mk / R)^2. */
+/* The disc with an insulated border has the eigenvalues (j'_mk / R)^2. */
 static void a_disc_has_its_bessel_zeros(void **state)
 {
     (void)state;
@@ -172,7 +173,7 @@ static void a_disc_has_its_bessel_zeros(void **state)
     iso_mesh_free(mesh);
 }
 
-/* Order of convergence from errors at element sizes that halve. */
+/* Asserts that the error falls with order two when the size of the elements halves. */
 static void expect_order_two(const char *name, const double *error, int n)
 {
     for (int i = 1; i < n; i++) {
@@ -235,8 +236,8 @@ static void pairs_are_orthonormal_and_solve_the_problem(void **state)
     iso_mesh_free(mesh);
 }
 
-/* There are more spheres than a block has vectors. The lowest eigenvalue occurs once for each
- * sphere, the next one 3 times for each. */
+/* There are more spheres than the first block of the solver has vectors (8). The lowest eigenvalue
+ * occurs once for each sphere, the next one 3 times for each. */
 static void every_copy_is_found(void **state)
 {
     (void)state;

@@ -29,7 +29,7 @@ static void free_plane(const struct iso_grid *grid, float *plane)
     free(plane - iso_grid_plane_origin(grid));
 }
 
-/* Rows are complete, in complete groups of lanes. */
+/* Returns the window of the whole grid, whose width is rounded up to complete groups of lanes. */
 static struct iso_grid_window everything(const struct iso_grid *grid)
 {
     return (struct iso_grid_window){0, 0, (grid->width + ISO_LANES - 1) / ISO_LANES * ISO_LANES,
@@ -122,7 +122,7 @@ static void the_bound_holds_and_is_close(void **state)
     }
 }
 
-/* For windows of every height, from every row. */
+/* The windows begin at the first ten rows and have every height below 60. */
 static void what_it_held_before_does_not_change_an_operator(void **state)
 {
     (void)state;
@@ -156,7 +156,7 @@ static struct vectors any_vectors(const struct grid_surface *s)
     return (struct vectors){{any_values(s), new_plane(s->grid)}};
 }
 
-/* Steps with growing windows, of odd and even heights, with loads. */
+/* Describes steps with loads. Their windows grow, and begin at odd and even rows. */
 static void describe_steps(const struct iso_grid *grid, const struct vectors *v,
                            struct iso_grid_step step[ISO_GRID_STEPS_MAX])
 {
@@ -195,7 +195,7 @@ static void free_vectors(const struct iso_grid *grid, const struct vectors *v)
     }
 }
 
-/* The result is the same in one pass and in four, by every implementation. */
+/* The result is the same for every number of steps in a pass, in every implementation. */
 static void a_sweep_is_its_steps_to_the_bit(void **state)
 {
     (void)state;

@@ -80,8 +80,8 @@ static bool isotherm_of(struct face *f, const double *heat, int source, double r
     return true;
 }
 
-/* Returns the root mean square distance of isotherms over all sources. It is infinite if one of
- * them does not exist. */
+/* Returns the root mean square distance between the isotherms of `heat` and of `exact`, over all
+ * sources. It is infinite if an isotherm of `heat` does not exist. */
 static double isotherm_error(struct face *f, const double *heat, const double *exact, int time,
                              double radius)
 {
@@ -96,7 +96,7 @@ static double isotherm_error(struct face *f, const double *heat, const double *e
             return INFINITY;
         }
         for (int i = 0; i < POINTS; i++) {
-            if (a.weight[i] == 0.0f) { /* the chin ends before the isotherm does */
+            if (a.weight[i] == 0.0f) { /* the surface ends inside the isotherm */
                 continue;
             }
             if (b.weight[i] == 0.0f) {

@@ -1,5 +1,5 @@
-/* The grid heat solver. Its columns are those of the plane, earlier calls do not change them, and
- * it refuses problems that it cannot solve. */
+/* The grid heat solver. On a plane its columns are Gaussian. Earlier calls do not change them, and
+ * the solver refuses problems that it cannot solve. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>

@@ -64,7 +64,7 @@ static void add(struct error *error, const struct iso_isotherm *exact,
                 const struct iso_isotherm *found)
 {
     for (int i = 0; i < POINTS; i++) {
-        if (exact->weight[i] == 0.0f) { /* the chin ends before the isotherm does */
+        if (exact->weight[i] == 0.0f) { /* the surface ends inside the isotherm */
             continue;
         }
         assert_true(found->weight[i] > 0.0f);

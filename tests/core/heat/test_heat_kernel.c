@@ -35,7 +35,7 @@ static struct iso_heat_direct *new_solver(const struct matrices *m, int krylov)
     return solver;
 }
 
-/* 1' B K */
+/* Returns the total heat 1' B K. */
 static double total_heat(const struct iso_symmetric *mass, const double *heat)
 {
     double *one = calloc((size_t)mass->n, sizeof *one);
@@ -48,8 +48,8 @@ static double total_heat(const struct iso_symmetric *mass, const double *heat)
     return total;
 }
 
-/* Returns the largest relative error against exp(-r^2 / 4t) / (4 pi t) within r <= 3 sqrt(t) of a
- * place. */
+/* Returns the largest relative error against exp(-r^2 / 4t) / (4 pi t) within r <= 3 sqrt(t) of (x,
+ * y). */
 static double planar_error(const struct iso_mesh *mesh, const double *heat, double x, double y,
                            double t_mm2)
 {
@@ -262,8 +262,8 @@ static void a_small_mesh_is_exhausted(void **state)
     iso_mesh_free(mesh);
 }
 
-/* One call for several sources and times gives the same as single calls, whatever earlier calls
- * have computed. */
+/* One call for several sources gives the same as one call for each source. Earlier calls for
+ * another mesh make no difference. */
 static void columns_do_not_depend_on_company(void **state)
 {
     (void)state;

@@ -66,8 +66,8 @@ static void a_right_triangle_has_the_entries_of_the_books(void **state)
     iso_mesh_free(mesh);
 }
 
-/* The integrals of phi_i phi_j and of grad phi_i . grad phi_j by Monte Carlo and by finite
- * differences, over a triangle with a general position in space. */
+/* The integrals of phi_i phi_j by Monte Carlo and of grad phi_i . grad phi_j in closed form, over a
+ * triangle in general position. */
 static void entries_are_the_integrals_that_they_stand_for(void **state)
 {
     (void)state;
@@ -109,8 +109,8 @@ static void entries_are_the_integrals_that_they_stand_for(void **state)
     iso_mesh_free(mesh);
 }
 
-/* A bent sheet has the coordinates (s, y). u = 2 s - 3 y + 1 has the gradient energy 13 per area,
- * and a consistent mass gives the integral of its square exactly. */
+/* On a sheet with the coordinates (s, y), flat or rolled, u = 2 s - 3 y + 1 has the gradient energy
+ * 13 per area. On the flat sheet the consistent mass gives the integral of u^2 exactly. */
 static void linear_functions_are_integrated_exactly(void **state)
 {
     (void)state;

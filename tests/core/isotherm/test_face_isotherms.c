@@ -37,7 +37,8 @@ struct fixture {
     struct iso_template tmpl;
 };
 
-/* The patch of the mean face. Everything is measured except the part right of `cut_x_mm`. */
+/* Builds the patch of the mean face. The triangles that reach x = cut_x_mm or beyond are not
+ * measured. */
 static void make_patch(struct fixture *f, double cut_x_mm)
 {
     const struct iso_face_patch_options options = {
@@ -61,7 +62,7 @@ static void make_patch(struct fixture *f, double cut_x_mm)
     iso_mesh_free(head);
 }
 
-/* Makes everything that a test needs except the mesh. */
+/* Makes the rest of the fixture after its patch and its mesh. All heat is 0. */
 static void make_rest(struct fixture *f)
 {
     size_t triangles = (size_t)f->mesh->n_triangles, vertices = (size_t)f->mesh->n_vertices;

@@ -60,7 +60,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* A function similar to heat about a place. Its `bumps` give a level several loops. */
+/* Fills the field with a function similar to heat about (x_mm, y_mm). With `bumps` a level has
+ * several loops. */
 static void heat_up(struct fixture *f, double x_mm, double y_mm, double t_mm2, double bumps)
 {
     float *value = f->plane + iso_grid_plane_origin(f->surface.grid);
@@ -128,7 +129,7 @@ static void a_window_is_a_border(void **state)
 {
     struct fixture *f = *state;
     heat_up(f, 0.0, 0.0, 100.0, 0.0);
-    /* The sheet is 40 mm wide and 100 mm high, so that a circle of 24 mm is cut on both sides. */
+    /* The window is 40 mm wide and 100 mm high, so that a circle of 24 mm is cut on both sides. */
     const struct iso_grid_window narrow = {27, 3, 21, 51};
     f->field.window = narrow;
     double level = 0.0;

@@ -35,7 +35,7 @@ static struct scene scene_of(struct iso_mesh *mesh)
     return s;
 }
 
-/* The same with heat from a function of the place. */
+/* Makes a scene whose heat is a function of the place. */
 static struct scene scene_with(struct iso_mesh *mesh, double (*heat)(double x, double y))
 {
     struct scene s = scene_of(mesh);
@@ -218,7 +218,7 @@ static void of_nested_loops_the_outer_one_is_chosen(void **state)
     double half_width = sqrt(12.0 * log(2.0));
     double area = signed_area(iso_tracer_curve(s.tracer, outer));
     assert_true(fabs(sqrt(area / M_PI) - (10.0 + half_width)) < 0.1);
-    /* At the floor of the crater the hot side is on the left, which means clockwise. */
+    /* The inner loop runs clockwise, because its hot side is on the left, too. */
     double inner = signed_area(iso_tracer_curve(s.tracer, 1 - outer));
     assert_true(inner < 0.0 && fabs(sqrt(-inner / M_PI) - (10.0 - half_width)) < 0.1);
     scene_done(&s);
@@ -309,7 +309,7 @@ static void a_tracer_has_its_size(void **state)
     scene_done(&s);
 }
 
-/* Releases heat at (x, y) of a mesh, and traces the isotherm of a radius. */
+/* Releases heat at `source` of a mesh, and traces the isotherm of a radius. */
 static struct scene heated(struct iso_mesh *mesh, struct iso_surface_point source, double radius_mm)
 {
     const double t_mm2 = 100.0;

@@ -59,22 +59,22 @@ static void of_several_crossings_the_farthest_counts(void **state)
 static void arc_samples_are_equally_spaced(void **state)
 {
     (void)state;
-    enum { N = 20 }; /* perimeter 40: 2 mm apart */
+    enum { N = 20 };                                                   /* on a closed curve */
     const struct iso_vec3 turned[] = {box[3], box[2], box[1], box[0]}; /* clockwise */
     for (int direction = 0; direction < 2; direction++) {
         const struct iso_curve curve = {4, true, direction ? turned : box};
         struct iso_isotherm s;
         assert_int_equal(iso_isotherm_sample_arc(curve, box_centre, N, &s), 0);
         assert_int_equal(s.n, N);
-        /* The samples start at the corner closest to +y and go on towards -x, in either direction
-         * of the traced curve. */
+        /* The samples start at the point closest to the +y direction and go on towards -x, in
+         * either direction of the traced curve. */
         assert_true(s.points_mm[0].y > 24.9);
         for (int i = 0; i < N; i++) {
             assert_true(s.weight[i] == 1.0f);
             struct iso_vec3 a = s.points_mm[i], b = s.points_mm[(i + 1) % N];
             struct iso_vec3 u = iso_sub(a, box_centre), v = iso_sub(b, box_centre);
             assert_true(u.x * v.y - u.y * v.x > 0.0);
-            /* z = x + 2 y: the arc length is measured in space. */
+            /* The samples are in the plane z = x + 2 y of the curve. */
             assert_true(fabs(a.z - (a.x + 2 * a.y)) < 1e-9);
         }
     }

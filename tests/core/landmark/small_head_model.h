@@ -4,7 +4,7 @@
 
 #include "isotherm/head_model.h"
 
-/* The offsets in the file of the small model, by the layout of head_model.h. */
+/* The counts of the small model, and the offsets in its file by the layout of head_model.h. */
 enum {
     N_VERTICES = 5,
     N_TRIANGLES = 3,
@@ -21,7 +21,8 @@ enum {
     SIZE = AT_MODES + (N_IDENTITY + N_EXPRESSION) * (4 + 6 * N_VERTICES),
 };
 
-/* All its numbers differ, so that a test notices two numbers that are swapped. */
+/* Returns the model; free it with iso_head_model_free(). Nearly all its numbers differ, so that a
+ * test notices two numbers that are swapped. */
 struct iso_head_model *small_head_model(void);
 
 /* Returns the file of this model, SIZE bytes. Free it with free(). */

@@ -156,7 +156,7 @@ static void refuses_inconsistent_contents(void **state)
         {AT_TRIANGLES + 2, 0, "bad triangle"},          /* the same corner twice */
         {AT_REGION, 0x0004, "unknown region"},          /* (and 0 for vertex 1) */
         {AT_LANDMARKS, N_TRIANGLES, "bad landmark"},    /* no such triangle */
-        {AT_LANDMARKS + 2, 1, "reserved bytes"},        /* */
+        {AT_LANDMARKS + 2, 1, "reserved bytes"},        /* not 0 */
         {AT_LANDMARKS + 4 + 2, 0x3f80, "bad landmark"}, /* weights sum to 2 */
         {AT_LANDMARKS + 4 + 2, 0xbf80, "bad landmark"}, /* a weight of -1 */
     };

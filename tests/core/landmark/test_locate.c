@@ -26,8 +26,8 @@ static enum iso_capture locate(struct extract_rig *f)
     return f->out.outcome;
 }
 
-/* Puts an object in front of the head (a depth), or a hole (0), over a rectangle of the face frame
- * of a head in the middle. */
+/* Covers a rectangle in the face frame of a head at `middle`. `depth_mm` is the depth of an object
+ * in front of the head, or 0 for a hole. */
 static void cover(struct extract_rig *f, double left_mm, double right_mm, double low_mm,
                   double high_mm, float depth_mm)
 {
@@ -43,7 +43,7 @@ static void cover(struct extract_rig *f, double left_mm, double right_mm, double
     }
 }
 
-/* x to the subject's left is the image's right. */
+/* x points to the subject's left, which is the right of the image. */
 static const struct {
     double left, right, low, high;
     enum iso_face_part part;
@@ -61,7 +61,8 @@ static void what_is_covered_is_named(void **state)
     struct extract_rig *f = *state;
     const float depths[] = {0.0f, 560.0f}; /* a hole; a hand 40 mm before the nose */
     for (size_t i = 0; i < sizeof covers / sizeof *covers; i++) {
-        /* A board in front of half of the face is the nearest object, and flat. */
+        /* A board in front of half of the face is the nearest object, and it is flat. So a side of
+         * the face is covered only by a hole. */
         bool side = covers[i].part == ISO_PART_LEFT || covers[i].part == ISO_PART_RIGHT;
         for (int k = 0; k < (side ? 1 : 2); k++) {
             rendered_head_clear(f->frame);
@@ -119,7 +120,7 @@ static void landmarks_are_those_of_a_template(void **state)
     }
 }
 
-/* Adds a fixed amount with alternating signs: as rough as noise, and the same on every machine. */
+/* Adds a fixed pattern of mean 0, which is as rough as noise and the same on every machine. */
 static void roughen(struct extract_rig *f, float amount_mm)
 {
     for (int i = 0; i < 640 * 480; i++) {

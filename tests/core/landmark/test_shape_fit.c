@@ -113,7 +113,7 @@ static void the_mean_head_comes_back_as_itself(void **state)
     assert_int_equal(iso_shape_fitter_new(f->model, &usual, &f->fitter), 0);
     assert_int_equal(iso_shape_fit(f->fitter, f->frame, &f->start, &fit), 0);
     rendered_head_assert_pose(&fit.pose.camera_from_face, &f->truth, 0.4, 0.3);
-    /* The part of the cheek behind the nose counts in full. */
+    /* The vertices of the cheek that the nose hides count with the largest residual. */
     assert_true(fit.pose.cost_mm2 < 3.5);
     assert_true(fit.pose.coverage > 0.99);
     assert_true(fit.pose.in_image == 1.0);
@@ -167,7 +167,7 @@ static void landmarks_are_those_of_the_neutral_head(void **state)
     assert_true(sqrt(squares / ISO_LANDMARKS) < 1.0);
 }
 
-/* One fitter fits one face after another. Nothing of the first face remains in the second. */
+/* One fitter fits one face after another. Nothing of a face remains in the next fit. */
 static void a_fit_does_not_depend_on_the_one_before(void **state)
 {
     struct fixture *f = *state;
@@ -193,8 +193,8 @@ static void too_little_of_a_face_is_no_data(void **state)
     assert_int_equal(iso_shape_fitter_new(f->model, &usual, &f->fitter), 0);
     assert_int_equal(iso_shape_fit(f->fitter, f->frame, &f->start, &fit), -ENODATA);
     assert_memory_equal(&fit, &untouched, sizeof fit);
-    /* There are enough measurements for that many residuals, but a plane across the line of sight
-     * determines no pose. */
+    /* There are enough measurements, but the wall is beyond the cut-off, so that none of them
+     * counts. */
     f->start = rendered_head_pose(0.0, 0.0, iso_vec3(0, 0, 520));
     rendered_head_wall(f->frame, 3000.0f);
     assert_int_equal(iso_shape_fit(f->fitter, f->frame, &f->start, &fit), -ENODATA);
@@ -311,7 +311,7 @@ static void a_rigid_fit_to_nothing_is_no_data(void **state)
     struct iso_pose_fit fit = {.cost_mm2 = -7.0};
     assert_int_equal(iso_pose_vertices_new(f->model, 220, 0.5, &vertices), 0);
     assert_int_equal(iso_pose_fit(vertices, f->frame, &options, &f->start, &fit), -ENODATA);
-    rendered_head_wall(f->frame, 3000.0f); /* met, but beyond the cut-off */
+    rendered_head_wall(f->frame, 3000.0f); /* measured, but beyond the cut-off */
     assert_int_equal(iso_pose_fit(vertices, f->frame, &options, &f->start, &fit), -ENODATA);
     assert_true(fit.cost_mm2 == -7.0);
     iso_pose_vertices_free(vertices);

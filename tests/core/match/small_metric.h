@@ -7,8 +7,9 @@
 
 enum { RADII = 2, POINTS = 5, DIMENSIONS = 3, NODES = 3 };
 
-/* The mean curves of landmarks 1 and 4 do not lie in a plane. The upper face has heights at three
- * nodes. The axes depend on all of these values. */
+/* Returns the metric; free it with iso_metric_free(). The mean curves of landmarks 1 and 4 do not
+ * lie in a plane. The upper face has heights at three nodes. The axes depend on all of these
+ * values. */
 struct iso_metric *small_metric(void);
 
 #endif

@@ -16,7 +16,7 @@
 
 enum { DIMENSIONS = 150, PEOPLE = 3000, SHORTLIST = 10 };
 
-/* Rounding may exchange scores that differ by less than this. */
+/* Rounding may exchange two people whose scores differ by less than this. */
 static const double rounding = 1e-4;
 
 /* Numbers of mean 0 and variance 1, the same ones in every run. (They are sums of twelve uniform
@@ -51,7 +51,7 @@ static struct iso_metric *new_metric(int n_dimensions)
     return m;
 }
 
-/* The numbers of a person. With `spread`, one template of that person. */
+/* Draws the numbers of a person. */
 static struct iso_metric_vector person_of(const struct iso_metric *m, uint32_t *state)
 {
     struct iso_metric_vector v = {.n = 1, .weight = 1.0f, .scale = 1.0f};
@@ -61,6 +61,7 @@ static struct iso_metric_vector person_of(const struct iso_metric *m, uint32_t *
     return v;
 }
 
+/* Draws a template of a person: the numbers of the person with noise of deviation `spread`. */
 static struct iso_metric_vector template_of(const struct iso_metric *m,
                                             const struct iso_metric_vector *person, float spread,
                                             uint32_t *state)
@@ -69,7 +70,7 @@ static struct iso_metric_vector template_of(const struct iso_metric *m,
     for (int d = 0; d < m->n_dimensions; d++) {
         noisy.mean[d] += spread * normal(state);
     }
-    /* Each template has another weight, from an eighth to eight times that of an average one. */
+    /* The weight of each template is 2^-3.5 to 2^3.5 times that of an average one. */
     noisy.weight = exp2f((float)(int)(*state >> 16 & 7) - 3.5f);
     iso_metric_vector_add(m, &noisy, &out); /* it scales the vector */
     return out;
@@ -127,8 +128,8 @@ static int falling(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
-/* Compares one search with the exact score of everybody. Nobody who is missing may be better than
- * the last hit by more than rounding, and every hit has the exact score. */
+/* Compares one search with the exact scores of all people. Every hit has its exact score. A person
+ * who is missing from the hits may score at most `rounding` more than a hit. */
 static void expect_exhaustive(const struct crowd *c, int people,
                               const struct iso_metric_vector *probe)
 {
@@ -224,7 +225,7 @@ static void equals_come_in_the_order_of_their_numbers(void **state)
     free_crowd(c);
 }
 
-/* There are fewer dimensions than lanes, or a number that is no multiple of them. */
+/* This includes fewer dimensions than lanes, and numbers that are no multiple of the lanes. */
 static void every_number_of_dimensions_will_do(void **state)
 {
     (void)state;
@@ -276,7 +277,7 @@ static void what_it_cannot_do_is_an_error(void **state)
     assert_int_equal(iso_index_find(c->index, 6, &found), -ENOENT);
     assert_int_equal(found.n, 77);
     assert_int_equal(iso_index_search(c->index, &c->all[1], &hit, 1, &n),
-                     -EINVAL); /* two people are in it */
+                     -EINVAL); /* the probe is of two templates */
     assert_int_equal(iso_index_search(c->index, &none, &hit, 1, &n), -EINVAL);
     assert_int_equal(iso_index_search(c->index, &c->all[0], &hit, -1, &n), -EINVAL);
     assert_int_equal(iso_index_search(c->index, &c->all[0], &hit, ISO_INDEX_HITS_MAX + 1, &n),

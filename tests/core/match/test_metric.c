@@ -16,8 +16,8 @@
 /* The working memory of the functions under test. */
 static struct iso_rerank_workspace work;
 
-/* The mean curves turned and shifted, curves of other landmarks that do not count, and the mean
- * heights. */
+/* Makes a template that has the mean curves, turned and shifted, and the mean heights. Its curves
+ * of other landmarks do not count. */
 static struct iso_template mean_template(const struct iso_metric *m, double turn_rad)
 {
     struct iso_template t = {.algorithm = 77, .n_radii = RADII, .n_points = POINTS, .n_frames = 1};
@@ -89,7 +89,7 @@ static void it_refuses_what_it_cannot_compare(void **state)
     iso_metric_free(m);
 }
 
-/* The squared length of a vector of this many templates, in standard deviations. */
+/* Returns the squared length of a vector, with each number in its expected standard deviations. */
 static double length_of(const struct iso_metric *m, const struct iso_metric_vector *v)
 {
     double length = 0.0;
@@ -137,7 +137,8 @@ static void heights_count_where_there_are_any(void **state)
     iso_metric_free(m);
 }
 
-/* Finds the most likely variance of the numbers by trying every step. */
+/* The numbers are quantiles of normal distributions with a known variance. The projection finds the
+ * step of this variance. */
 static void a_vector_says_how_noisy_it_is(void **state)
 {
     (void)state;
@@ -152,7 +153,7 @@ static void a_vector_says_how_noisy_it_is(void **state)
     struct iso_metric *m = NULL;
     assert_int_equal(iso_metric_new(&shape, &m), 0);
     struct iso_template t = {.algorithm = 77, .n_radii = 1, .n_points = 4, .n_frames = 1};
-    for (int i = 0; i < 4; i++) { /* it equals the mean curve, so that nothing is left of it */
+    for (int i = 0; i < 4; i++) { /* it equals the mean curve, so that its residuals are 0 */
         t.weight[0][0][i] = 1.0f;
         for (int k = 0; k < 3; k++) {
             m->curve_mm[3 * i + k] = t.points_mm[0][0][i][k] = (float)((i * i + k * 3 * i) % 7);
@@ -194,8 +195,9 @@ static void a_noisy_vector_counts_for_less(void **state)
 }
 
 /* The log density of n numbers that vary by v about a common mean with variance b. The covariance
- * is diag(v) + b 11'. Let V = 1 / sum 1 / v, and let m be the mean weighted by 1 / v. The rest of
- * the numbers is independent of m, and the determinant is prod v (1 + b / V). */
+ * is diag(v) + b 11'. Let V = 1 / sum 1 / v, and let m be the mean weighted by 1 / v. The
+ * differences of the numbers from m are independent of m, and the determinant is prod v (1 + b /
+ * V). */
 static double log_density(const double *x, const double *v, int n, double b)
 {
     double weight = 0.0, sum = 0.0, square = 0.0, log_det = 0.0;
@@ -237,7 +239,8 @@ static void a_score_is_the_likelihood_ratio_of_one_person_and_two(void **state)
     iso_metric_free(m);
 }
 
-/* Person 5 has two templates, person 6 has one that is almost empty, and person 7 has one. */
+/* Person 5 has two templates, person 6 has one whose points all have the weight 0, and person 7 has
+ * one. */
 static void a_search_takes_all_templates_of_a_person_together(void **state)
 {
     (void)state;

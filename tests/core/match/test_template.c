@@ -69,7 +69,7 @@ static void a_template_survives_its_bytes(void **state)
     assert_true(back.learned);
     assert_true(back.weight[1][4][7] == 0.0f && back.weight[0][0][0] == 1.0f);
     assert_memory_equal(&back.upper, &t.upper, sizeof t.upper);
-    /* Without an upper face there are only two bytes, which say so. */
+    /* Without an upper face, its block has only two bytes. */
     memset(&t.upper, 0, sizeof t.upper);
     const int plain = iso_template_serialise(&t, bytes, sizeof bytes);
     assert_int_equal(size - plain, ISO_UPPER_KIND_BYTES + 2);
@@ -107,7 +107,7 @@ static void damaged_template_bytes_are_refused(void **state)
     /* Version 1 had no upper face. */
     bytes[4] = 1;
     assert_int_equal(iso_template_parse(bytes, (size_t)size, &back), -EPROTONOSUPPORT);
-    /* An empty block under a correct checksum. */
+    /* An upper face with an invalid kind, under a correct checksum. */
     bytes[4] = ISO_TEMPLATE_VERSION;
     const size_t block = (size_t)size - 4 - (ISO_UPPER_KIND_BYTES + 2);
     bytes[block] = 3; /* not a valid kind of a node */
@@ -171,7 +171,8 @@ static void distance_refuses_what_cannot_be_compared(void **state)
     assert_int_equal(iso_match_distance(&registration, &a, &a, &options, &distance), -EINVAL);
 }
 
-/* A landmark that is left out is not used for registration, does not count, and is not missed. */
+/* A landmark that is left out is used neither for registration nor for the distance. Its points may
+ * be missing. */
 static void distance_leaves_landmarks_out(void **state)
 {
     (void)state;

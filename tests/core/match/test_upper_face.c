@@ -35,7 +35,7 @@ static bool inside(double x, double y)
     return x * x / (64.0 * 64.0) + (y - 30.0) * (y - 30.0) / (54.0 * 54.0) < 1.0;
 }
 
-/* The surface after a motion. An iteration finds its height above a node. */
+/* Returns the surface after a motion. An iteration finds the height above each node. */
 static struct iso_upper_face moved_face(int who, const struct iso_rigid *motion)
 {
     const struct iso_rigid back = iso_rigid_inverse(motion);
@@ -282,7 +282,7 @@ static void a_fused_score_is_the_weighted_sum(void **state)
     assert_true(own_mm < other_mm && both_mm == own_mm);
     const double score = iso_rerank(&work, m, &probe, person, 2, 3.0);
     assert_true(fabs(score - (0.5 * 3.0 - 2.0 * log(own_mm) + 0.25)) < 1e-9);
-    /* The same surface cannot be distinguished from one that differs very little. */
+    /* The misfit of a surface with itself is the smallest one, ISO_RERANK_RMS_MIN_MM. */
     assert_int_equal(
         iso_rerank_misfit(&work, &probe, (const struct iso_upper_face *[]){&probe}, 1, &own_mm), 0);
     assert_true(own_mm == ISO_RERANK_RMS_MIN_MM);

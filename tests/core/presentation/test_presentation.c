@@ -18,7 +18,8 @@
 
 enum { SIDE = 20, GRID = SIDE * SIDE };
 
-/* A grid of 6 mm of z(x, y), with the x axis turned by an angle. */
+/* Writes a grid of 6 mm with the heights z(x, y), turned about the z axis. Returns the number of
+ * points. */
 static int grid_of(double (*z)(double x, double y), double turn_rad, struct iso_vec3 points[GRID])
 {
     for (int i = 0; i < GRID; i++) {
@@ -232,7 +233,7 @@ static void pictures_and_masks_are_refused_and_people_are_not(void **state)
     iso_head_model_free(model);
 }
 
-/* The given scale is found for every pose. */
+/* The scale of a rendered head is found, from a pose that is not quite right. */
 static void the_size_of_the_mean_face_is_found(void **state)
 {
     (void)state;
@@ -278,7 +279,7 @@ static void the_size_of_the_mean_face_is_found(void **state)
     iso_presentation_free(NULL);
 }
 
-/* Moves the mean head by this many standard deviations of one mode. */
+/* Writes the mean head, moved by `by` standard deviations of one mode, to `shape`. */
 static void move(const struct iso_head_model *model, uint32_t mode, double by,
                  struct iso_vec3 *shape)
 {
@@ -305,8 +306,9 @@ static double scale_found(const struct iso_head_model *model, const struct iso_v
     return found.scale;
 }
 
-/* The head is large in the way people are, so that the shape explains part of it, and less is left
- * for the scale. A mean face that is printed large has the features of other people. */
+/* The head is large in the way in which people are large, so that the shape explains a part of its
+ * size and the scale only the rest. A mean face that is printed large has the proportions of the
+ * mean face, so that the scale explains all of its size. */
 static void a_large_person_is_not_a_large_print(void **state)
 {
     (void)state;
@@ -315,7 +317,7 @@ static void a_large_person_is_not_a_large_print(void **state)
     double by = 0.0, size = 1.0;
     uint32_t mode = 0;
     assert_non_null(shape);
-    for (uint32_t k = 0; k < 2 * 10; k++) { /* the modes that make a head largest */
+    for (uint32_t k = 0; k < 2 * 10; k++) { /* finds the mode that makes the head largest */
         double sigmas = k % 2 ? 3.0 : -3.0;
         move(model, k / 2, sigmas, shape);
         if (iso_size_of_fit(model, shape) > size) {

@@ -121,7 +121,7 @@ static void sprinkle(struct iso_frame *frame, int i)
     }
 }
 
-/* Moves the background, by another distance in every frame. */
+/* Adds the same distance to all depths, another distance in every frame. */
 static void shift(struct iso_frame *frame, int i)
 {
     for (int k = 0; k < WIDTH * HEIGHT; k++) {
@@ -169,7 +169,7 @@ static void a_frame_is_forgotten_after_ten_minutes_and_no_earlier(void **state)
     const struct iso_fingerprint print = print_of(frame);
     assert_false(iso_frame_memory_repeats(memory, &print, begin_ns));
     assert_true(iso_frame_memory_repeats(memory, &print, begin_ns + 10 * minute_ns - 1));
-    /* A showing of repeated frames counts, too: a frame that is shown without end is never new. */
+    /* Each repetition is remembered, too: a frame that is shown again and again is never new. */
     assert_true(iso_frame_memory_repeats(memory, &print, begin_ns + 15 * minute_ns));
     assert_false(iso_frame_memory_repeats(memory, &print, begin_ns + 25 * minute_ns));
     /* A clock that goes back does not hide a repetition. */

@@ -12,8 +12,8 @@
 
 static const int64_t period_ns = 33333333;
 
-/* A frame at some time. Its pose sways by so many millimetres of a 0.35 Hz sine, and it has noise.
- */
+/* Makes frame i. Its pose sways along x as a sine of 0.35 Hz with the amplitude sway_mm, and it has
+ * noise. */
 static struct iso_liveness_frame frame_at(int i, double sway_mm, double noise_mm,
                                           struct sim_random *random)
 {
@@ -69,7 +69,7 @@ static void a_short_visit_is_neither(void **state)
         assert_int_equal(after(n, 0.0, 0.3, 3), ISO_LIVENESS_NOT_YET);
         assert_int_equal(after(n, 5.0, 0.3, 3), ISO_LIVENESS_NOT_YET);
     }
-    assert_int_equal(after(30, 0.0, 0.3, 3), ISO_LIVENESS_NOT_YET); /* 1 s without any motion */
+    assert_int_equal(after(30, 0.0, 0.3, 3), ISO_LIVENESS_NOT_YET); /* 1 s with noise alone */
     assert_int_equal(after(30, 5.0, 0.3, 3), ISO_LIVENESS_ALIVE);
 }
 
@@ -130,7 +130,7 @@ static void the_digest_sees_the_face_and_no_more(void **state)
     uint32_t before = iso_liveness_digest(frame, nose);
     frame->depth_mm[5 * 320 + 5] = 700.0f; /* far from the face: 40 px to each side */
     assert_int_equal(iso_liveness_digest(frame, nose), before);
-    frame->depth_mm[130 * 320 + 150] = 600.0f; /* row 130 is 90 + 40: every fourth */
+    frame->depth_mm[130 * 320 + 150] = 600.0f; /* row 130: every fourth row from 90 on counts */
     assert_int_not_equal(iso_liveness_digest(frame, nose), before);
     assert_int_equal(iso_liveness_digest(frame, iso_vec3(0, 0, -600)), 0);
     iso_frame_free(frame);

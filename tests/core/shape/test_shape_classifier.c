@@ -24,7 +24,8 @@ struct cloud {
     struct iso_labelled all;
 };
 
-/* Points about three places. The second part has its own `noise`. */
+/* Makes points about three places. The second part of each feature has the noise `noise_of_second`.
+ */
 static void make_cloud(struct cloud *c, double noise, double noise_of_second)
 {
     srand48(97);

@@ -123,7 +123,7 @@ static void impossible_shapes_are_refused(void **state)
     assert_int_equal(iso_shape_new(mesh, colour, 5, &shape), -EINVAL);
     colour[40].channel[1] = NAN;
     assert_int_equal(iso_shape_new(mesh, colour, 5, &shape), -EINVAL);
-    mesh->n_triangles = 8; /* not 32 vertices */
+    mesh->n_triangles = 8; /* fewer than 32 vertices */
     assert_int_equal(iso_shape_new(mesh, NULL, 5, &shape), -ENODATA);
     mesh->n_triangles = 0;
     assert_int_equal(iso_shape_new(mesh, NULL, 5, &shape), -ENODATA);
@@ -153,7 +153,7 @@ static struct iso_shape_description *describe(const struct iso_shape_method *met
     return made;
 }
 
-/* Three shapes, their features by one method: [3][layout size]. */
+/* Returns the features of three shapes by one method, [3][layout size]. Free them with free(). */
 static float *features_of(const struct iso_shape_method *method,
                           struct iso_shape_description *const d[3],
                           struct iso_feature_layout *layout)
@@ -182,8 +182,8 @@ static double distance_between(const float *a, const float *b, int32_t n)
     return sum;
 }
 
-/* By every method, the first two of three shapes agree. The limit is a share of their distance to
- * the third. Frees the meshes. */
+/* Asserts that the first two of three shapes agree in every method: their distance is less than
+ * `share` of the distance from the first to the third. Frees the meshes. */
 static void expect_same(struct iso_mesh *const mesh[3], double share, const char *how)
 {
     struct iso_shape *shape[3];
@@ -212,7 +212,7 @@ static void expect_same(struct iso_mesh *const mesh[3], double share, const char
     }
 }
 
-/* Three and a half times as large. */
+/* The second shape is three and a half times as large as the first. */
 static void size_does_not_matter(void **state)
 {
     (void)state;

@@ -181,9 +181,9 @@ static void tips_are_critical_points(void **state)
 
 enum { SAMPLES = 140, KEPT = 6 };
 
-/* The signature of one vertex of a sphere drawn out, at one scale, over 14 octaves of absolute time
- * from 2^tau on. SI-HK takes it without the constant that it ends in, as describe_critical.c does.
- */
+/* Samples the signature of one vertex of an elongated sphere of a scale, over 14 octaves of
+ * absolute time from 2^tau on. `whole` is the signature. `plain` is the signature without the
+ * constant that it approaches, which SI-HK uses, as in describe_critical.c. */
 static void sample_courses(double scale, double tau, double *plain, double *whole)
 {
     struct iso_mesh *mesh = shape_sphere(3, 10.0);
@@ -225,9 +225,9 @@ static void amplitudes_of(const double *plain, const double *whole, float *hk, f
     iso_fourier_free(of_hks);
 }
 
-/* Three times as large, over the same absolute times. Each way has its own window: shifts go away
- * where the course enters and leaves it as if it came round again, which that of SI-HK does not
- * quite. */
+/* One shape is three times as large as the other, and the absolute times are the same. Each method
+ * has its own window of times. A shift leaves the amplitudes unchanged only if the course is
+ * periodic in the window, and the course of SI-HK is not quite periodic. */
 static void amplitudes_hardly_change_with_scale(void **state)
 {
     (void)state;
@@ -244,8 +244,9 @@ static void amplitudes_hardly_change_with_scale(void **state)
     assert_true(error[0] < 0.15 && error[1] < 0.15);
 }
 
-/* Figure 4.10: noise on both scales' courses, relative to their root mean square; amplitudes
- * against those without, mean of many draws. */
+/* Figure 4.10 of the dissertation. Noise is added to the courses at both scales, relative to their
+ * root mean square. The error is the difference from the amplitudes without noise, as the mean of
+ * many draws. */
 static void less_noise_comes_through_si_hk_than_si_hks(void **state)
 {
     (void)state;

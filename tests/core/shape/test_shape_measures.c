@@ -93,7 +93,7 @@ static void impossible_rankings_are_refused(void **state)
     assert_int_equal(m.n_queries, 42);
 }
 
-/* Six items of three classes. The answers are 0 0 1 | 1 1 | 0. */
+/* Six items of three classes. The answers are 0 0 1 | 1 0 | 0. */
 static void classes_are_counted_as_by_hand(void **state)
 {
     (void)state;

@@ -62,7 +62,7 @@ static void a_density_of_one_changes_nothing(void **state)
 }
 
 /* For any density the null vector is constant, no eigenvalue is negative, and x' B x > 0. Lumped
- * rows are the sums of consistent ones. The storage has only one triangle, so that the matrix is
+ * rows are the sums of consistent ones. A matrix stores only its lower triangle, so that it is
  * symmetric. */
 static void any_density_keeps_the_operator_what_it_is(void **state)
 {

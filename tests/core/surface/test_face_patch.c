@@ -189,7 +189,7 @@ static void a_hole_is_filled_and_remembered(void **state)
     assert_true(iso_face_patch_measured(f->patch, -cheek_x_mm, cheek_y_mm) == 1.0);
     assert_true(iso_face_patch_measured(f->patch, 0.0, 0.0) == 1.0);
     assert_true(iso_face_patch_measured(f->patch, 500.0, 0.0) == 0.0);
-    /* The spot and the triangles that it touches have two to eight times its area. */
+    /* The spot and the triangles that it touches have one to eight times its area. */
     double lost = (whole - holed) * 21000.0 / (M_PI * spot_mm * spot_mm);
     assert_true(lost > 1.0 && lost < 8.0);
 }

@@ -1,4 +1,5 @@
-/* A surface as planes equals the surface that iso_triangulate makes of the same frame. */
+/* The planes of a grid describe the same surface as the mesh that iso_triangulate makes of the
+ * frame. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>

@@ -9,10 +9,10 @@
 struct grid_surface {
     struct iso_frame *frame;
     struct iso_grid *grid;
-    struct iso_triangulator *triangulator; /* made the mesh last */
+    struct iso_triangulator *triangulator; /* has made the mesh last, and finds places on it */
     struct iso_mesh *mesh;                 /* in the face frame */
     int32_t (*adjacent)[3];
-    int32_t *plane_index; /* [n_vertices] of the grid */
+    int32_t *plane_index; /* [n_vertices]: the index of each vertex in the planes of the grid */
 };
 
 /* Hills and hollows on 75 x 58 pixels. The surface has holes of one pixel and of many pixels,
@@ -20,13 +20,14 @@ struct grid_surface {
  * holes. */
 struct grid_surface grid_surface_hills(double pitch_mm, double steepness);
 
-/* The mean face of the shipped model within 100 mm of the nose tip. `frame` is NULL if the model is
- * missing. */
+/* The mean face of the shipped model within 100 mm of the nose tip. */
 struct grid_surface grid_surface_mean_face(double pitch_mm);
 
+/* Frees what the surface owns. */
 void grid_surface_done(struct grid_surface *surface);
 
-/* Finds the same place on grid and mesh, given by x and y in the face frame. */
+/* These functions find the same place on the grid and on the mesh. x and y are in the face frame. A
+ * place without surface ends the test. */
 struct iso_grid_point grid_surface_point(const struct grid_surface *surface, double x_mm,
                                          double y_mm);
 struct iso_surface_point grid_surface_mesh_point(const struct grid_surface *surface, double x_mm,

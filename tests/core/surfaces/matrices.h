@@ -10,9 +10,10 @@ struct matrices {
 
 /* Allocates and computes the matrices of a mesh. A failure ends the test. */
 struct matrices matrices_of(const struct iso_mesh *mesh, enum iso_mass kind);
+/* Frees both matrices. */
 void matrices_free(struct matrices *m);
 
-/* x' A y */
+/* Returns x' A y. */
 double matrices_form(const struct iso_symmetric *a, const double *x, const double *y);
 
 #endif

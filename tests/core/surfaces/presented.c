@@ -107,7 +107,8 @@ void presented_clear(struct presented *p)
     draw_solid(p, wall, &at);
 }
 
-/* Whether a point of the face frame is within the contour of an eye, seen from the front. */
+/* Returns whether a point is within the contour of an eye, seen along z. All points are in the same
+ * frame. */
 static bool in_eye(const struct iso_vec3 contour[EYE_CORNERS], struct iso_vec3 q)
 {
     bool inside = false;
@@ -120,8 +121,8 @@ static bool in_eye(const struct iso_vec3 contour[EYE_CORNERS], struct iso_vec3 q
     return inside;
 }
 
-/* Draws the triangles of a head. Those within the eyelids are drawn in pieces, so that the holes
- * have the outline of the lids. */
+/* Draws the triangles of a head in small pieces, without the pieces between the eyelids, so that
+ * the holes have the outline of the lids. */
 static void draw_cut(struct presented *p)
 {
     enum { PIECES = 8 };
@@ -149,7 +150,8 @@ static void draw_cut(struct presented *p)
                 }
                 struct iso_vec3 middle = iso_scale(1.0 / 3.0,
                                                    iso_add(small[0], iso_add(small[1], small[2])));
-                /* The mesh is already in the camera frame, seen nearly from the front. */
+                /* The head and the contours are in the camera frame, and the head is seen nearly
+                 * from the front. */
                 if (!in_eye(eye[0], middle) && !in_eye(eye[1], middle)) {
                     assert_int_equal(sim_view_draw(p->view, small, one, 1, SIM_PAPER), 0);
                 }
@@ -190,7 +192,7 @@ void presented_behind(struct presented *p, const struct iso_rigid *pose, double 
 struct presented_sheet presented_draw_sheet(struct presented *p, enum presented_bend bend)
 {
     struct sim_random *r = &p->random;
-    double size = sim_random_between(r, 0.75, 1.5); /* of a sheet of A5 to A3 */
+    double size = sim_random_between(r, 0.75, 1.5); /* from about A5 to A3 */
     struct presented_sheet sheet = {
         .width_mm = 190.0 * size, .height_mm = 265.0 * size, .bend = bend};
     sheet.radius_mm = sim_random_between(r, 60.0, 300.0);
@@ -201,8 +203,8 @@ struct presented_sheet presented_draw_sheet(struct presented *p, enum presented_
     return sheet;
 }
 
-/* How far the sheet at the distance `s` along it lies behind its middle, and how far to the side.
- */
+/* Finds the place of the point at the distance `s` along the sheet: *t to the side of the middle of
+ * the sheet, and *back behind it. */
 static void profile(const struct presented_sheet *sheet, double s, double *t, double *back)
 {
     double r = sheet->radius_mm, fold = 60.0;
@@ -234,7 +236,7 @@ void presented_sheet(struct presented *p, const struct presented_sheet *sheet,
     for (int i = 0; i < ROWS; i++) {
         for (int j = 0; j < COLUMNS; j++) {
             double x = 2.0 * j / (COLUMNS - 1) - 1.0, y = 2.0 * i / (ROWS - 1) - 1.0, t, back;
-            if (sheet->oval) { /* the square's points moved into the disc, as Shirley's rays */
+            if (sheet->oval) { /* moves the points of the square towards its centre */
                 double longest = fmax(fabs(x), fabs(y)), r = hypot(x, y);
                 x = r > 0.0 ? x * longest / r : 0.0;
                 y = r > 0.0 ? y * longest / r : 0.0;

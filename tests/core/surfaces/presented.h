@@ -16,16 +16,17 @@ struct presented {
     const struct iso_head_model *model;
     struct sim_view *view;
     struct sim_sensor_workspace *workspace;
-    struct iso_frame *frame; /* what the sensor reports; presented_measure makes it */
+    struct iso_frame *frame; /* the frame of the sensor; presented_measure makes it */
     struct iso_vec3 *shape_mm,
         *moved_mm; /* [model->n_vertices] the head that was drawn last; scratch memory */
     double noise_scale;
     struct sim_random random;
 };
 
-/* An empty scene; the model must outlive it. */
+/* Makes a scene. The sensor and the model must outlive it. */
 struct presented *presented_new(const struct sim_sensor *sensor, const struct iso_head_model *model,
                                 uint64_t seed);
+/* NULL is accepted. */
 void presented_free(struct presented *p);
 
 /* Draws a new head into shape_mm. Identity and expression come from the model's own distribution.
@@ -72,8 +73,8 @@ void presented_sheet(struct presented *p, const struct presented_sheet *sheet,
 /* Makes p->frame from the scene. */
 void presented_measure(struct presented *p);
 
-/* Simulates a display of that size: its glass, without the frame around it, loses this share of its
- * measurements in blotches. Call it after presented_measure. */
+/* Simulates a display of that size: its glass, without a frame of bezel_mm around it, loses the
+ * share lost_share of its measurements in blotches. Call it after presented_measure. */
 void presented_blind(struct presented *p, const struct presented_sheet *sheet,
                      const struct iso_rigid *pose, double bezel_mm, double lost_share);
 

@@ -79,8 +79,9 @@ static double largest_eigenvalue_bound(const struct iso_mesh *mesh)
     return bound;
 }
 
-/* c[k] with exp(-z (1 + x)) = sum_k c[k] T_k(x): (2 -) (-1)^k exp(-z) I_k(z), with the Bessel
- * functions by Miller's downward recurrence. Returns how many coefficients are needed. */
+/* Computes c[k] such that exp(-z (1 + x)) = sum_k c[k] T_k(x). c[0] is exp(-z) I_0(z), and the
+ * others are 2 (-1)^k exp(-z) I_k(z), with the Bessel functions by Miller's downward recurrence.
+ * Returns how many coefficients are needed. */
 static int coefficients(double z, double c[DEGREE_MAX])
 {
     int start = (int)(12.0 * sqrt(z) + 60.0);

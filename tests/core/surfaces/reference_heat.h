@@ -7,8 +7,9 @@
 #include "isotherm/mesh.h"
 #include "tests/core/surfaces/matrices.h"
 
-/* Computes the heat column of one source at n_times times: out[j * n] for time j, relative error
- * about 1e-11. It ends the test if it does not reach this accuracy. */
+/* Computes the heat columns of one source at n_times <= 8 times: the column of time j begins at
+ * out[j * n], n is the number of vertices. The relative error is about 1e-11. The test ends if the
+ * function does not reach this accuracy. */
 void reference_heat(const struct iso_mesh *mesh, const struct matrices *m,
                     struct iso_surface_point source, const double *t_mm2, int n_times, double *out);
 
