@@ -147,7 +147,8 @@ static void refuses_unknown_options(void **state)
     }
 }
 
-/* A close leaves the outputs unchanged until they are set again. */
+/* After a close the back end opens again with the outputs that the caller gives. While it is open,
+ * it cannot be reopened. */
 static void open_again(const struct door_back_end *back_end, struct iso_door_io *io)
 {
     struct iso_door_inputs inputs;

@@ -31,7 +31,7 @@ static void a_level_counts_when_it_has_lasted(void **state)
     assert_true(iso_debounce_take(&debounce)); /* still pressed */
 }
 
-/* The contacts bounce for 15 ns at both ends of a press. */
+/* The contacts bounce for about 15 ns at both ends of a press. */
 static void bounces_are_one_press(void **state)
 {
     static const int64_t edges[] = {1100, 1103, 1105, 1112, 1115, 1300, 1302, 1309, 1311, 1314};

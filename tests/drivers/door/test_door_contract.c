@@ -1,5 +1,5 @@
 /* Runs the contract suite of the door class on every back end of this build: null, and gpiod over
- * simulated lines. tests/vm runs it over lines of the kernel. */
+ * simulated lines. tests/vm runs it over simulated lines of a real kernel. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -71,7 +71,7 @@ static void move_gpiod_input(struct iso_door_io *io, enum iso_door_input input, 
 
 #endif
 
-/* The table must have every registered back end. */
+/* Returns how many registered back ends the table lacks. */
 static int no_back_end_is_left_out(const struct door_back_end *table, size_t n)
 {
     int missing = 0;

@@ -185,8 +185,8 @@ static void contacts_bounce(void **state)
     iso_door_io_close(io);
 }
 
-/* The edges tell when the contact changed, although the level was not read for half a second. A
- * short spike does not count. */
+/* The edges have the times of a press, although the level was not read for half a second. A short
+ * spike does not count. */
 static void a_press_between_two_looks(void **state)
 {
     struct iso_door_io *io = open_door();

@@ -1,4 +1,4 @@
-/* The checked wrapper of the door class, over a back end that follows the test. */
+/* The checked wrapper of the door class, over a back end that the test controls. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -292,7 +292,7 @@ static void a_lost_device_can_be_opened_anew(void **state)
     assert_int_equal(puppet.closes, 2);
 }
 
-/* The options of the first open hold for every reopen, also after the caller has changed its copy.
+/* The options of iso_door_io_new hold for every reopen, also after the caller has changed its copy.
  */
 static void begins_lost_if_asked(void **state)
 {

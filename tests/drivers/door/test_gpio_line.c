@@ -57,7 +57,7 @@ static void says_that_there_is_no_such_name(void **state)
     iso_gpio_line_close(NULL);
 }
 
-/* The same request as that of the appliance. */
+/* The door opens the line as in the appliance. */
 static void the_door_says_which_line_is_missing(void **state)
 {
     const struct iso_option option = {"relay", "gpiochip4711:17 active-low"};

@@ -18,7 +18,8 @@
 #include "drivers/file/file.h"
 #include "tests/support/scratch.h"
 
-/* Each function that opens a file returns `error`, and a line that has `words` in it. */
+/* Asserts that each function that opens a file returns `error`, and that the text of the fault
+ * contains `words`. */
 static void expect_refusal(const char *path, int error, const char *words)
 {
     struct iso_fault fault = {.text = ""};
@@ -96,7 +97,7 @@ static void refuses_a_longer_file(void **state)
     assert_non_null(strstr(fault.text, "/x: longer than 100 bytes"));
     assert_int_equal(iso_file_open(path, O_RDWR, ISO_FILE_ANY_SIZE, &fd, NULL), 0);
     (void)close(fd);
-    /* A file that is written anew keeps nothing of the earlier file. */
+    /* A file that is truncated at the opening may have any length before. */
     assert_int_equal(iso_file_open(path, O_WRONLY | O_TRUNC, 100, &fd, NULL), 0);
     (void)close(fd);
 }
@@ -158,7 +159,8 @@ static void reads_files_that_do_not_know_their_size(void **state)
     assert_null(bytes);
 }
 
-/* Another user has put a second name of the gallery there, or a file that everybody may read. */
+/* Another user has put something at the path of the new file: a second name of the gallery, or a
+ * file that everybody may write. */
 static void a_file_that_is_made_anew_is_ours_alone(void **state)
 {
     const char *needed = scratch_path(*state, "needed"), *path = scratch_path(*state, "x.new");

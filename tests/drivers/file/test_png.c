@@ -24,7 +24,8 @@ enum { WIDTH = 11, HEIGHT = 6 };
 static const enum iso_pixel kinds[] = {ISO_PIXEL_GREY8, ISO_PIXEL_GREY16, ISO_PIXEL_RGB8,
                                        ISO_PIXEL_RGB16};
 
-/* Samples of which two neighbours never agree. The two bytes of a 16-bit sample differ, too. */
+/* Fills the samples with pseudo-random bytes, so that the test notices swapped samples and swapped
+ * bytes. */
 static void fill_image(uint8_t *bytes, size_t size)
 {
     uint32_t x = 12345;

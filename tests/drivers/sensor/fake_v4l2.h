@@ -18,7 +18,7 @@ struct fake_camera {
     int open_error, start_error; /* -errno, or 0 */
     bool realtime_stamps;        /* its driver does not stamp with the monotonic clock */
 
-    /* The result of the next pictures, see fake_shoot. */
+    /* Set by fake_unplug() and fake_break(). */
     bool unplugged, broken;
     uint32_t sequence; /* the sequence number of the next picture */
 
@@ -42,19 +42,21 @@ struct fake_v4l2 {
     int64_t now_ns; /* the kernel's monotonic clock */
 };
 
-/* A table whose context is `fake`. */
+/* Returns the functions of the simulated nodes. Their context is `fake`, which must outlive them.
+ */
 struct iso_v4l2_system fake_v4l2_system(struct fake_v4l2 *fake);
 
 /* The result of a picture. */
 enum fake_fate { FAKE_GOOD, FAKE_DAMAGED, FAKE_SHORT, FAKE_LOST };
 
-/* The camera takes a picture at stamp_ns. `pixels` has rows without padding (two bytes or one byte
- * per pixel, by the format); the camera writes rows of its stride. FAKE_LOST only increases the
- * sequence number, as a real camera does when no buffer is free. */
+/* Makes the camera take a picture with the time stamp stamp_ns. `pixels` has rows without padding
+ * (two bytes or one byte per pixel, by the format); the camera writes rows of its stride. FAKE_LOST
+ * only increases the sequence number, as a real camera does when no buffer is free. */
 void fake_shoot(struct fake_camera *camera, int64_t stamp_ns, const void *pixels,
                 enum fake_fate fate);
 
-/* Unplugs the camera, or breaks the stream: poll reports the camera's descriptor as readable. */
+/* Unplugs the camera, or breaks its stream. After both, poll reports the descriptor of the camera
+ * as readable. */
 void fake_unplug(struct fake_camera *camera);
 void fake_break(struct fake_camera *camera);
 

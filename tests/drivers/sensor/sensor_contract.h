@@ -23,7 +23,7 @@ struct sensor_scene {
     size_t n_options;
     double unit_mm;
     bool intensity; /* the sensor is opened so that its frames have an intensity image */
-    int shutter_fd; /* of stages with a camera */
+    int shutter_fd; /* takes the requests for frames; -1: a stage without a camera */
     void *world;    /* data of the stage */
 };
 
@@ -41,8 +41,8 @@ struct sensor_stage {
      * The first frame follows the last one. */
     void (*offer)(struct sensor_scene *scene);
 
-    /* OPTIONAL. Loses frame number `stored` between the camera and the back end. The suite calls it
-     * before the start, and on a camera's stage again in place of the offer. */
+    /* OPTIONAL. Loses frame number `stored` between the camera and the back end. On a stage with
+     * `offer` the suite calls it in place of an offer, on another stage before the start. */
     void (*lose)(struct sensor_scene *scene, int stored);
 
     /* OPTIONAL. Unplugs the camera, or plugs it in again. */
@@ -68,14 +68,16 @@ void on_every_stage(void (*test)(struct sensor_set *set),
 /* cmocka tear-down: removes what a failed test has left. */
 int stage_clear_away(void **state);
 
-/* Opens the sensor of the stage, also again after the sensor was closed. */
+/* Opens the sensor of the stage, also again after it was closed. Returns the error of
+ * iso_sensor_open. */
 int stage_open(struct sensor_set *set, struct iso_fault *fault);
+/* Starts the open sensor. An error fails the test. */
 void stage_start(struct sensor_set *set);
 
 /* Opens the sensor as soon as the system has noticed that the camera is plugged in again. */
 void stage_open_when_there(struct sensor_set *set);
 
-/* The real time. The injected clock does not show it. */
+/* Returns the real time in ns (CLOCK_MONOTONIC), which is not the time of the injected clock. */
 int64_t stage_real_ns(void);
 
 /* Makes the camera deliver a frame. It does nothing on a stage whose frames come by the clock. */
@@ -85,7 +87,8 @@ void stage_offer(struct sensor_set *set);
  * than a time-out. */
 int stage_fetch(struct sensor_set *set, const struct iso_frame **frame, struct iso_fault *fault);
 
-/* Offers a frame and fetches it. */
+/* Offers a frame and fetches it. The frame is valid until the next call. No frame fails the test.
+ */
 const struct iso_frame *stage_next(struct sensor_set *set);
 
 /* Asserts that the frame equals frame number `stored` of the recording bit by bit. */

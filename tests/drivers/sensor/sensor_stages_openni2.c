@@ -49,7 +49,7 @@ static void set_up_ir(struct sensor_scene *scene)
 
 static void leave(struct sensor_scene *scene)
 {
-    iso_sensor_openni2_forget(); /* the runtime knows one bench only while it is started */
+    iso_sensor_openni2_forget(); /* the runtime reads the name of the bench only when it starts */
     camera_bench_leave(scene->shutter_fd);
 }
 

@@ -71,7 +71,7 @@ static void every_camera_is_read(void **state)
     globfree(&files);
 }
 
-/* The file that a board names is in the place where it is installed. */
+/* The camera file that the configuration of a board names is one of board/cameras. */
 static void a_board_names_a_camera_that_there_is(void **state)
 {
     (void)state;

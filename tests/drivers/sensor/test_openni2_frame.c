@@ -71,7 +71,8 @@ static void undoes_mirroring(void **state)
     assert_true(iso_frame_depth_at(frame, 3, 1) == 101.0F);
 }
 
-/* A crop of 2 x 2 at (1, 1). The frame has its position, and its pixels are those of the image. */
+/* A crop of 2 x 2 at (0, 1). The frame has the position of the crop in the image that is not
+ * mirrored. */
 static void keeps_a_crop(void **state)
 {
     struct iso_frame *frame = *state;

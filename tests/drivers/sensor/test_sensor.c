@@ -1,4 +1,4 @@
-/* The checked wrapper of the sensor class, over a back end that follows the test. */
+/* The checked wrapper of the sensor class, over a back end that the test controls. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* The contract of every back end of the sensor class (drivers/sensor/contract/sensor.h), tested on
- * every stage (sensor_contract.h). The program counts and prints the tests that a stage cannot run.
+ * every stage (sensor_contract.h). For each test, the program prints how many stages cannot run it.
  */
 #include <errno.h>
 #include <math.h>
@@ -53,7 +53,7 @@ static void delivers_every_frame_bit_by_bit_and_in_order(void **state)
     on_every_stage(deliver_frames, NULL);
 }
 
-/* The camera that follows from a field of view has 32-bit numbers. */
+/* A camera that is calculated from a field of view has the accuracy of 32-bit numbers. */
 static void see_camera(struct sensor_set *set)
 {
     stage_start(set);
@@ -95,7 +95,7 @@ static void uses_its_buffer_again(void **state)
 /* ---- waiting ---- */
 
 /* No frame comes. A deadline in the past takes no time. A deadline in the future takes the full
- * time in a back end that blocks, and no time in another one. */
+ * time in a back end that blocks, and takes no time in another one. */
 static void run_out(struct sensor_set *set)
 {
     const struct iso_frame *frame = NULL;

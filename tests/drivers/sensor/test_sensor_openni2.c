@@ -40,7 +40,7 @@ static int setup(void **state)
 
 static int teardown(void **state)
 {
-    iso_sensor_openni2_forget(); /* the runtime knows one bench only while it is started */
+    iso_sensor_openni2_forget(); /* the runtime reads the name of the bench only when it starts */
     camera_bench_leave(shutter_fd);
     return scratch_teardown(state);
 }

@@ -50,7 +50,7 @@ static void assert_nothing(struct iso_sensor *sensor)
     assert_null(frame);
 }
 
-/* Asserts that the next frame is frame number `stored` of its recording, and is due at t_ns. */
+/* Asserts that the next frame is frame number `stored` of its recording, and has the time t_ns. */
 static void assert_frame(struct iso_sensor *sensor, int stored, uint64_t sequence, int64_t t_ns)
 {
     const struct iso_frame *frame = NULL;

@@ -1,5 +1,5 @@
-/* The back ends v4l2 and v4l2-stereo with simulated cameras (fake_v4l2): formats, pairs, times,
- * gaps, damage, loss, and every refusal at opening. */
+/* The back end v4l2 with simulated cameras (fake_v4l2): times, gaps, damage, loss, infrared, and
+ * every refusal at opening. The last test covers the pairing of pictures. */
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <math.h>
@@ -46,7 +46,7 @@ static void frames_are_what_the_camera_gave(void **state)
     iso_sensor_close(sensor);
 }
 
-/* The status says whether this camera was measured. */
+/* The description says whether the intrinsics are nominal. */
 static void tells_whether_its_intrinsics_are_nominal(void **state)
 {
     static const struct {
@@ -89,8 +89,8 @@ static void lost_and_damaged_pictures_are_gaps(void **state)
     iso_sensor_close(sensor);
 }
 
-/* The sequence numbers of a driver that returns a picture late, or twice. The last delivered frame
- * stays the newest one, and the late pictures leave a gap. */
+/* A driver returns a picture late, or twice. The back end drops it, the last frame stays the newest
+ * one, and the pictures that came too late are counted as lost. */
 static void late_pictures_are_dropped(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* The back end v4l2-stereo with simulated cameras: pixel formats, pairs of cameras with and without
- * a common trigger, and refusals. The frames have the depths of a wall with known disparity;
- * test_stereo covers the quality of the matching. */
+/* The back end v4l2-stereo with simulated cameras: pixel formats, cameras with and without a common
+ * trigger, and refusals. The frames have the depths of a wall with known disparity; test_stereo
+ * covers the quality of the matching. */
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <math.h>
@@ -85,7 +85,7 @@ static int open_sensor(const char *pair_ms, struct iso_sensor **sensor, struct i
     return iso_sensor_open_ops(&ops, options, 6, &clock, sensor, fault);
 }
 
-/* A 16-bit pixel with 8 significant bits. The other bits are not 0. */
+/* Returns a 16-bit pixel with 8 significant bits. The other bits are not 0. */
 static unsigned word_of(uint32_t format, unsigned grey)
 {
     switch (format) {
@@ -229,7 +229,7 @@ static void a_late_right_picture_has_no_part_in_a_pair(void **state)
     assert_int_equal(frame->sequence, 2);
     assert_int_equal(iso_sensor_health(sensor).lost, 1);
     assert_int_equal(iso_sensor_health(sensor).device.dropped,
-                     2); /* and the other picture of its pair */
+                     2); /* the late picture and the left one of its pair */
     iso_sensor_close(sensor);
 }
 

@@ -52,7 +52,7 @@ static void no_frame_lies_in_the_future_and_time_rises(void **state)
     }
 }
 
-/* Two clocks differ by 100 ppm, for ten hours at 30 Hz. */
+/* Two clocks differ by `ppm`, for ten hours at 30 Hz. */
 static void follows_a_clock_that_drifts(int64_t ppm)
 {
     struct iso_timeline timeline = {0};

@@ -134,7 +134,7 @@ void v4l2_assert_frame(const struct iso_frame *frame, int picture, int64_t ms)
     assert_true(frame->camera.fx_px == 60.5 && frame->camera.fy_px == 61.0);
 }
 
-/* Fetches a frame with a deadline in the past, so that it does not wait. */
+/* Fetches a frame without waiting: the deadline is now. */
 int v4l2_look(struct iso_sensor *sensor, const struct iso_frame **frame, struct iso_fault *fault)
 {
     return iso_sensor_wait(sensor, v4l2_now_ns, frame, fault);

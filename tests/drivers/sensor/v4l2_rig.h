@@ -18,17 +18,21 @@ int v4l2_tear_down(void **state);
 /* Sets both clocks to this many milliseconds after the beginning. */
 void v4l2_at(int64_t ms);
 
+/* Opens the depth camera, with_ir also the infrared one. Returns the error of the opening. */
 int v4l2_open_sensor(bool with_ir, struct iso_sensor **sensor, struct iso_fault *fault);
+/* Opens and starts the cameras. An error fails the test. */
 struct iso_sensor *v4l2_started(bool with_ir);
 
-/* Makes a camera take a picture with this time stamp. */
+/* Makes a camera take picture number `picture`, with a time stamp of `ms` milliseconds after the
+ * beginning. */
 void v4l2_shoot_depth(int picture, int64_t ms, enum fake_fate fate);
 void v4l2_shoot_ir(int picture, int64_t ms, enum fake_fate fate);
 
-/* Asserts that the frame has the pixels of these pictures and this time. */
+/* Asserts that the frame has the pixels of the depth picture and, if it has an intensity, of the
+ * infrared picture with this number, and the time `ms` on the injected clock. */
 void v4l2_assert_frame(const struct iso_frame *frame, int picture, int64_t ms);
 
-/* Fetches a frame with a deadline in the past, so that it does not wait. */
+/* Fetches a frame without waiting: the deadline is now. Returns the result of iso_sensor_wait. */
 int v4l2_look(struct iso_sensor *sensor, const struct iso_frame **frame, struct iso_fault *fault);
 
 #endif

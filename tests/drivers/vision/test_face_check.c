@@ -1,6 +1,6 @@
 /* The check of a face's image: stored rendered people with and without a painted surface, and every
- * reason why the check has no result. All tests except the first and the last need the module
- * `vision`. */
+ * reason why the check has no result. All tests except `words` and the one of the cascade need the
+ * module `vision`. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>

@@ -32,8 +32,8 @@ static struct iso_stereo_calibration rig(void)
         .right_from_left = {iso_mat3_identity(), {-baseline_mm, 0.0, 0.0}}};
 }
 
-/* A sum of plane waves with lengths of 8 px and more in the left picture. No two places are alike.
- */
+/* A sum of plane waves with lengths of about 8 px and more in the left picture. No two places are
+ * alike. */
 static double pattern(double x, double y)
 {
     double sum = 0.0;
@@ -114,8 +114,8 @@ static void done(struct result *result)
     free(result);
 }
 
-/* The root mean square of the disparity's error in a window, and the share of its pixels without a
- * disparity. */
+/* Calculates the root mean square of the error of the disparity in the columns from..to, and the
+ * share of pixels without a disparity. */
 static void judge(const struct result *result, const struct scene *scene, int from, int to,
                   double *rms_px, double *holes)
 {
@@ -195,7 +195,7 @@ static void nothing_is_made_up_where_there_is_nothing_to_match(void **state)
 static void different_pictures_do_not_match(void **state)
 {
     (void)state;
-    /* The place is 2000 px away in the right camera. */
+    /* The pattern is shifted by 2000 px in the right picture. */
     static const struct scene scene = {.at_px = 2000.0, .gain = 1.0};
     struct result *result = look_at(&scene);
     double rms_px, holes;

@@ -67,7 +67,8 @@ static void writes_what_it_reads(void **state)
     }
 }
 
-/* The text of a valid file with one line replaced (or, with NULL, removed). */
+/* Returns the text of a valid file with one line replaced (or, with NULL, removed). Free it with
+ * free(). */
 static char *with_line(const char *directory, const char *line, const char *instead)
 {
     const char *path = scratch_path(directory, "sound.ini");
@@ -155,7 +156,7 @@ static void writes_no_nonsense(void **state)
 }
 
 /* A point is in the same row of both rectified images, f b / z columns apart (Fusiello, Trucco and
- * Verri 2000). The maps lead from there to the place where the cameras see it. */
+ * Verri 2000). The maps lead from there to the places at which the cameras see the point. */
 static void rectified_rows_agree(void **state)
 {
     (void)state;

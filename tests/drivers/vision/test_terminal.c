@@ -41,12 +41,12 @@ static void letters_take_the_columns_of_a_terminal(void **state)
         {"anna", 4},
         {"Jos\u00e9", 4},
         {"Jose\u0301", 4},               /* e and a combining accent */
-        {"\u5f20\u4f1f", 4},             /* two Chinese letters */
-        {"\uae40\ubbfc\uc900", 6},       /* three Korean ones */
+        {"\u5f20\u4f1f", 4},             /* two Chinese characters */
+        {"\uae40\ubbfc\uc900", 6},       /* three Korean characters */
         {"\u0623\u062d\u0645\u062f", 4}, /* Arabic */
         {"a\033[31mb", 7},               /* an escape is a '?' */
         {"\xff", 1},
-        {"a\xe5\xbc", 3}, /* cut within a letter */
+        {"a\xe5\xbc", 3}, /* cut within a character */
     };
 
     (void)state;
