@@ -69,7 +69,7 @@ static void one_thing_at_a_time_is_shown(void **state)
     pseudo_terminal_close(&pseudo);
 }
 
-/* The visitor, and the verdict in its colour. */
+/* The output names the visitor, and has the verdict in its colour. */
 static void verdicts_have_colours(void **state)
 {
     const struct sim_corpus_row row = {

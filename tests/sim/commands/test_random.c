@@ -66,7 +66,7 @@ static void normal_deviates_have_the_moments(void **state)
         lagged += x * before / N;
         before = x;
     }
-    /* limits of four standard errors each: sqrt(1, 2, 6, 96 / N) and sqrt(1 / N) */
+    /* Each limit is four standard errors: sqrt of 1, 2, 15 and 96 / N, and sqrt(1 / N). */
     assert_true(fabs(sum[1]) < 4.0 * sqrt(1.0 / N));
     assert_true(fabs(sum[2] - 1.0) < 4.0 * sqrt(2.0 / N));
     assert_true(fabs(sum[3]) < 4.0 * sqrt(15.0 / N));

@@ -36,8 +36,7 @@ static struct iso_raster pinhole(void)
     };
 }
 
-/* Triangles on the plane n . p = d that cover the whole window, counter-clockwise seen from the
- * camera. */
+/* A slanted triangle that covers the whole window, counter-clockwise seen from the camera. */
 static const struct iso_vec3 slanted[3] = {
     {-900, -800, 850}, {-700, 1600, 1330}, {1800, -300, 400}};
 static const uint32_t one[1][3] = {{0, 1, 2}};

@@ -17,7 +17,7 @@ bool scan_dome_measured(int row, int column);
 typedef void scan_writer(FILE *out);
 
 /* Writers of the dome: as a range image of FRGC, 1.5 m from the scanner; as a file of Bosphorus;
- * and in VRML, as quads or as triangles, where points that are no coordinates come first. */
+ * and in VRML, as quads and triangles, where points that are no coordinates come first. */
 scan_writer scan_write_abs, scan_write_bnt, scan_write_vrml;
 
 /* Returns the bytes that a writer writes. Free them with free(). */

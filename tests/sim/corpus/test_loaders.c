@@ -15,8 +15,8 @@
 #include "sim/corpus/scan_view.h"
 #include "tests/sim/corpus/scan_files.h"
 
-/* The depth at the pixel of the virtual camera where a point of the dome appears; 0: no
- * measurement. */
+/* Returns the error of the depth at the pixel of the virtual camera where the point (x, y) of the
+ * dome appears. Without a measurement it is minus the depth. */
 static double depth_of(const struct iso_frame *frame, struct iso_vec3 shift, double x, double y)
 {
     double z = 30.0 - 0.02 * ((x - 5.0) * (x - 5.0) + (y + 8.0) * (y + 8.0));

@@ -33,7 +33,7 @@ static void refuses_bad_landmarks(void **state)
     iso_frame_free(frame);
 }
 
-/* Asserts that the frame is refused with `expected`, and that no file of it exists. */
+/* Asserts that the frame is refused with `error` and a message that contains `expected`. */
 static void assert_refused(struct sim_recording_writer *writer, const struct iso_frame *frame,
                            int error, const char *expected)
 {

@@ -7,7 +7,7 @@
 
 enum { WRITTEN_WIDTH = 13, WRITTEN_HEIGHT = 8 };
 
-/* A camera with distortion. None of its numbers is a round one. */
+/* Returns the description of a recording from a camera with distortion. No number is round. */
 struct iso_recording_meta written_meta(void);
 
 /* A frame of that camera. Its depths are whole counts, and the largest and the smallest count are

@@ -30,7 +30,7 @@ static struct sim_visit visit_of(const struct sim_corpus_row *row, const char *l
 }
 
 /* The enrolled person is admitted once, refused once, and taken for another person once. One of
- * three strangers is admitted. */
+ * four visits of a stranger is admitted. */
 static struct sim_level_counts count(enum sim_level_crowd crowd)
 {
     const struct sim_visit visits[] = {

@@ -43,7 +43,8 @@ static void who_stands_in_front_is_the_visitor(void **state)
         fail_msg("%s", fault.text);
     }
     for (size_t i = 0; i < corpus->n_rows; i++) {
-        assert_true(sim_corpus_row_is_of(&corpus->rows[i], "test-1")); /* who they are */
+        /* The note begins with the source of the people. */
+        assert_true(sim_corpus_row_is_of(&corpus->rows[i], "test-1"));
     }
     assert_int_equal(n, 2);
     assert_string_equal(visits[0].row->note, "test-1 stranger-behind");

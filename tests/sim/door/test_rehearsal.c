@@ -86,7 +86,8 @@ static void the_right_people_are_let_in(void **state)
     sim_corpus_free(corpus);
 }
 
-/* Returns the text of a run's audit log, to be freed. The identifier of the gallery is random. */
+/* Returns the text of a run's audit log, to be freed. The random identifier of the gallery is
+ * replaced. */
 static char *log_of(const char *directory, const char *run)
 {
     struct iso_config config = iso_config_default();
@@ -223,7 +224,7 @@ static void who_cannot_be_enrolled_is_a_fault(void **state)
     struct sim_visit visits[ROWS];
     assert_int_equal(rehearse(*state, "twice", NAN, &corpus, visits), -ENOMSG);
 
-    /* Duplicates can be left out: then one face has one name, and the visit is hers. */
+    /* Duplicates can be left out: then one face has one name, and the visit is that person's. */
     size_t not_enrolled = 0, n_visits = 0, told = 0;
     const struct sim_rehearsal_options options = {
         .corpus = *state,

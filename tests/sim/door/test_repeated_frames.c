@@ -1,8 +1,9 @@
 /* Frames that the memory of frames takes for repeated (core/presentation/frame_memory.h). It takes
- * none of a head that does not move at all, before every sensor model and in stored and real
- * recordings. It takes all frames of a camera that hangs. The first test prints the similarities
- * from which ISO_FINGERPRINT_SAME was chosen. The rendered heads need the head model's data
- * (ISOTHERM_SHARED/data/ict-face), the real recordings need ISOTHERM_SHARED/data/kinect2-faces. */
+ * none of a head that does not move at all before a sensor model, and none of a stored or real
+ * recording that is played once. It takes all frames of a recording that is played again. The first
+ * test prints the similarities from which ISO_FINGERPRINT_SAME was chosen. The rendered heads need
+ * the head model's data (ISOTHERM_SHARED/data/ict-face), the real recordings need
+ * ISOTHERM_SHARED/data/kinect2-faces. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -111,7 +112,8 @@ static bool is_slow(const struct sim_sensor *sensor)
     return strncmp(sensor->name, "stereo", strlen("stereo")) == 0;
 }
 
-/* A head that does not move by a micrometre is harder than any living head. */
+/* A head that does not move at all is harder to distinguish from repeated frames than any living
+ * head. */
 static void expect_live(struct studio *s, double distance_mm)
 {
     struct iso_fingerprint prints[STILL_FRAMES];
@@ -147,7 +149,7 @@ static void a_head_that_does_not_move_is_never_refused(void **state)
             expect_live(&s, s.sensor->distance_max_mm);
         }
         if (s.sensor == &sim_sensor_astra || s.sensor == &sim_sensor_kinect2) {
-            expect_live(&s, 1500.0); /* the first sensor has steps of 6.5 mm there */
+            expect_live(&s, 1500.0); /* the Astra has steps of 6.5 mm there */
         }
         studio_close(&s);
     }

@@ -13,7 +13,7 @@ enum { DRAWN_SIDE = 61 }; /* 3 mm apart: 90 mm on each side of the centre */
 /* Returns the height of a surface at a place. */
 typedef double drawn_height(const void *context, double x, double y);
 
-/* The surface within 86 mm of the centre. Free it with sim_scan_free. */
+/* Returns the surface within 86 mm of the centre. Free it with sim_scan_free. */
 struct sim_scan *drawn_surface(drawn_height *z, const void *context);
 
 /* A head-like dome with the nose and the hills of one person. */
@@ -32,7 +32,7 @@ void drawn_skin(struct sim_scan *scan, uint64_t key, double tone);
  * people by up to a few millimetres, and have an error of `noise_mm` that differs between takes. */
 struct sim_scan *drawn_face(uint64_t key, double noise_mm, uint64_t take);
 
-/* Returns the method's description of a face. */
+/* Returns the method's description of a face. Free it with method->discard(). */
 void *described(const struct sim_method *method, const void *knowledge,
                 const struct sim_scan *scan);
 

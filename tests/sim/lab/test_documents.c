@@ -21,7 +21,7 @@ struct names {
     char name[NAMES_MAX][NAME_MAX_BYTES];
 };
 
-/* A failure fails the running test. Free the result with free(). */
+/* Returns the text of a file. Free it with free(). */
 static char *document(const char *path)
 {
     size_t size;
@@ -49,7 +49,7 @@ static void assert_stages(const struct names *names)
     }
 }
 
-/* Returns the first column of the first table after a heading, without the two lines of the table's
+/* Reads the first column of the first table after a heading, without the two lines of the table's
  * head. */
 static void read_table(char *text, const char *heading, struct names *names)
 {
@@ -68,8 +68,7 @@ static void read_table(char *text, const char *heading, struct names *names)
     }
 }
 
-/* Returns the nodes of the diagram's cluster "extract". The first line of each label is the name.
- */
+/* Reads the nodes of the diagram's cluster "extract". The first line of each label is the name. */
 static void read_nodes(char *text, struct names *names)
 {
     char *line = strstr(text, "subgraph cluster_extract {\n");

@@ -11,11 +11,21 @@
 
 #include "sim/lab/eval/analysis.h"
 
-/* People a, b, c; c could not be enrolled. Rows 0..2 enrol. The probes and their scores against a,
- * b, c: 3  a  yaw   9  1  -    rank 1 4  a  yaw   not acquired 5  b  yaw   6  5  -    rank 2 6  c
- * front 4  2  -    lost: not enrolled 7  x        3  8  -    a stranger 8  y        not acquired: a
- * stranger 9  none     9  7  -    a photograph that was taken for a face 10  b  yaw   1  7  - rank
- * 1 11  b  yaw   2  7  -    rank 1 */
+/* clang-format off */
+/* The people are a, b and c; c could not be enrolled. Rows 0..2 enrol. The other rows are probes:
+ *
+ *   row  subject  pose   score against a, b, c
+ *     3  a        yaw    9  1  -                rank 1
+ *     4  a        yaw    not acquired           lost
+ *     5  b        yaw    6  5  -                rank 2
+ *     6  c        front  4  2  -                lost: not enrolled
+ *     7  x               3  8  -                a stranger
+ *     8  y               not acquired           a stranger
+ *     9  none            9  7  -                a photograph that was taken for a face
+ *    10  b        yaw    1  7  -                rank 1
+ *    11  b        yaw    2  7  -                rank 1
+ */
+/* clang-format on */
 enum { ROWS = 12, PEOPLE = 3, PROBES = 9 };
 
 static struct sim_corpus_row rows[ROWS] = {

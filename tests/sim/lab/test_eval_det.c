@@ -97,7 +97,7 @@ static void test_lost_pairs_have_no_score(void **state)
 enum { MATED = 2000, NON_MATED = 30000, PEOPLE = 50 };
 static const double apart = 3.0;
 
-/* Every score has its own person, who does not depend on its rank (Knuth's multiplicative hash). */
+/* Each score belongs to a person that does not depend on its rank (Knuth's multiplicative hash). */
 static uint32_t scattered(uint32_t i)
 {
     return (i * 2654435761u >> 16) % PEOPLE;

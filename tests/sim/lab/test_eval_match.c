@@ -91,7 +91,7 @@ static void test_gallery_limit(void **state)
     (void)state;
     struct sim_gallery *gallery = enrol(1);
     assert_int_equal(gallery->n_people, 1);
-    assert_int_equal(gallery->n_templates, 2); /* zoe's later one as well */
+    assert_int_equal(gallery->n_templates, 2); /* also of zoe's second recording */
     assert_true(sim_gallery_find(gallery, "adam") == SIM_NOBODY);
     sim_gallery_free(gallery);
 }
@@ -190,7 +190,7 @@ static void test_cohort_normalises(void **state)
     sim_gallery_free(gallery);
 }
 
-/* A metric that uses two numbers of all the points. */
+/* Makes a metric with two dimensions over all points. */
 static struct iso_metric *new_metric(void)
 {
     const struct iso_metric shape = {

@@ -181,7 +181,7 @@ static void test_nothing_to_learn_from(void **state)
 {
     struct sim_eval_options options = options_for(*state);
     assert_null(choose("all", NULL, &options));
-    options.methods[1] = &sim_method_icp_upper; /* the printed one takes too long */
+    options.methods[1] = &sim_method_icp_upper; /* instead of methods that take longer */
     options.methods[2] = &sim_method_eigensurfaces;
     options.n_methods = 3;
     struct sim_eval *eval = evaluate(&options);

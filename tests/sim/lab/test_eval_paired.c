@@ -25,7 +25,8 @@ static struct sim_paired paired(const uint8_t *first, const uint8_t *second, uin
     return p;
 }
 
-/* Five people with 12 searches. Each has one more error with the second method: p = 2 / 2^5. */
+/* Five people have 12 searches each, and one more error each with the second method. So p = 2 / 32.
+ */
 static void test_every_sign(void **state)
 {
     (void)state;
@@ -42,15 +43,15 @@ static void test_every_sign(void **state)
     r = paired(second, first, 12); /* in the other order */
     assert_int_equal(r.second_better, 5);
     assert_float_equal(r.p, (2.0 / 32.0), 1e-9);
-    /* The differences are 1, 1, 1, 1, -1. Of 32 choices of signs, 12 have a sum of +-3 or more. */
+    /* The differences are 1, 1, 1, 1, -1. Of 32 choices of signs, 12 have a sum of at least 3 or at
+     * most -3. */
     second[12 * 4 + 3] = 0;
     first[12 * 4 + 3] = 1;
     r = paired(first, second, 12);
     assert_float_equal(r.p, (12.0 / 32.0), 1e-9);
 }
 
-/* Many errors of one person are no evidence. The same number of errors of several people is
- * evidence. */
+/* Many errors of one person are no evidence. The same number of errors of 12 people is evidence. */
 static void test_people_count_and_not_searches(void **state)
 {
     (void)state;
@@ -122,9 +123,9 @@ static void test_growth(void **state)
      * the other's best score. */
     assert_float_equal(g.threshold, 0.039, 1e-9);
     assert_float_equal(g.points[1].fpir, 0.5, 1e-12);
-    assert_float_equal(g.points[0].fpir, 0.25, 1e-12); /* this person is among 10 of 20 */
+    assert_float_equal(g.points[0].fpir, 0.25, 1e-12); /* this person is one of 10 of 20 */
     assert_float_equal(g.points[1].fnir, 1.0, 1e-12);
-    /* The mate is found if the other person is not among the 9 of the 19 others. */
+    /* The mate is found if the other person is not one of the 9 drawn from the 19 others. */
     assert_float_equal(g.points[0].fnir, (9.0 / 19.0), 1e-6);
     assert_true(g.points[0].fnir_at_fpir <= g.points[1].fnir_at_fpir);
 }

@@ -68,8 +68,9 @@ static void test_exact_interval(void **state)
     assert_near(nothing.high, 1.0, 0.0);
 }
 
-/* The meaning of the interval's ends, by the sum of the binomial distribution: at the low end so
- * many events or more have a probability of 2.5%, at the high end so many or fewer have it. */
+/* The meaning of the interval's ends, by the sum of the binomial distribution. At the low end, this
+ * number of events or more has a probability of 2.5 %. At the high end, this number or fewer has
+ * that probability. */
 static void test_exact_interval_is_exact(void **state)
 {
     (void)state;

@@ -70,7 +70,8 @@ static struct iso_face_checked ask(const struct bench *bench, const struct iso_f
     return checked;
 }
 
-/* Wrong landmarks, in eight directions in turn, and the same surface with even brightness. */
+/* Counts the answers for landmarks that are moved aside, in eight directions in turn, and for the
+ * same surface with even brightness. */
 static void ask_wrongly(struct bench *bench, struct iso_frame *frame,
                         const struct iso_extraction *found, size_t number)
 {

@@ -65,8 +65,8 @@ static void shoot(struct bench *b, uint64_t seed)
     sim_infrared_measure(sensor, b->view, 1.0, &random, b->workspace, b->frame->intensity);
 }
 
-/* A person with an expression, turned a little. The landmarks have an error of 1.5 mm in each
- * direction. */
+/* A person with an expression, turned a little. The landmarks have errors in x and y with a
+ * standard deviation of 1.5 mm. */
 static struct iso_face_checked visit(struct bench *b, uint32_t index, bool blank)
 {
     struct sim_person person = sim_person_draw(SIM_POPULATION_TEST, 31, index, 1.0);
@@ -155,8 +155,8 @@ static enum iso_face_seen show_print(struct bench *b, const float *albedo)
     return checked.seen;
 }
 
-/* Ink that is transparent to infrared looks like plain paper. For this check visible ink is a face;
- * in the depth image it is flat. */
+/* Ink that is transparent to infrared light gives the image of plain paper. The check takes a print
+ * with visible ink for a face; only the depth image shows that it is flat. */
 static void prints_are_as_good_as_their_ink(void **state)
 {
     struct bench b = set_up();

@@ -274,7 +274,7 @@ static void test_row_kinds(void **state)
     assert_int_equal(kind_of("p01", "bona-fide"), SIM_ROW_BONA_FIDE);
 }
 
-/* A head model of points only, each on a triangle. */
+/* Makes a head model whose only vertices are the landmarks. */
 static struct iso_head_model *new_points(const struct iso_vec3 mean_mm[ISO_LANDMARKS])
 {
     struct iso_head_model *model = NULL;
@@ -308,7 +308,8 @@ static void test_true_angle(void **state)
     /* The position of the mouth does not show the pose. */
     truth.point_mm[ISO_LM_MOUTH_L] = iso_vec3(500, 500, 500);
     assert_near(sim_true_angle(model, &truth, ""), acos(cos(0.5) * cos(0.3)), 1e-9);
-    /* Landmarks are used before the manifest's word. Without both there is no angle. */
+    /* Landmarks take precedence over the pose in the manifest. If both are missing, there is no
+     * angle. */
     assert_near(sim_true_angle(model, &truth, "y+60p+00r+00"), acos(cos(0.5) * cos(0.3)), 1e-9);
     memset(truth.known, 0, sizeof truth.known);
     truth.known[ISO_LM_NASION] = truth.known[ISO_LM_MOUTH_R] = truth.known[ISO_LM_MOUTH_L] =

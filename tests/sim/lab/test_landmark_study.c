@@ -167,7 +167,8 @@ static void test_text(void **state)
     sim_study_free(study);
 }
 
-/* Hand marks of real faces. Marks with names of ours are compared, the six others are not. */
+/* Hand marks of real faces. Marks whose names are landmarks of the product are compared; the six
+ * others are not. */
 static void test_real_faces(void **state)
 {
     const char *real = shared_data("data/kinect2-faces/k02");

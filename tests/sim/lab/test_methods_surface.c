@@ -70,7 +70,7 @@ static void test_icp_wants_overlap(void **state)
 {
     (void)state;
     struct sim_scan *a = drawn_face(5, 0.0, 0), *b = drawn_face(5, 0.0, 0);
-    for (int i = 0; i < DRAWN_SIDE * DRAWN_SIDE; i++) { /* the left halves; the right ones */
+    for (int i = 0; i < DRAWN_SIDE * DRAWN_SIDE; i++) { /* a has the left half, b the right half */
         a->measured[i] = a->measured[i] && i % DRAWN_SIDE < DRAWN_SIDE / 2 - 4;
         b->measured[i] = b->measured[i] && i % DRAWN_SIDE > DRAWN_SIDE / 2 + 4;
     }
@@ -185,7 +185,8 @@ static void test_geodesics(void **state)
         double flat = hypot(1.25 * (a.x - b.x), a.y - b.y);
         double bent = hypot(r * (asin(a.x / r) - asin(b.x / r)), a.y - b.y);
         double tilted_mm = geodesic(tilted, a, b), bent_mm = geodesic(round, a, b);
-        /* 1.4 % in a plane seen straight. A tilted plane stretches the directions of the steps. */
+        /* In a plane that is seen straight, a path is at most 1.4 % too long. A tilted plane
+         * stretches the directions of the steps. */
         assert_true(tilted_mm > flat - 1e-6 && tilted_mm < 1.02 * flat + 0.6 * DRAWN_SPACING_MM);
         assert_true(bent_mm > 0.998 * bent && bent_mm < 1.02 * bent + 0.6 * DRAWN_SPACING_MM);
     }

@@ -57,7 +57,7 @@ static struct iso_mesh *new_mesh(void)
     return mesh;
 }
 
-/* Counts the pixels of a colour in a picture. Returns the mean of their columns, too. */
+/* Returns the number of pixels of a colour in a picture. *column is the mean of their columns. */
 static int count_pixels(const struct iso_image *image, struct sim_colour colour, double *column)
 {
     const uint8_t *bytes = image->samples;

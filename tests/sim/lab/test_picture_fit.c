@@ -134,7 +134,7 @@ static void test_landmarks(void **state)
 
 static void test_head(void **state)
 {
-    /* The head is in front of the surface on its right and behind it on its left. */
+    /* The head is in front of the surface on the picture's right, and behind it on the left. */
     static const float residual_mm[] = {-8.0f, 8.0f, 8.0f, -8.0f};
     static const bool measured[] = {true, true, true, true};
     struct sim_fit_view view = {.frame = &frame,

@@ -50,7 +50,7 @@ static struct sim_scan *flat_face(void)
     return face;
 }
 
-/* The plane as the camera sees it, with a lamp beside the camera, `lamp` times as bright. */
+/* The plane as the camera sees it, with a lamp at the camera that is `lamp` times as bright. */
 static struct iso_frame *shoot(double lamp, bool stripe)
 {
     struct iso_frame *frame = NULL;

@@ -55,7 +55,7 @@ static double volume_of(const struct iso_mesh *mesh)
     return sum;
 }
 
-/* A field of 12 x 13 x 14 nodes that falls from the centre. Its levels are spheres. */
+/* A field of 24 x 25 x 26 nodes that falls from the centre. Its levels are spheres. */
 static void polygonises_a_sphere(void **state)
 {
     struct sim_field_grid grid = {

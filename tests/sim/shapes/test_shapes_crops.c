@@ -47,7 +47,7 @@ static void cut(const char *directory, size_t n_rows, int32_t expected)
     assert_int_equal(n_empty, 0);
 }
 
-/* A piece of at most 200 mm (a little more where the surface is slanted). */
+/* Asserts that a crop is a piece of at most 200 mm (a little more where the surface is slanted). */
 static void check_crop(const char *path)
 {
     struct iso_coloured_mesh crop;
@@ -64,7 +64,7 @@ static void check_crop(const char *path)
     assert_in_range(crop.mesh->n_vertices, 500, 4000);
     assert_true(high.x - low.x > 60.0 && high.x - low.x < 240.0);
     assert_true(high.y - low.y > 60.0 && high.y - low.y < 240.0);
-    assert_true(high.z < -200.0); /* towards the sensor */
+    assert_true(high.z < -200.0); /* z points towards the sensor */
     iso_coloured_mesh_done(&crop);
 }
 

@@ -48,8 +48,8 @@ static struct iso_coloured_mesh ellipsoid(void)
     return (struct iso_coloured_mesh){.mesh = mesh};
 }
 
-/* Sums over all coordinates: the variance about the mean, and that of the difference to another
- * mesh. */
+/* Returns the variance of the coordinates about their mean or, with `other`, their mean squared
+ * difference from that mesh. */
 static double variance(const struct iso_mesh *mesh, const struct iso_mesh *other)
 {
     struct iso_vec3 mean = {0, 0, 0};

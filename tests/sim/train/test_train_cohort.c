@@ -1,5 +1,6 @@
-/* The shipped cohort fits the extractor, and equals the result of the training. The first test
- * needs no data; the others need ISOTHERM_SHARED/data/ict-face. */
+/* The shipped cohort fits the extractor, and its first templates equal those that the training
+ * makes, except for rounding. The first test needs no data; the others need
+ * ISOTHERM_SHARED/data/ict-face. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -162,7 +163,8 @@ static void refuses_options_out_of_range(void **state)
     assert_null(templates);
 }
 
-/* The extraction accepts only faces at 9 m, where nobody stands. So nobody is accepted. */
+/* The extraction accepts only faces at a distance of 9 m. No person stands there, so that no face
+ * is accepted. */
 static void says_when_hardly_anyone_is_accepted(void **state)
 {
     struct fixture *f = *state;

@@ -75,7 +75,7 @@ static void training_makes_the_shipped_bytes(void **state)
     assert_true(report.identity_explained > 0.985 && report.identity_explained < 1.0);
     assert_true(report.expression_explained > 0.99 && report.expression_explained < 1.0);
     assert_true(report.unseen_rms_mm < 0.6 && report.identity_rms_mm > 4.0);
-    /* The modes leave the same part of unseen people as of the variance. */
+    /* The error for unseen people is as large as the modes' unexplained variance predicts. */
     double left = report.identity_rms_mm * sqrt(1.0 - report.identity_explained);
     assert_true(fabs(report.unseen_rms_mm - left) < 0.05);
     iso_head_model_free(model);
@@ -159,7 +159,7 @@ static float at(const float *depth_mm, int x_mm, int y_mm)
     return depth_mm[(SIDE_PX / 2 - y_mm) * SIDE_PX + SIDE_PX / 2 + x_mm];
 }
 
-/* Marks the pixels that are connected to an empty pixel without crossing the surface. */
+/* Marks the pixels that are connected to the empty pixel `start` without crossing the surface. */
 static void flood(const float *depth_mm, uint8_t *outside, int start)
 {
     static int stack[SIDE_PX * SIDE_PX];
@@ -227,7 +227,7 @@ static void modes_are_ordered_and_free_of_rigid_motion(void **state)
                 variance += m->region[v[j]] & ISO_HEAD_FACE ? iso_norm(normal) * squared : 0.0;
             }
         }
-        assert_true(variance < last * 1.001); /* int16 modes */
+        assert_true(variance < last * 1.001); /* modes are rounded to int16 */
         last = variance;
     }
     for (uint32_t k = 0; k < m->n_identity; k++) {

@@ -69,7 +69,7 @@ static void it_finds_what_tells_people_apart(void **state)
     double explained = 0.0;
     assert_int_equal(sim_metric_learn(&samples, m, &explained), 0);
     assert_true(explained > 0.995 && explained <= 1.0);
-    /* The ratios of variances are 36, 4 and 1. 10 % is three standard errors of 400 people. */
+    /* The ratios of variances are 36, 4 and 1. With 400 people their standard error is 7 %. */
     static const double expected[] = {36.0, 4.0, 1.0};
     for (int d = 0; d < DIMENSIONS; d++) {
         assert_true(fabs((double)m->between[d] / expected[d] - 1.0) < 0.25);
@@ -110,7 +110,7 @@ static void too_few_people_teach_nothing(void **state)
     iso_metric_free(m);
 }
 
-/* Ratios whose tail falls by a decade every 4, from 1e-1 at -3 on. */
+/* The share of ratios above a value is 0.1 at -3, and falls by a decade per 4. */
 static void a_score_says_how_rare_it_is_among_strangers(void **state)
 {
     (void)state;
@@ -133,8 +133,9 @@ static void a_score_says_how_rare_it_is_among_strangers(void **state)
     free(ratio);
 }
 
-/* The scores fall by a decade every 1 and the fits by a decade every 0.2, independently. The fit
- * counts five times as much as the score, and the fused score tells how rare it is. */
+/* The share of scores above a value falls by a decade per 1 and that of the fits by a decade per
+ * 0.2, independently. The fit counts five times as much as the score, and the fused score tells how
+ * rare it is. */
 static void a_fused_score_says_how_rare_it_is_among_strangers(void **state)
 {
     (void)state;

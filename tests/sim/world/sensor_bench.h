@@ -11,10 +11,12 @@ struct sensor_bench {
     struct iso_frame *frame;
 };
 
+/* Makes a bench with an empty view. A failure fails the running test. */
 struct sensor_bench sensor_bench_set_up(const struct sim_sensor *sensor);
+/* Frees what the bench holds. */
 void sensor_bench_tear_down(struct sensor_bench *bench);
 
-/* Adds a card to the view. Its centre is on the axis, and a rotation vector turns it. */
+/* Adds a card to the view. Its centre is on the axis; the rotation vector `turn_rad` turns it. */
 void sensor_bench_put(struct sensor_bench *bench, double width_mm, double height_mm, double z_mm,
                       struct iso_vec3 turn_rad, enum sim_material material);
 

@@ -4,9 +4,11 @@
 
 #include "sim/world/prop/solid.h"
 
-/* Positive if the triangles are counter-clockwise seen from outside. */
+/* Returns the volume in mm^3. It is positive if the triangles are counter-clockwise seen from
+ * outside. */
 double solid_volume(const struct sim_solid *solid);
 
+/* Returns the area of the surface in mm^2. */
 double solid_area(const struct sim_solid *solid);
 
 /* The bounding box of a solid. */

@@ -289,7 +289,7 @@ static void flat_is_flat(void **state)
     assert_true(worst < 1.6);
 }
 
-/* The measured radius equals the radius in the manifest. The sensor is fine and has no noise. */
+/* The measured radius is that of the manifest. The sensor has a high resolution and no noise. */
 static void bent_has_its_radius(void **state)
 {
     char directory[256];

@@ -191,7 +191,7 @@ static void hands_have_the_size_of_hands(void **state)
     }
 }
 
-/* No finger except the thumb is in front of the held object. The thumb is 12 mm thick. */
+/* No part of the hand is in the space of the held object or up to 5 mm behind it. */
 static void a_grip_leaves_room_for_what_it_holds(void **state)
 {
     (void)state;

@@ -18,8 +18,8 @@
 
 static const struct iso_board board = {9, 6, 20.0};
 
-/* The place at which a rectified camera pair with the calibration `c` sees a point that the real
- * pair sees: the measured disparity as a depth, and the disagreement of the rows. */
+/* Returns the depth that a rectified camera pair with the calibration `c` measures for a point that
+ * the real pair sees. *row_error_px is the difference of the rows, *point_mm the measured point. */
 static double believed_depth(const struct iso_stereo_calibration *real,
                              const struct iso_stereo_calibration *c, struct iso_vec3 left_mm,
                              double *row_error_px, struct iso_vec3 *point_mm)

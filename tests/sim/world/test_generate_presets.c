@@ -39,7 +39,8 @@ static struct sim_generate_options one_frame(const char *preset, const char *dir
     return options;
 }
 
-/* People enrol at the place of use, and come to visits from afar. Every marked point is written. */
+/* People enrol at the usual distance, and stand farther away at their visits. Every marked point is
+ * written. */
 static void far_visits_are_far(void **state)
 {
     struct sim_generate_options options = one_frame("far", scratch_path(*state, "far"));
@@ -62,7 +63,7 @@ static void far_visits_are_far(void **state)
     }
 }
 
-/* These options apply to every preset. */
+/* near_mm and far_mm apply to every preset. */
 static void visits_stand_where_they_are_told_to(void **state)
 {
     struct sim_generate_options options = one_frame("mild", scratch_path(*state, "placed"));

@@ -273,7 +273,7 @@ static size_t line_of(const char *path, const char *name)
     return n;
 }
 
-/* The bytes equal those of the head model that the simulator used before. */
+/* The bytes equal those of the head model in data/ict-face. */
 static void the_real_files_give_the_known_model(void **state)
 {
     enum { HEADER = 128, MODE = 17202 * 3 * 2 };

@@ -24,7 +24,8 @@ static void shoot(struct sensor_bench *b, double noise_scale)
     sim_sensor_measure(b->sensor, b->view, noise_scale, &random, b->workspace, b->frame);
 }
 
-/* Pixels without a measurement to the left and right of the image's centre, in the middle row. */
+/* Counts the pixels without a measurement to the left and right of the image's centre, in the
+ * middle row. */
 static void count_gaps(const struct sensor_bench *b, int *left, int *right)
 {
     int width = b->frame->width_px, row = b->frame->height_px / 2;
@@ -126,7 +127,8 @@ static void out_of_range_is_not_measured(void **state)
     }
 }
 
-/* 255 levels from the nearest point on, only skin, and nothing behind it. */
+/* The depth image has 255 levels from the nearest point on. It shows only skin, and nothing behind
+ * it. */
 static void texas_has_8_bits_of_face(void **state)
 {
     (void)state;
