@@ -1,7 +1,7 @@
 /* The interface between the OpenNI2 runtime and a driver, in C. Driver/OniDriverAPI.h defines it
  * for C++ only: there a device and a stream are classes, here they are pointers that the runtime
- * passes back. The runtime finds the functions by name (dlsym) and refuses a library without one of
- * them. */
+ * passes back. The runtime finds the functions by name (dlsym) and refuses a library that lacks one
+ * of them. */
 #ifndef SIM_OPENNI2_DRIVER_ABI_H
 #define SIM_OPENNI2_DRIVER_ABI_H
 

@@ -204,7 +204,7 @@ static void add_noise(const struct sim_virtual_camera *camera, size_t pixels)
 }
 
 /* Copies a frame of the slot, or makes a frame without depths. False if the slot's recording does
- * not fit the camera. */
+ * not fit the camera or cannot be read. */
 static bool see(struct sim_virtual_camera *camera)
 {
     const struct iso_frame *scene = NULL;

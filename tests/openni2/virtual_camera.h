@@ -13,8 +13,7 @@
  *                a second
  *
  * The camera is stricter than hardware where that finds faults: its image is mirrored at first, and
- * the numbers of its frames continue after a restart. It has its own thread, which alone calls the
- * events. */
+ * the numbers of its frames continue after a restart. */
 #ifndef SIM_OPENNI2_VIRTUAL_CAMERA_H
 #define SIM_OPENNI2_VIRTUAL_CAMERA_H
 
@@ -27,11 +26,13 @@
 
 enum { SIM_VIRTUAL_CAMERA_HZ = 30 };
 
-/* The events of the camera, which its thread calls. */
+/* The events of the camera. Its thread calls them; `plugged` is also called by
+ * sim_virtual_camera_run(). */
 struct sim_virtual_camera_events {
     void (*plugged)(void *context, bool in);
-    /* The frame is valid during the call. It has the camera's size and an intensity (zero in the
-     * dark). `index` counts from 1; t_us is the time of the camera's clock. */
+    /* The frame is valid during the call. It has the camera's size and an intensity, which is
+     * zero if no recording gives one. `index` counts from 1; t_us is the time of the camera's
+     * clock. */
     void (*frame)(void *context, const struct iso_frame *frame, int index, uint64_t t_us);
     void (*fault)(void *context, const char *text); /* one line */
     void *context;
@@ -40,17 +41,19 @@ struct sim_virtual_camera_events {
 struct sim_virtual_camera;
 
 /* Makes the camera, plugged in or not, without its thread. -EINVAL if camera.ini describes a camera
- * that cannot be simulated, -ENOMEM, or the errors of reading camera.ini. */
+ * that cannot be simulated, -ENOMEM, or the errors of reading camera.ini and of opening the
+ * shutter. */
 int sim_virtual_camera_new(const char *bench, const struct sim_virtual_camera_events *events,
                            struct sim_virtual_camera **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Starts the thread, which calls `plugged` at once if the cable is plugged in. -EAGAIN, -ENOMEM. */
+/* Calls `plugged` if the cable is plugged in, then starts the thread. -EAGAIN, -ENOMEM. */
 int sim_virtual_camera_run(struct sim_virtual_camera *camera) __attribute__((warn_unused_result));
 
-/* Ends the thread and frees the camera. NULL is allowed. */
+/* Ends the thread and frees the camera. NULL is accepted. */
 void sim_virtual_camera_free(struct sim_virtual_camera *camera);
 
+/* Returns the properties of the camera. They are valid until the camera is freed. */
 const struct iso_recording_meta *sim_virtual_camera_meta(const struct sim_virtual_camera *camera);
 
 /* Starts or stops the frames. At a start the recording in the slot begins anew. Any thread may call

@@ -32,8 +32,8 @@ struct sim_virtual_stream {
 void sim_virtual_stream_init(struct sim_virtual_stream *stream, OniSensorType type,
                              const struct iso_recording_meta *meta, pthread_mutex_t *lock);
 
-/* The properties of OniCProperties.h that a depth stream has. ONI_STATUS_BAD_PARAMETER for a wrong
- * size or value, ONI_STATUS_NOT_SUPPORTED for another property. */
+/* The properties of OniCProperties.h that a stream has. ONI_STATUS_BAD_PARAMETER for a wrong size
+ * or value, ONI_STATUS_NOT_SUPPORTED for another property. */
 OniBool sim_virtual_stream_has(int property);
 OniStatus sim_virtual_stream_get(struct sim_virtual_stream *stream, int property, void *data,
                                  int *size);
