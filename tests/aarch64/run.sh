@@ -1,6 +1,5 @@
 #!/bin/bash
-# Cross-builds everything for arm64 (preset aarch64) and runs under qemu-aarch64-static: the unit tests of core, drivers and firmware, the
-# appliance on stored frames, and the daemon with its client and visitors.
+# Cross-builds the daemon, its client and unit tests for arm64 (preset aarch64), and runs them under qemu-aarch64-static.
 #
 #   run.sh BUILD [TESTS]     TESTS: names of ctest, instead of the usual ones
 #
