@@ -175,7 +175,7 @@ static void stored_people_are_captured(void **state)
 }
 
 /* Recordings without a usable face. The outcome must be one of the listed ones. */
-static void what_is_no_usable_face_says_why(void **state)
+static void an_unusable_face_has_a_reason(void **state)
 {
     struct extract_rig *f = *state;
     static const struct {
@@ -227,7 +227,7 @@ int main(void)
                                         extract_rig_free),
         cmocka_unit_test_setup_teardown(stored_people_are_captured, extract_rig_new,
                                         extract_rig_free),
-        cmocka_unit_test_setup_teardown(what_is_no_usable_face_says_why, extract_rig_new,
+        cmocka_unit_test_setup_teardown(an_unusable_face_has_a_reason, extract_rig_new,
                                         extract_rig_free),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

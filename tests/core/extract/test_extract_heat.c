@@ -86,7 +86,7 @@ static int64_t tick(void *context)
     return ++*(int64_t *)context;
 }
 
-static void stages_are_charged_by_the_clock_handed_in(void **state)
+static void the_given_clock_times_the_stages(void **state)
 {
     struct extract_rig *f = *state;
     int64_t ticks = 0;
@@ -117,7 +117,7 @@ int main(void)
                                         extract_rig_new, extract_rig_free),
         cmocka_unit_test_setup_teardown(the_mesh_and_its_heat_can_be_shown, extract_rig_new,
                                         extract_rig_free),
-        cmocka_unit_test_setup_teardown(stages_are_charged_by_the_clock_handed_in, extract_rig_new,
+        cmocka_unit_test_setup_teardown(the_given_clock_times_the_stages, extract_rig_new,
                                         extract_rig_free),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -132,8 +132,8 @@ static void a_nose_tip_is_among_the_candidates(void **state)
 }
 
 /* Draws two heads, the nearer one at the left, and asserts that the nearer one is found. */
-static void assert_nearer_is_meant(struct fixture *f, const struct iso_vec3 *near_shape,
-                                   double near_size, double far_size, double within_mm)
+static void assert_nearer_is_chosen(struct fixture *f, const struct iso_vec3 *near_shape,
+                                    double near_size, double far_size, double within_mm)
 {
     struct iso_rigid near = rendered_head_pose(10.0, 5.0, iso_vec3(-110, 0, 650));
     struct iso_rigid far = rendered_head_pose(0.0, 0.0, iso_vec3(110, -20, 800));
@@ -146,20 +146,20 @@ static void assert_nearer_is_meant(struct fixture *f, const struct iso_vec3 *nea
     rendered_head_assert_pose(&fit.camera_from_face, &near, within_mm, 5.0);
 }
 
-static void of_two_people_the_nearer_is_meant(void **state)
+static void the_nearer_of_two_people_is_chosen(void **state)
 {
     struct fixture *f = *state;
-    assert_nearer_is_meant(f, NULL, 1.0, 1.0, 3.0);
+    assert_nearer_is_chosen(f, NULL, 1.0, 1.0, 3.0);
 }
 
-static void the_farther_is_not_meant_for_being_bigger(void **state)
+static void a_bigger_person_behind_is_not_chosen(void **state)
 {
     struct fixture *f = *state;
     /* The apparent sizes are 0.9 / 650 for the nearer head and 1.3 / 800 for the farther one. */
-    assert_nearer_is_meant(f, NULL, 0.9, 1.3, 12.0);
+    assert_nearer_is_chosen(f, NULL, 0.9, 1.3, 12.0);
 }
 
-static void the_farther_is_not_meant_for_fitting_better(void **state)
+static void a_better_fit_behind_is_not_chosen(void **state)
 {
     struct fixture *f = *state;
     struct iso_vec3 *shape = calloc(f->model->n_vertices, sizeof *shape);
@@ -170,7 +170,7 @@ static void the_farther_is_not_meant_for_fitting_better(void **state)
          */
         shape[i] = iso_vec3(p.x, p.y, p.z + 2.0 * sin(0.25 * p.x) * cos(0.2 * p.y));
     }
-    assert_nearer_is_meant(f, shape, 1.0, 1.0, 5.0);
+    assert_nearer_is_chosen(f, shape, 1.0, 1.0, 5.0);
     free(shape);
 }
 
@@ -278,7 +278,7 @@ static void scraps_do_not_hide_a_face(void **state)
 
 /* The depths of an orthographic image have no fixed origin, so that 0 is in range; a depth of 0
  * still means that nothing was measured. */
-static void what_was_not_measured_is_no_part(void **state)
+static void unmeasured_pixels_are_no_part(void **state)
 {
     struct fixture *f = *state;
     const struct iso_candidate_options anywhere = {.near_mm = 0.0, .far_mm = INFINITY};
@@ -314,18 +314,16 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_head_is_found_in_every_attitude_and_distance, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(a_nose_tip_is_among_the_candidates, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(of_two_people_the_nearer_is_meant, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_farther_is_not_meant_for_being_bigger, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(the_farther_is_not_meant_for_fitting_better, set_up,
-                                        tear_down),
+        cmocka_unit_test_setup_teardown(the_nearer_of_two_people_is_chosen, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_bigger_person_behind_is_not_chosen, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_better_fit_behind_is_not_chosen, set_up, tear_down),
         cmocka_unit_test_setup_teardown(an_empty_frame_holds_nobody, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_wall_is_no_face, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_person_out_of_range_is_not_seen, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_ball_is_no_face, set_up, tear_down),
         cmocka_unit_test_setup_teardown(noise_is_no_face, set_up, tear_down),
         cmocka_unit_test_setup_teardown(scraps_do_not_hide_a_face, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_was_not_measured_is_no_part, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(unmeasured_pixels_are_no_part, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_frame_over_the_capacity_is_refused, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

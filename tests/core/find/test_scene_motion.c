@@ -116,7 +116,7 @@ static void a_scene_is_quiet_some_seconds_after_the_last_motion(void **state)
     assert_false(feed(f, 0, 59));
 }
 
-static void what_is_out_of_reach_does_not_count(void **state)
+static void objects_out_of_reach_do_not_count(void **state)
 {
     struct fixture *f = *state;
     load(f, "none-back1");
@@ -149,7 +149,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(somebody_who_sways_moves, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_scene_is_quiet_some_seconds_after_the_last_motion, set_up,
                                         tear_down),
-        cmocka_unit_test_setup_teardown(what_is_out_of_reach_does_not_count, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(objects_out_of_reach_do_not_count, set_up, tear_down),
         cmocka_unit_test_setup_teardown(another_size_begins_anew, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -123,7 +123,7 @@ static void the_bound_holds_and_is_close(void **state)
 }
 
 /* The windows begin at the first ten rows and have every height below 60. */
-static void what_it_held_before_does_not_change_an_operator(void **state)
+static void an_operator_does_not_depend_on_earlier_windows(void **state)
 {
     (void)state;
     enum { PLANES = 7 };
@@ -237,7 +237,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_operator_is_that_of_the_mesh),
         cmocka_unit_test(the_bound_holds_and_is_close),
-        cmocka_unit_test(what_it_held_before_does_not_change_an_operator),
+        cmocka_unit_test(an_operator_does_not_depend_on_earlier_windows),
         cmocka_unit_test(a_sweep_is_its_steps_to_the_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

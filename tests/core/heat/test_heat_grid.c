@@ -94,7 +94,7 @@ static double difference(const struct iso_grid *grid, struct iso_grid_field a,
     return most / peak;
 }
 
-static void what_it_computed_before_does_not_change_a_column(void **state)
+static void a_column_does_not_depend_on_earlier_requests(void **state)
 {
     (void)state;
     struct grid_surface s = grid_surface_hills(2.0, 1.0);
@@ -123,7 +123,7 @@ static void what_it_computed_before_does_not_change_a_column(void **state)
     grid_surface_done(&s);
 }
 
-static void what_is_too_stiff_is_declined(void **state)
+static void requests_that_are_too_stiff_are_declined(void **state)
 {
     (void)state;
     struct grid_surface s = grid_surface_hills(2.0, 1.0);
@@ -180,8 +180,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_expansion_is_the_exponential),
         cmocka_unit_test(on_a_plane_heat_is_gaussian),
-        cmocka_unit_test(what_it_computed_before_does_not_change_a_column),
-        cmocka_unit_test(what_is_too_stiff_is_declined),
+        cmocka_unit_test(a_column_does_not_depend_on_earlier_requests),
+        cmocka_unit_test(requests_that_are_too_stiff_are_declined),
         cmocka_unit_test(bad_requests_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -264,7 +264,7 @@ static void a_small_mesh_is_exhausted(void **state)
 
 /* One call for several sources gives the same as one call for each source. Earlier calls for
  * another mesh make no difference. */
-static void columns_do_not_depend_on_company(void **state)
+static void columns_do_not_depend_on_other_sources(void **state)
 {
     (void)state;
     enum { SOURCES = 17 }; /* more than a block, and no multiple of what fits in a register */
@@ -380,7 +380,7 @@ int main(void)
         cmocka_unit_test(pieces_stay_cold),
         cmocka_unit_test(both_ways_converge_to_the_reference),
         cmocka_unit_test(a_small_mesh_is_exhausted),
-        cmocka_unit_test(columns_do_not_depend_on_company),
+        cmocka_unit_test(columns_do_not_depend_on_other_sources),
         cmocka_unit_test(impossible_options_are_refused),
         cmocka_unit_test(impossible_requests_are_refused),
     };

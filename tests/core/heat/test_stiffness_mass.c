@@ -208,7 +208,7 @@ static void slivers_and_lone_vertices_do_no_harm(void **state)
     iso_mesh_free(mesh);
 }
 
-static void what_does_not_fit_is_refused(void **state)
+static void matrices_and_meshes_that_do_not_fit_are_refused(void **state)
 {
     (void)state;
     struct iso_symmetric *none = NULL;
@@ -242,7 +242,7 @@ int main(void)
         cmocka_unit_test(linear_functions_are_integrated_exactly),
         cmocka_unit_test(columns_are_sorted_and_complete),
         cmocka_unit_test(slivers_and_lone_vertices_do_no_harm),
-        cmocka_unit_test(what_does_not_fit_is_refused),
+        cmocka_unit_test(matrices_and_meshes_that_do_not_fit_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -187,7 +187,7 @@ static void on_a_plane_isotherms_are_circles(void **state)
     }
 }
 
-static void points_weigh_what_was_measured_there(void **state)
+static void points_have_weight_where_the_face_was_measured(void **state)
 {
     struct fixture *f = *state;
     double total = 0.0;
@@ -234,7 +234,7 @@ static void an_isotherm_beyond_the_border_has_no_weight(void **state)
     }
 }
 
-static void what_the_template_does_not_use_is_zero(void **state)
+static void unused_parts_of_a_template_are_zero(void **state)
 {
     struct fixture *f = *state;
     assert_int_equal(iso_face_isotherms(f->tracer, &f->face, &f->tmpl), 0);
@@ -312,11 +312,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(on_a_plane_isotherms_are_circles, set_up_plane, tear_down),
-        cmocka_unit_test_setup_teardown(points_weigh_what_was_measured_there, set_up_plane,
-                                        tear_down),
+        cmocka_unit_test_setup_teardown(points_have_weight_where_the_face_was_measured,
+                                        set_up_plane, tear_down),
         cmocka_unit_test_setup_teardown(an_isotherm_beyond_the_border_has_no_weight, set_up_plane,
                                         tear_down),
-        cmocka_unit_test_setup_teardown(what_the_template_does_not_use_is_zero, set_up_plane,
+        cmocka_unit_test_setup_teardown(unused_parts_of_a_template_are_zero, set_up_plane,
                                         tear_down),
         cmocka_unit_test_setup_teardown(a_small_tracer_is_refused, set_up_plane, tear_down),
         cmocka_unit_test_setup_teardown(on_the_mean_face_they_are_whole_and_about_their_landmark,

@@ -144,7 +144,7 @@ static void a_window_is_a_border(void **state)
                      -ERANGE);
 }
 
-static void there_must_be_heat_and_room(void **state)
+static void a_field_without_heat_or_room_is_refused(void **state)
 {
     struct fixture *f = *state;
     double level = 7.0;
@@ -165,7 +165,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(on_a_plane_they_enclose_the_circle, set_up_plane,
                                         tear_down),
         cmocka_unit_test_setup_teardown(a_window_is_a_border, set_up_plane, tear_down),
-        cmocka_unit_test_setup_teardown(there_must_be_heat_and_room, set_up_plane, tear_down),
+        cmocka_unit_test_setup_teardown(a_field_without_heat_or_room_is_refused, set_up_plane,
+                                        tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

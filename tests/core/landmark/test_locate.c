@@ -56,7 +56,7 @@ static const struct {
     {-90, -8, -100, 90, ISO_PART_RIGHT, ISO_CAPTURE_COVERED_RIGHT},
 };
 
-static void what_is_covered_is_named(void **state)
+static void covered_parts_are_named(void **state)
 {
     struct extract_rig *f = *state;
     const float depths[] = {0.0f, 560.0f}; /* a hole; a hand 40 mm before the nose */
@@ -90,7 +90,7 @@ static void nothing_is_covered_of_a_bare_face(void **state)
     assert_null(iso_face_part_name(ISO_FACE_PARTS));
 }
 
-static void two_as_near_are_several_one_behind_is_not(void **state)
+static void two_people_side_by_side_are_several_faces(void **state)
 {
     struct extract_rig *f = *state;
     draw(f, iso_vec3(-110, 0, 620));
@@ -203,7 +203,7 @@ static void a_lost_face_is_looked_for(void **state)
     assert_int_equal(locate(f), ISO_CAPTURE_NOBODY);
 }
 
-static void who_comes_nearer_is_seen_within_ten_frames(void **state)
+static void a_nearer_person_is_seen_within_ten_frames(void **state)
 {
     struct extract_rig *f = *state;
     f->options.track = true;
@@ -225,11 +225,10 @@ static void who_comes_nearer_is_seen_within_ten_frames(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(what_is_covered_is_named, extract_rig_new,
-                                        extract_rig_free),
+        cmocka_unit_test_setup_teardown(covered_parts_are_named, extract_rig_new, extract_rig_free),
         cmocka_unit_test_setup_teardown(nothing_is_covered_of_a_bare_face, extract_rig_new,
                                         extract_rig_free),
-        cmocka_unit_test_setup_teardown(two_as_near_are_several_one_behind_is_not, extract_rig_new,
+        cmocka_unit_test_setup_teardown(two_people_side_by_side_are_several_faces, extract_rig_new,
                                         extract_rig_free),
         cmocka_unit_test_setup_teardown(landmarks_are_those_of_a_template, extract_rig_new,
                                         extract_rig_free),
@@ -238,7 +237,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_face_is_followed, extract_rig_new, extract_rig_free),
         cmocka_unit_test_setup_teardown(a_lost_face_is_looked_for, extract_rig_new,
                                         extract_rig_free),
-        cmocka_unit_test_setup_teardown(who_comes_nearer_is_seen_within_ten_frames, extract_rig_new,
+        cmocka_unit_test_setup_teardown(a_nearer_person_is_seen_within_ten_frames, extract_rig_new,
                                         extract_rig_free),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

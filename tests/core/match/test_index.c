@@ -249,7 +249,7 @@ static void every_number_of_dimensions_will_do(void **state)
     }
 }
 
-static void what_it_cannot_do_is_an_error(void **state)
+static void impossible_requests_are_refused(void **state)
 {
     (void)state;
     struct crowd *c = new_crowd(2);
@@ -333,7 +333,7 @@ int main(void)
         cmocka_unit_test(people_come_and_change_and_leave),
         cmocka_unit_test(equals_come_in_the_order_of_their_numbers),
         cmocka_unit_test(every_number_of_dimensions_will_do),
-        cmocka_unit_test(what_it_cannot_do_is_an_error),
+        cmocka_unit_test(impossible_requests_are_refused),
         cmocka_unit_test(an_empty_index_finds_nobody),
         cmocka_unit_test(nothing_leaks_when_memory_runs_out),
     };

@@ -47,7 +47,7 @@ static struct iso_template mean_template(const struct iso_metric *m, double turn
     return t;
 }
 
-static void residuals_do_not_see_how_a_face_is_placed(void **state)
+static void residuals_do_not_depend_on_the_pose(void **state)
 {
     (void)state;
     struct iso_metric *m = small_metric();
@@ -120,7 +120,7 @@ static void a_vector_has_the_length_that_is_expected(void **state)
     iso_metric_free(m);
 }
 
-static void heights_count_where_there_are_any(void **state)
+static void missing_heights_do_not_count(void **state)
 {
     (void)state;
     struct iso_metric *m = small_metric();
@@ -139,7 +139,7 @@ static void heights_count_where_there_are_any(void **state)
 
 /* The numbers are quantiles of normal distributions with a known variance. The projection finds the
  * step of this variance. */
-static void a_vector_says_how_noisy_it_is(void **state)
+static void a_vector_has_the_step_of_its_noise(void **state)
 {
     (void)state;
     enum { MANY = 150 };
@@ -283,11 +283,11 @@ static void a_search_takes_all_templates_of_a_person_together(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(residuals_do_not_see_how_a_face_is_placed),
+        cmocka_unit_test(residuals_do_not_depend_on_the_pose),
         cmocka_unit_test(it_refuses_what_it_cannot_compare),
         cmocka_unit_test(a_vector_has_the_length_that_is_expected),
-        cmocka_unit_test(heights_count_where_there_are_any),
-        cmocka_unit_test(a_vector_says_how_noisy_it_is),
+        cmocka_unit_test(missing_heights_do_not_count),
+        cmocka_unit_test(a_vector_has_the_step_of_its_noise),
         cmocka_unit_test(a_noisy_vector_counts_for_less),
         cmocka_unit_test(a_score_is_the_likelihood_ratio_of_one_person_and_two),
         cmocka_unit_test(a_search_takes_all_templates_of_a_person_together),

@@ -62,7 +62,7 @@ static void damaged_bytes_are_refused(void **state)
     iso_metric_free(m);
 }
 
-static void what_is_out_of_range_is_not_made_or_written(void **state)
+static void metrics_out_of_range_are_refused(void **state)
 {
     (void)state;
     struct iso_metric *m = small_metric(), *none = NULL;
@@ -97,7 +97,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_survives_its_bytes),
         cmocka_unit_test(damaged_bytes_are_refused),
-        cmocka_unit_test(what_is_out_of_range_is_not_made_or_written),
+        cmocka_unit_test(metrics_out_of_range_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

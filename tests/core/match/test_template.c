@@ -135,7 +135,7 @@ static void a_template_out_of_range_is_not_written(void **state)
     assert_int_equal(iso_template_serialise(&t, bytes, sizeof bytes), -EINVAL);
 }
 
-static void distance_does_not_see_how_a_face_is_placed(void **state)
+static void the_distance_does_not_depend_on_the_pose(void **state)
 {
     (void)state;
     struct iso_match_options options = iso_match_options_default();
@@ -287,7 +287,7 @@ int main(void)
         cmocka_unit_test(a_template_survives_its_bytes),
         cmocka_unit_test(damaged_template_bytes_are_refused),
         cmocka_unit_test(a_template_out_of_range_is_not_written),
-        cmocka_unit_test(distance_does_not_see_how_a_face_is_placed),
+        cmocka_unit_test(the_distance_does_not_depend_on_the_pose),
         cmocka_unit_test(distance_refuses_what_cannot_be_compared),
         cmocka_unit_test(distance_leaves_landmarks_out),
         cmocka_unit_test(fusing_averages_noise_away),

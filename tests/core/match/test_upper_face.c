@@ -109,7 +109,7 @@ static void damaged_bytes_are_refused(void **state)
     assert_memory_equal(&back, &untouched, sizeof back);
 }
 
-static void what_does_not_fit_is_said(void **state)
+static void misfits_are_recognised(void **state)
 {
     (void)state;
     struct iso_upper_face face = face_of(1), none;
@@ -168,7 +168,7 @@ static void another_face_fits_worse(void **state)
     assert_true(fit.rms_mm > 0.3);
 }
 
-static void too_little_in_common_is_said(void **state)
+static void too_small_an_overlap_is_reported(void **state)
 {
     (void)state;
     const struct iso_upper_face whole = face_of(1);
@@ -338,10 +338,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_survives_its_bytes),
         cmocka_unit_test(damaged_bytes_are_refused),
-        cmocka_unit_test(what_does_not_fit_is_said),
+        cmocka_unit_test(misfits_are_recognised),
         cmocka_unit_test(a_face_fits_itself_however_it_is_moved),
         cmocka_unit_test(another_face_fits_worse),
-        cmocka_unit_test(too_little_in_common_is_said),
+        cmocka_unit_test(too_small_an_overlap_is_reported),
         cmocka_unit_test(fusing_averages_in_the_frame_of_the_first),
         cmocka_unit_test(a_fused_score_is_the_weighted_sum),
         cmocka_unit_test(a_search_looks_again_at_the_best),

@@ -72,7 +72,7 @@ static void a_plane_fits_a_plane(void **state)
     assert_int_equal(iso_plane_fit(points, n, 4.0, plane, &fit), -ENODATA);
 }
 
-static void a_bent_sheet_fits_what_is_bent_once(void **state)
+static void a_bent_sheet_fits_surfaces_that_bend_about_one_axis(void **state)
 {
     (void)state;
     struct iso_vec3 points[GRID];
@@ -340,7 +340,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plane_fits_a_plane),
-        cmocka_unit_test(a_bent_sheet_fits_what_is_bent_once),
+        cmocka_unit_test(a_bent_sheet_fits_surfaces_that_bend_about_one_axis),
         cmocka_unit_test(every_cue_has_its_word),
         cmocka_unit_test(the_size_of_the_mean_face_is_found),
         cmocka_unit_test(a_large_person_is_not_a_large_print),

@@ -74,7 +74,7 @@ static void every_kind_tells_clear_classes(void **state)
 
 /* A classifier that learns from the item that it classifies would be right even on labels without
  * meaning. */
-static void nothing_is_learnt_from_what_is_asked(void **state)
+static void no_classifier_learns_from_the_item_that_it_classifies(void **state)
 {
     (void)state;
     struct cloud c;
@@ -91,7 +91,7 @@ static void nothing_is_learnt_from_what_is_asked(void **state)
 }
 
 /* The gallery is ranked as if the items that are left out had never been learnt. */
-static void leaving_out_is_not_having_learnt(void **state)
+static void omitted_items_are_not_learnt(void **state)
 {
     (void)state;
     struct cloud c;
@@ -159,7 +159,7 @@ static void a_part_that_disagrees_is_outvoted(void **state)
     assert_true(right_ones(score, c.label) >= N - 3);
 }
 
-static void a_class_without_members_is_never_told(void **state)
+static void a_class_without_members_is_never_the_answer(void **state)
 {
     (void)state;
     struct cloud c;
@@ -212,11 +212,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_tells_clear_classes),
-        cmocka_unit_test(nothing_is_learnt_from_what_is_asked),
-        cmocka_unit_test(leaving_out_is_not_having_learnt),
+        cmocka_unit_test(no_classifier_learns_from_the_item_that_it_classifies),
+        cmocka_unit_test(omitted_items_are_not_learnt),
         cmocka_unit_test(distances_are_norms),
         cmocka_unit_test(a_part_that_disagrees_is_outvoted),
-        cmocka_unit_test(a_class_without_members_is_never_told),
+        cmocka_unit_test(a_class_without_members_is_never_the_answer),
         cmocka_unit_test(impossible_requests_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

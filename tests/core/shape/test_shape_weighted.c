@@ -64,7 +64,7 @@ static void a_density_of_one_changes_nothing(void **state)
 /* For any density the null vector is constant, no eigenvalue is negative, and x' B x > 0. Lumped
  * rows are the sums of consistent ones. A matrix stores only its lower triangle, so that it is
  * symmetric. */
-static void any_density_keeps_the_operator_what_it_is(void **state)
+static void every_density_keeps_the_operator_valid(void **state)
 {
     (void)state;
     struct iso_mesh *mesh = shape_relief(8.0);
@@ -243,7 +243,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_density_of_one_changes_nothing),
-        cmocka_unit_test(any_density_keeps_the_operator_what_it_is),
+        cmocka_unit_test(every_density_keeps_the_operator_valid),
         cmocka_unit_test(entries_are_weighted_integrals),
         cmocka_unit_test(a_strip_as_dense_as_x_is_a_disc),
         cmocka_unit_test(impossible_densities_are_refused),

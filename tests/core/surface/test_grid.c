@@ -126,7 +126,7 @@ static void a_grid_can_be_built_again(void **state)
     grid_surface_done(&flat);
 }
 
-static void what_cannot_be_a_grid_is_refused(void **state)
+static void impossible_grids_are_refused(void **state)
 {
     struct grid_surface *s = *state;
     struct iso_grid *none = NULL;
@@ -157,7 +157,7 @@ int main(void)
                                         tear_down),
         cmocka_unit_test_setup_teardown(places_are_those_of_the_mesh, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_grid_can_be_built_again, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_cannot_be_a_grid_is_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(impossible_grids_are_refused, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -175,7 +175,7 @@ static void opens_again_after_close(void **state)
 }
 
 /* An input that is active before the lines are opened is active in the first reading. */
-static void sees_what_was_there_before(void **state)
+static void sees_inputs_that_were_active_before(void **state)
 {
     (void)state;
     for (size_t i = 0; i < n_back_ends; i++) {
@@ -203,7 +203,7 @@ int door_contract_run(const struct door_back_end *table, size_t n)
         cmocka_unit_test(the_descriptor_follows_the_inputs),
         cmocka_unit_test(refuses_unknown_options),
         cmocka_unit_test(opens_again_after_close),
-        cmocka_unit_test(sees_what_was_there_before),
+        cmocka_unit_test(sees_inputs_that_were_active_before),
     };
     back_ends = table;
     n_back_ends = n;

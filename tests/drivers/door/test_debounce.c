@@ -53,7 +53,7 @@ static void bounces_are_one_press(void **state)
     assert_int_equal(changes, 2);
 }
 
-static void a_spike_has_not_happened(void **state)
+static void a_spike_is_ignored(void **state)
 {
     (void)state;
     iso_debounce_edge(&debounce, true, 1100);
@@ -64,7 +64,7 @@ static void a_spike_has_not_happened(void **state)
 }
 
 /* The level was not read before the press was over. */
-static void a_press_that_is_over_was_one(void **state)
+static void a_press_that_has_ended_counts(void **state)
 {
     (void)state;
     iso_debounce_edge(&debounce, true, 1100);
@@ -110,9 +110,12 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup(f, setup)
     const struct CMUnitTest tests[] = {
-        TEST(a_level_counts_when_it_has_lasted), TEST(bounces_are_one_press),
-        TEST(a_spike_has_not_happened),          TEST(a_press_that_is_over_was_one),
-        TEST(edges_that_were_lost_do_no_harm),   TEST(without_a_window_every_edge_counts),
+        TEST(a_level_counts_when_it_has_lasted),
+        TEST(bounces_are_one_press),
+        TEST(a_spike_is_ignored),
+        TEST(a_press_that_has_ended_counts),
+        TEST(edges_that_were_lost_do_no_harm),
+        TEST(without_a_window_every_edge_counts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

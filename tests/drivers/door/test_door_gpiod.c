@@ -100,7 +100,7 @@ static void refuses_bad_options(void **state)
 }
 
 /* If any line cannot be opened, no line stays open. */
-static void says_which_line_cannot_be_had(void **state)
+static void names_the_line_that_is_not_available(void **state)
 {
     static const struct {
         unsigned line;
@@ -142,7 +142,7 @@ static void outputs_have_no_other_level_first(void **state)
     assert_false(fake_gpio_voltage(0)); /* the close does not change the level */
 }
 
-static void what_is_not_wired_is_quiet(void **state)
+static void unwired_lines_have_no_effect(void **state)
 {
     const struct iso_option relay = {"relay", "LINE0"};
     const struct iso_clock clock = manual_clock(&now_ns);
@@ -332,9 +332,9 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, set_up_chip, tear_down_chip)
     const struct CMUnitTest tests[] = {
         TEST(refuses_bad_options),
-        TEST(says_which_line_cannot_be_had),
+        TEST(names_the_line_that_is_not_available),
         TEST(outputs_have_no_other_level_first),
-        TEST(what_is_not_wired_is_quiet),
+        TEST(unwired_lines_have_no_effect),
         TEST(contacts_bounce),
         TEST(a_press_between_two_looks),
         TEST(edges_beyond_the_kernels_memory),

@@ -174,7 +174,7 @@ static void a_late_pulse_is_no_shorter(void **state)
     assert_true(wire.shortest_ns >= ISO_WIEGAND_PULSE_NS);
 }
 
-static void tells_of_a_failure_once(void **state)
+static void reports_a_failure_once(void **state)
 {
     struct wire wire = {.fail_at = 5, .error = -ENODEV};
     struct iso_wiegand_out *out = open_out(&wire);
@@ -215,7 +215,7 @@ int main(void)
         cmocka_unit_test(every_single_error_is_seen),
         cmocka_unit_test(sends_what_a_reader_reads),
         cmocka_unit_test(a_late_pulse_is_no_shorter),
-        cmocka_unit_test(tells_of_a_failure_once),
+        cmocka_unit_test(reports_a_failure_once),
         cmocka_unit_test(ends_in_the_middle_with_lines_at_rest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -146,7 +146,7 @@ static void follows_links_to_directories(void **state)
 }
 
 /* The status of these files has the size 0. */
-static void reads_files_that_do_not_know_their_size(void **state)
+static void reads_files_whose_size_is_unknown(void **state)
 {
     char *bytes = NULL;
     size_t size = 0;
@@ -161,7 +161,7 @@ static void reads_files_that_do_not_know_their_size(void **state)
 
 /* Another user has put something at the path of the new file: a second name of the gallery, or a
  * file that everybody may write. */
-static void a_file_that_is_made_anew_is_ours_alone(void **state)
+static void a_new_file_belongs_to_its_owner_alone(void **state)
 {
     const char *needed = scratch_path(*state, "needed"), *path = scratch_path(*state, "x.new");
     struct stat status;
@@ -196,12 +196,12 @@ int main(void)
         IN_SCRATCH(refuses_a_symbolic_link),
         IN_SCRATCH(refuses_a_socket),
         cmocka_unit_test(refuses_a_device),
-        IN_SCRATCH(a_file_that_is_made_anew_is_ours_alone),
+        IN_SCRATCH(a_new_file_belongs_to_its_owner_alone),
         IN_SCRATCH(refuses_a_longer_file),
         IN_SCRATCH(says_what_open_says),
         IN_SCRATCH(makes_files_for_the_owner_alone),
         IN_SCRATCH(follows_links_to_directories),
-        cmocka_unit_test(reads_files_that_do_not_know_their_size),
+        cmocka_unit_test(reads_files_whose_size_is_unknown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

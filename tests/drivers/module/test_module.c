@@ -62,7 +62,7 @@ static void a_sound_module_is_used(void **state)
     assert_int_equal(((const struct fake_module *)table)->answer(), FAKE_ANSWER);
 }
 
-static void what_is_no_plain_file_is_refused(void **state)
+static void files_that_are_not_plain_are_refused(void **state)
 {
     const char *missing = scratch_path(*state, "missing.so");
     const char *link = scratch_path(*state, "link.so"), *open = scratch_path(*state, "open.so");
@@ -75,7 +75,7 @@ static void what_is_no_plain_file_is_refused(void **state)
     expect_refusal(open, -EBADMSG, "may be written by anybody");
 }
 
-static void what_cannot_be_loaded_is_refused(void **state)
+static void files_that_cannot_be_loaded_are_refused(void **state)
 {
     const char *garbage = scratch_path(*state, "garbage.so");
     scratch_write_text(garbage, "This is no shared object, but it is long enough for a header of "
@@ -88,7 +88,7 @@ static void what_cannot_be_loaded_is_refused(void **state)
         "cannot be loaded: undefined symbol: fake_function_of_a_library_that_is_missing");
 }
 
-static void what_is_another_module_is_refused(void **state)
+static void other_modules_are_refused(void **state)
 {
     char version[64];
     (void)state;
@@ -144,11 +144,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sound_module_is_used),
-        cmocka_unit_test_setup_teardown(what_is_no_plain_file_is_refused, scratch_setup,
+        cmocka_unit_test_setup_teardown(files_that_are_not_plain_are_refused, scratch_setup,
                                         scratch_teardown),
-        cmocka_unit_test_setup_teardown(what_cannot_be_loaded_is_refused, scratch_setup,
+        cmocka_unit_test_setup_teardown(files_that_cannot_be_loaded_are_refused, scratch_setup,
                                         scratch_teardown),
-        cmocka_unit_test(what_is_another_module_is_refused),
+        cmocka_unit_test(other_modules_are_refused),
         cmocka_unit_test(lies_beside_the_library),
         cmocka_unit_test(the_disk_is_asked_once),
     };

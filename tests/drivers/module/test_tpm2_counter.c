@@ -150,7 +150,7 @@ static void it_is_made_and_counts(void **state)
     iso_counter_close(&counter);
 }
 
-static void one_that_is_made_again_is_above_the_one_before(void **state)
+static void a_new_counter_begins_above_the_old_one(void **state)
 {
     (void)state;
     struct iso_counter counter = open_counter();
@@ -168,7 +168,7 @@ static void one_that_is_made_again_is_above_the_one_before(void **state)
 }
 
 /* Simulates a kill between the creation and the first increment. */
-static void one_that_never_counted_is_taken(void **state)
+static void a_counter_that_never_counted_is_accepted(void **state)
 {
     (void)state;
     make_index(TPMA_NV_AUTHREAD | TPMA_NV_AUTHWRITE | TPM2_NT_COUNTER << TPMA_NV_TPM2_NT_SHIFT);
@@ -203,7 +203,7 @@ static void another_use_of_the_index_is_refused(void **state)
     }
 }
 
-static void an_owner_with_a_password_is_told_of(void **state)
+static void an_owner_with_a_password_is_reported(void **state)
 {
     (void)state;
     set_password();
@@ -212,7 +212,7 @@ static void an_owner_with_a_password_is_told_of(void **state)
     iso_counter_close(&counter);
 }
 
-static void one_that_was_away_is_opened_again(void **state)
+static void a_tpm_that_was_off_is_opened_again(void **state)
 {
     (void)state;
     struct iso_counter counter = open_counter();
@@ -225,7 +225,7 @@ static void one_that_was_away_is_opened_again(void **state)
     iso_counter_close(&counter);
 }
 
-static void one_that_is_not_there_is_told_of(void **state)
+static void a_missing_tpm_is_reported(void **state)
 {
     struct iso_counter counter = {0};
     struct iso_fault fault = {.text = ""};
@@ -243,7 +243,7 @@ static void one_that_is_not_there_is_told_of(void **state)
     assert_null(counter.ops);
 }
 
-static void an_index_is_one_of_the_owners(void **state)
+static void an_index_outside_the_owners_range_is_refused(void **state)
 {
     static const char *const bad[] = {"",           "x",           "0x1", "0x017fffff",
                                       "0x01c00000", "0x01800000 ", "-1",  "99999999999999999999"};
@@ -267,15 +267,15 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
     const struct CMUnitTest with_tpm[] = {
         TEST(it_is_made_and_counts),
-        TEST(one_that_is_made_again_is_above_the_one_before),
-        TEST(one_that_never_counted_is_taken),
+        TEST(a_new_counter_begins_above_the_old_one),
+        TEST(a_counter_that_never_counted_is_accepted),
         TEST(another_use_of_the_index_is_refused),
-        TEST(an_owner_with_a_password_is_told_of),
-        TEST(one_that_was_away_is_opened_again),
+        TEST(an_owner_with_a_password_is_reported),
+        TEST(a_tpm_that_was_off_is_opened_again),
     };
     const struct CMUnitTest without[] = {
-        cmocka_unit_test(one_that_is_not_there_is_told_of),
-        cmocka_unit_test(an_index_is_one_of_the_owners),
+        cmocka_unit_test(a_missing_tpm_is_reported),
+        cmocka_unit_test(an_index_outside_the_owners_range_is_refused),
     };
     void *directory = NULL;
     if (cmocka_run_group_tests(without, NULL, NULL)) {

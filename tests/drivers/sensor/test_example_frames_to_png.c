@@ -46,7 +46,7 @@ static void each_frame_becomes_a_picture(void **state)
     }
 }
 
-static void what_goes_wrong_is_told(void **state)
+static void errors_are_reported(void **state)
 {
     struct run run;
     run_program(&run, "4", scratch_path(*state, "frame"),
@@ -69,7 +69,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(each_frame_becomes_a_picture, scratch_setup,
                                         scratch_teardown),
-        cmocka_unit_test_setup_teardown(what_goes_wrong_is_told, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(errors_are_reported, scratch_setup, scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

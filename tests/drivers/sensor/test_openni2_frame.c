@@ -125,7 +125,7 @@ static void refuses(struct iso_frame *frame, const OniFrame *in, const char *exp
     assert_string_equal(what.text, expected);
 }
 
-static void refuses_frames_that_lie(void **state)
+static void refuses_inconsistent_frames(void **state)
 {
     const OniFrame good = frame_of(ONI_PIXEL_FORMAT_DEPTH_1_MM);
     OniFrame in = good;
@@ -190,7 +190,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(undoes_mirroring, setup, teardown),
         cmocka_unit_test_setup_teardown(keeps_a_crop, setup, teardown),
         cmocka_unit_test_setup_teardown(reads_intensities, setup, teardown),
-        cmocka_unit_test_setup_teardown(refuses_frames_that_lie, setup, teardown),
+        cmocka_unit_test_setup_teardown(refuses_inconsistent_frames, setup, teardown),
         cmocka_unit_test_setup_teardown(refuses_an_intensity_of_other_pixels, setup, teardown),
         cmocka_unit_test(a_field_of_view_is_a_camera),
     };

@@ -287,7 +287,7 @@ static void assert_frame_refused(struct iso_sensor *sensor, const char *expected
     assert_string_equal(iso_sensor_health(sensor).last_fault, fault.text);
 }
 
-static void drops_frames_that_lie(void **state)
+static void drops_inconsistent_frames(void **state)
 {
     struct iso_sensor *sensor = start_puppet();
     const struct iso_frame *frame;
@@ -384,7 +384,7 @@ int main(void)
         cmocka_unit_test(closing_stops_first),
         cmocka_unit_test(says_what_a_back_end_lacks),
         cmocka_unit_test(hands_up_frames),
-        cmocka_unit_test(drops_frames_that_lie),
+        cmocka_unit_test(drops_inconsistent_frames),
         cmocka_unit_test(a_time_out_is_no_fault),
         cmocka_unit_test(every_fault_has_a_text),
         cmocka_unit_test(a_lost_device_can_only_be_closed),

@@ -55,7 +55,7 @@ static void ask_in_vain(const char *back_end, const struct iso_option *options, 
     }
 }
 
-static void a_device_that_is_not_there_is_missed(void **state)
+static void a_missing_device_is_reported(void **state)
 {
     const char *rig = scratch_path(*state, "rig.ini"), *camera = scratch_path(*state, "camera.ini");
     const struct {
@@ -84,7 +84,7 @@ static void a_device_that_is_not_there_is_missed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(a_device_that_is_not_there_is_missed, scratch_setup,
+        cmocka_unit_test_setup_teardown(a_missing_device_is_reported, scratch_setup,
                                         scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -197,7 +197,7 @@ static void takes_a_camera_file(void **state)
 }
 
 /* A camera that reports an error has ended its stream. */
-static void tells_of_a_camera_that_fails(void **state)
+static void reports_a_camera_that_fails(void **state)
 {
     struct iso_sensor *sensor = NULL;
     const struct iso_frame *frame = NULL;
@@ -267,7 +267,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(takes_the_unit_it_is_told, setup, teardown),
         cmocka_unit_test_setup_teardown(takes_the_camera_it_is_told, setup, teardown),
         cmocka_unit_test_setup_teardown(takes_a_camera_file, setup, teardown),
-        cmocka_unit_test_setup_teardown(tells_of_a_camera_that_fails, setup, teardown),
+        cmocka_unit_test_setup_teardown(reports_a_camera_that_fails, setup, teardown),
         cmocka_unit_test_setup_teardown(plays_a_file_over_and_over_in_time, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -253,7 +253,7 @@ static size_t pixels(const struct iso_frame *frame)
     return (size_t)frame->width_px * (size_t)frame->height_px;
 }
 
-static void of_what_is_not_measured(void **state)
+static void an_unmeasured_face_is_hidden(void **state)
 {
     struct iso_face_check *check = new_check();
     struct iso_frame *frame = faces.frame[2];
@@ -298,7 +298,7 @@ static void in_a_bad_light(void **state)
 
 /* ---- errors ---- */
 
-static void a_cascade_that_is_none_is_refused(void **state)
+static void an_invalid_cascade_is_refused(void **state)
 {
     struct iso_face_check *check = NULL;
     struct iso_fault fault = {.text = ""};
@@ -350,9 +350,9 @@ int main(void)
         cmocka_unit_test(a_tilted_head_is_confirmed),
         cmocka_unit_test(without_an_image),
         cmocka_unit_test(turned_too_far),
-        cmocka_unit_test(of_what_is_not_measured),
+        cmocka_unit_test(an_unmeasured_face_is_hidden),
         cmocka_unit_test(in_a_bad_light),
-        cmocka_unit_test(a_cascade_that_is_none_is_refused),
+        cmocka_unit_test(an_invalid_cascade_is_refused),
         cmocka_unit_test(the_detector_refuses_impossible_sizes),
     };
     return cmocka_run_group_tests(tests, find_faces, forget_faces);

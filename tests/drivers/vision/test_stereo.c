@@ -162,7 +162,7 @@ static void planes_come_out_to_a_fraction_of_a_pixel(void **state)
 }
 
 /* On the left of a card there are 20 px that the right camera does not see. */
-static void what_one_camera_sees_alone_is_not_measured(void **state)
+static void points_that_only_one_camera_sees_are_not_measured(void **state)
 {
     (void)state;
     static const struct scene scene = {
@@ -181,7 +181,7 @@ static void what_one_camera_sees_alone_is_not_measured(void **state)
     done(result);
 }
 
-static void nothing_is_made_up_where_there_is_nothing_to_match(void **state)
+static void even_pictures_have_no_depth(void **state)
 {
     (void)state;
     static const struct scene scene = {.at_px = 30.0, .even = true, .gain = 1.0};
@@ -268,8 +268,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(planes_come_out_to_a_fraction_of_a_pixel),
-        cmocka_unit_test(what_one_camera_sees_alone_is_not_measured),
-        cmocka_unit_test(nothing_is_made_up_where_there_is_nothing_to_match),
+        cmocka_unit_test(points_that_only_one_camera_sees_are_not_measured),
+        cmocka_unit_test(even_pictures_have_no_depth),
         cmocka_unit_test(different_pictures_do_not_match),
         cmocka_unit_test(intensity_is_the_rectified_left_picture),
         cmocka_unit_test(refuses_what_cannot_work),

@@ -137,7 +137,7 @@ static void refuses_long_lines_and_missing_files(void **state)
                      -ENOENT);
 }
 
-static void writes_no_nonsense(void **state)
+static void refuses_to_write_an_invalid_calibration(void **state)
 {
     const char *path = scratch_path(*state, "rig.ini");
     struct iso_stereo_calibration bad = sample_calibration();
@@ -208,7 +208,8 @@ int main(void)
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(refuses_long_lines_and_missing_files, scratch_setup,
                                         scratch_teardown),
-        cmocka_unit_test_setup_teardown(writes_no_nonsense, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(refuses_to_write_an_invalid_calibration, scratch_setup,
+                                        scratch_teardown),
         cmocka_unit_test(rectified_rows_agree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -191,7 +191,7 @@ static void a_bar_says_how_far_and_how_long(void **state)
     assert_string_equal(text, "rendering frames  [##############################]  100 %");
 }
 
-static void what_has_no_known_end_shows_the_time(void **state)
+static void progress_without_a_known_end_shows_the_time(void **state)
 {
     const struct iso_progress_view view = {"verifying the log", 0, 0, 3 * second_ns};
     char text[256];
@@ -263,7 +263,7 @@ static void a_pipe_gets_plain_lines_now_and_then(void **state)
     free(text);
 }
 
-static void what_is_quick_says_nothing_in_a_pipe(void **state)
+static void quick_work_prints_nothing_to_a_pipe(void **state)
 {
     FILE *out = tmpfile();
     struct iso_progress *progress;
@@ -313,10 +313,10 @@ int main(void)
         cmocka_unit_test(one_is_singular),
         cmocka_unit_test(colours_need_a_terminal_that_wants_them),
         cmocka_unit_test(a_bar_says_how_far_and_how_long),
-        cmocka_unit_test(what_has_no_known_end_shows_the_time),
+        cmocka_unit_test(progress_without_a_known_end_shows_the_time),
         cmocka_unit_test(a_terminal_gets_one_line_that_goes_again),
         cmocka_unit_test(a_pipe_gets_plain_lines_now_and_then),
-        cmocka_unit_test(what_is_quick_says_nothing_in_a_pipe),
+        cmocka_unit_test(quick_work_prints_nothing_to_a_pipe),
         cmocka_unit_test(the_thread_of_a_progress_ends),
     };
 

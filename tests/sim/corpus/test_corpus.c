@@ -182,7 +182,7 @@ static void names_a_missing_manifest(void **state)
     assert_read_refused(state, NULL, -ENOENT, "manifest.csv: No such file or directory");
 }
 
-static void what_is_written_is_read_back(void **state)
+static void a_written_manifest_is_read_back(void **state)
 {
     struct sim_corpus *first = NULL, *second = NULL;
     assert_int_equal(sim_corpus_read(*state, &first, NULL), 0);
@@ -270,7 +270,7 @@ int main(void)
         IN_CORPUS(frames_must_be_there),
         IN_CORPUS(names_a_broken_recording_by_its_row),
         IN_CORPUS(names_a_missing_manifest),
-        IN_CORPUS(what_is_written_is_read_back),
+        IN_CORPUS(a_written_manifest_is_read_back),
         IN_CORPUS(refuses_to_write_what_cannot_be_read),
         IN_CORPUS(reports_where_it_cannot_write),
         cmocka_unit_test(reads_the_real_corpus),

@@ -104,7 +104,7 @@ static void records_what_is_seen(void **state)
     }
 }
 
-static void keeps_what_it_has_when_no_more_comes(void **state)
+static void keeps_its_frames_after_a_time_out(void **state)
 {
     struct sim_record_result result;
     struct iso_fault fault = {.text = ""};
@@ -137,7 +137,7 @@ static void writes_over_nothing(void **state)
 }
 
 /* A frame that cannot be written is reported with a later frame, or at the end. */
-static void a_tape_tells_of_what_cannot_be_written(void **state)
+static void a_tape_reports_frames_that_cannot_be_written(void **state)
 {
     const struct iso_camera camera = {.projection = ISO_PINHOLE,
                                       .width_px = 4,
@@ -185,7 +185,7 @@ static void reads_a_sensor_in_a_word(void **state)
     sim_sensor_word_done(&word);
 }
 
-static void refuses_words_that_name_none(void **state)
+static void refuses_words_that_name_no_sensor(void **state)
 {
     static const char *const words[] = {"",
                                         ":path=x",
@@ -208,14 +208,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(records_what_is_seen, setup, scratch_teardown),
-        cmocka_unit_test_setup_teardown(keeps_what_it_has_when_no_more_comes, setup,
-                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(keeps_its_frames_after_a_time_out, setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(counts_damaged_frames, setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(writes_over_nothing, setup, scratch_teardown),
-        cmocka_unit_test_setup_teardown(a_tape_tells_of_what_cannot_be_written, setup,
+        cmocka_unit_test_setup_teardown(a_tape_reports_frames_that_cannot_be_written, setup,
                                         scratch_teardown),
         cmocka_unit_test(reads_a_sensor_in_a_word),
-        cmocka_unit_test(refuses_words_that_name_none),
+        cmocka_unit_test(refuses_words_that_name_no_sensor),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -23,7 +23,7 @@ static void assert_cameras_equal(const struct iso_camera *a, const struct iso_ca
     assert_true(a->p1 == b->p1 && a->p2 == b->p2);
 }
 
-static void what_is_written_is_read_back(void **state)
+static void a_written_recording_is_read_back(void **state)
 {
     struct iso_recording_meta meta = written_meta();
     struct sim_recording_writer *writer = written_create(state, &meta);
@@ -203,7 +203,7 @@ static void landmarks_are_read_back(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        IN_SCRATCH(what_is_written_is_read_back),
+        IN_SCRATCH(a_written_recording_is_read_back),
         IN_SCRATCH(depths_are_rounded_to_the_unit),
         IN_SCRATCH(numbers_are_short),
         IN_SCRATCH(an_orthographic_camera_is_read_back),

@@ -48,7 +48,7 @@ static int rows_of(const struct sim_corpus *corpus, const char *subject, enum si
     return n;
 }
 
-static void everybody_is_there(void **state)
+static void every_person_has_recordings(void **state)
 {
     (void)state;
     struct sim_corpus *corpus = open_corpus();
@@ -103,7 +103,7 @@ static void it_is_small_enough_to_commit(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(everybody_is_there),
+        cmocka_unit_test(every_person_has_recordings),
         cmocka_unit_test(every_frame_is_read),
         cmocka_unit_test(it_is_small_enough_to_commit),
     };

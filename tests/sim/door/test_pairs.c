@@ -20,7 +20,7 @@ static void pass(const struct sim_visit *visit, void *context)
     (void)context;
 }
 
-static void who_stands_in_front_is_the_visitor(void **state)
+static void the_person_in_front_is_the_visitor(void **state)
 {
     struct sim_generate_options pairs = generated_options("pairs", scratch_path(*state, "corpus"));
     struct iso_fault fault = {.text = ""};
@@ -58,7 +58,7 @@ static void who_stands_in_front_is_the_visitor(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(who_stands_in_front_is_the_visitor, scratch_setup,
+        cmocka_unit_test_setup_teardown(the_person_in_front_is_the_visitor, scratch_setup,
                                         scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

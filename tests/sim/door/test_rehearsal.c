@@ -211,7 +211,7 @@ static void every_level_decides_as_it_would_alone(void **state)
     sim_corpus_free(corpus);
 }
 
-static void who_cannot_be_enrolled_is_a_fault(void **state)
+static void a_person_who_cannot_be_enrolled_is_a_fault(void **state)
 {
     /* The same face is enrolled under two names. */
     scratch_write_text(scratch_path(*state, "manifest.csv"),
@@ -263,7 +263,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_threshold_decides, setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(every_level_decides_as_it_would_alone, setup,
                                         scratch_teardown),
-        cmocka_unit_test_setup_teardown(who_cannot_be_enrolled_is_a_fault, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(a_person_who_cannot_be_enrolled_is_a_fault, setup,
+                                        scratch_teardown),
         cmocka_unit_test(the_clock_moves_only_when_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

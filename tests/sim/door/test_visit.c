@@ -64,7 +64,7 @@ static void a_killed_run_does_not_stand_in_the_way(void **state)
     assert_names(slot, corpus, "anna-v1");
 }
 
-static void what_is_no_link_is_left_alone(void **state)
+static void a_file_that_is_no_link_is_left_alone(void **state)
 {
     const char *corpus = *state, *slot = scratch_path(corpus, "slot");
     struct iso_fault fault = {.text = ""};
@@ -229,7 +229,7 @@ int main(void)
         IN_SCRATCH(the_slot_is_pointed_and_cleared),
         IN_SCRATCH(a_relative_corpus_is_made_absolute),
         IN_SCRATCH(a_killed_run_does_not_stand_in_the_way),
-        IN_SCRATCH(what_is_no_link_is_left_alone),
+        IN_SCRATCH(a_file_that_is_no_link_is_left_alone),
         IN_SCRATCH(a_slot_that_cannot_be_made_is_named),
         cmocka_unit_test(one_admittance_of_each_person_will_do),
         cmocka_unit_test(somebody_refused_at_every_visit_is_not_good),

@@ -117,7 +117,7 @@ static void a_dark_stripe_is_dark(void **state)
 }
 
 /* A hand before the face, filled-in surface, and the edge of the grid have no known value: 1. */
-static void what_is_not_seen_is_not_known(void **state)
+static void places_that_are_not_seen_have_no_value(void **state)
 {
     (void)state;
     struct iso_rigid camera_from_face = pose();
@@ -157,7 +157,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lamp_and_slant_are_taken_out),
         cmocka_unit_test(a_dark_stripe_is_dark),
-        cmocka_unit_test(what_is_not_seen_is_not_known),
+        cmocka_unit_test(places_that_are_not_seen_have_no_value),
         cmocka_unit_test(without_an_image_there_is_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

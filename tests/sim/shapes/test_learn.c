@@ -62,7 +62,7 @@ static void every_kind_tells_clear_classes(void **state)
 }
 
 /* A class without members is never the answer, and nothing is ranked. */
-static void what_was_not_learnt_is_not_told(void **state)
+static void a_class_without_members_is_never_the_answer(void **state)
 {
     (void)state;
     struct cloud c;
@@ -97,7 +97,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_tells_clear_classes),
-        cmocka_unit_test(what_was_not_learnt_is_not_told),
+        cmocka_unit_test(a_class_without_members_is_never_the_answer),
         cmocka_unit_test(names_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

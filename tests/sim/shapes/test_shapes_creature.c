@@ -162,7 +162,7 @@ static void creatures_bend_without_stretching(void **state)
     }
 }
 
-static void the_same_again(void **state)
+static void equal_options_make_equal_creatures(void **state)
 {
     struct sim_creature *one = make("spider", 1.0, 3, 4), *two = make("spider", 1.0, 3, 4);
     (void)state;
@@ -249,7 +249,7 @@ int main(void)
         cmocka_unit_test(polygonises_noise),
         cmocka_unit_test(flesh_has_its_radius),
         cmocka_unit_test(creatures_bend_without_stretching),
-        cmocka_unit_test(the_same_again),
+        cmocka_unit_test(equal_options_make_equal_creatures),
         cmocka_unit_test(triangles_are_well_shaped),
         cmocka_unit_test(species_and_variants_differ),
         cmocka_unit_test(coats_stay_in_range),

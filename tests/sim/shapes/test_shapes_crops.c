@@ -88,7 +88,7 @@ static void crops_are_a_corpus_of_shapes(void **state)
     cut(*state, 2, 2); /* the first and the second, at 0 and 3/2 */
 }
 
-static void what_is_missing_is_said(void **state)
+static void missing_corpora_are_named(void **state)
 {
     struct sim_crops_options options = {.out = scratch_path(*state, "none")};
     struct iso_fault fault = {.text = ""};
@@ -106,7 +106,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(crops_are_a_corpus_of_shapes, setup, scratch_teardown),
-        cmocka_unit_test_setup_teardown(what_is_missing_is_said, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(missing_corpora_are_named, setup, scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

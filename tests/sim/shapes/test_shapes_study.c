@@ -233,7 +233,7 @@ static void distances_leave_nothing_out(void **state)
     free(text);
 }
 
-static void what_cannot_be_studied_is_named(void **state)
+static void the_reason_of_a_failed_study_is_named(void **state)
 {
     const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
     struct sim_shapes_study_options options = cp_hk_options(corpus, out);
@@ -302,7 +302,7 @@ int main(void)
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(distances_leave_nothing_out, scratch_setup,
                                         scratch_teardown),
-        cmocka_unit_test_setup_teardown(what_cannot_be_studied_is_named, scratch_setup,
+        cmocka_unit_test_setup_teardown(the_reason_of_a_failed_study_is_named, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(tables_have_both_sides, scratch_setup, scratch_teardown),
     };

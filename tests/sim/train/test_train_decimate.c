@@ -180,7 +180,7 @@ static void a_ball_stays_round(void **state)
     free(m);
 }
 
-static void what_is_to_be_kept_is_kept(void **state)
+static void vertices_to_keep_are_kept(void **state)
 {
     (void)state;
     struct mesh *m = plate();
@@ -304,7 +304,7 @@ int main(void)
         cmocka_unit_test(a_plate_stays_the_same_plate),
         cmocka_unit_test(the_fan_stays_a_surface),
         cmocka_unit_test(a_ball_stays_round),
-        cmocka_unit_test(what_is_to_be_kept_is_kept),
+        cmocka_unit_test(vertices_to_keep_are_kept),
         cmocka_unit_test(importance_draws_vertices),
         cmocka_unit_test(a_ridge_survives),
         cmocka_unit_test(the_same_mesh_gives_the_same_result),

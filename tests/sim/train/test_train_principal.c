@@ -94,7 +94,7 @@ static void takes_out_rigid_motion(void **state)
     }
 }
 
-static void what_it_leaves_has_no_rigid_part(void **state)
+static void the_remainder_has_no_rigid_part(void **state)
 {
     float field[POINTS][3];
     (void)state;
@@ -206,7 +206,7 @@ int main(void)
         cmocka_unit_test(finds_the_modes_of_a_string),
         cmocka_unit_test(leaves_a_diagonal_matrix_alone),
         cmocka_unit_test(takes_out_rigid_motion),
-        cmocka_unit_test(what_it_leaves_has_no_rigid_part),
+        cmocka_unit_test(the_remainder_has_no_rigid_part),
         cmocka_unit_test(points_in_line_fix_no_pose),
         cmocka_unit_test(orders_orthogonal_fields),
         cmocka_unit_test(keeps_the_covariance),

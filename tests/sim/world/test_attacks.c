@@ -367,7 +367,7 @@ static void masks_have_the_wrong_size(void **state)
     assert_int_equal(n, 2 * PER_KIND);
 }
 
-static void what_makes_no_sense_is_refused(void **state)
+static void impossible_options_are_refused(void **state)
 {
     struct sim_generate_options options = small(scratch_path(*state, "bad"));
     struct iso_fault fault = {.text = ""};
@@ -394,7 +394,7 @@ int main(void)
         cmocka_unit_test(flat_is_flat),
         cmocka_unit_test(bent_has_its_radius),
         cmocka_unit_test(masks_have_the_wrong_size),
-        cmocka_unit_test(what_makes_no_sense_is_refused),
+        cmocka_unit_test(impossible_options_are_refused),
     };
     return cmocka_run_group_tests(tests, scratch_setup, tear_down);
 }

@@ -134,7 +134,7 @@ static void a_shell_is_two_millimetres_thick(void **state)
     free_head(&head);
 }
 
-static void who_wears_a_mask_is_behind_it(void **state)
+static void the_wearer_of_a_mask_is_behind_it(void **state)
 {
     (void)state;
     struct head head = load_head();
@@ -220,7 +220,7 @@ int main(void)
         cmocka_unit_test(a_print_has_its_scale),
         cmocka_unit_test(openings_let_the_eyes_see),
         cmocka_unit_test(a_shell_is_two_millimetres_thick),
-        cmocka_unit_test(who_wears_a_mask_is_behind_it),
+        cmocka_unit_test(the_wearer_of_a_mask_is_behind_it),
         cmocka_unit_test(hands_have_the_size_of_hands),
         cmocka_unit_test(a_grip_leaves_room_for_what_it_holds),
     };

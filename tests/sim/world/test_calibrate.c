@@ -77,7 +77,7 @@ static void print_verdict(const char *what, const struct verdict *v)
                   what, v->depth_rms_mm, v->curved_mm, v->row_rms_px);
 }
 
-static void the_truth_believes_itself(void **state)
+static void the_true_calibration_has_no_error(void **state)
 {
     (void)state;
     struct sim_stereo_rig rig = sim_stereo_rig(0.0);
@@ -140,7 +140,7 @@ static void pictures_of_a_board_give_the_cameras(void **state)
     free(right);
 }
 
-static void refuses_boards_that_are_none(void **state)
+static void refuses_invalid_boards(void **state)
 {
     (void)state;
     static const struct iso_board bad[] = {{2, 6, 20.0}, {9, 65, 20.0}, {9, 6, 0.0}, {9, 6, NAN}};
@@ -158,9 +158,9 @@ static void refuses_boards_that_are_none(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_truth_believes_itself),
+        cmocka_unit_test(the_true_calibration_has_no_error),
         cmocka_unit_test(pictures_of_a_board_give_the_cameras),
-        cmocka_unit_test(refuses_boards_that_are_none),
+        cmocka_unit_test(refuses_invalid_boards),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -174,7 +174,7 @@ static void expect_fault(const char *kit, int error, const char *file, const cha
     }
 }
 
-static void what_is_missing_is_named(void **state)
+static void missing_files_are_named(void **state)
 {
     const char *kit = *state;
     expect_fault(kit, -ENOENT, "no folder FaceXModel", "ICT-VGL/ICT-FaceKit");
@@ -192,7 +192,7 @@ static void what_is_missing_is_named(void **state)
     assert_int_equal(import(kit, &report, NULL), 0);
 }
 
-static void what_is_damaged_is_named(void **state)
+static void damaged_files_are_named(void **state)
 {
     static const char *const bad_indices[][2] = {
         {"{\"expressions\": 3, \"idx_to_landmark_verts\": [7, 0, 3]}", "'expressions'"},
@@ -314,8 +314,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_half_survives),
         TEST(a_kit_becomes_a_head_model),
-        TEST(what_is_missing_is_named),
-        TEST(what_is_damaged_is_named),
+        TEST(missing_files_are_named),
+        TEST(damaged_files_are_named),
         TEST(the_real_files_give_the_known_model),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -150,7 +150,7 @@ static void a_known_lens_is_found_again(void **state)
     assert_true(worst_px(found) < 1.5);
 }
 
-static void colour_pictures_do_too(void **state)
+static void colour_pictures_are_accepted(void **state)
 {
     struct iso_fault fault = {.text = ""};
     if (calibrate(*state, take(*state, ALL_OVER, 12, true), &fault)) {
@@ -170,12 +170,12 @@ static void expect_refusal(const char *directory, enum movement movement, int n,
     assert_false(scratch_exists(scratch_path(directory, "camera.ini")));
 }
 
-static void too_few_are_refused(void **state)
+static void too_few_pictures_are_refused(void **state)
 {
     expect_refusal(*state, ALL_OVER, 7, "pictures show the whole board, 8 are needed");
 }
 
-static void the_same_again_is_refused(void **state)
+static void repeated_pictures_are_refused(void **state)
 {
     expect_refusal(*state, THE_SAME, 10, "only 1 of 10 pictures differ, 8 are needed");
 }
@@ -190,7 +190,7 @@ static void a_board_that_is_never_turned_is_refused(void **state)
     expect_refusal(*state, NEVER_TURNED, 20, "tilt it to all sides");
 }
 
-static void what_is_no_picture_is_named(void **state)
+static void missing_and_damaged_pictures_are_named(void **state)
 {
     struct iso_fault fault = {.text = ""};
     assert_int_equal(calibrate(*state, scratch_path(*state, "nowhere"), &fault), -ENOENT);
@@ -208,12 +208,12 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, scratch_setup, scratch_teardown)
     const struct CMUnitTest tests[] = {
         TEST(a_known_lens_is_found_again),
-        TEST(colour_pictures_do_too),
-        TEST(too_few_are_refused),
-        TEST(the_same_again_is_refused),
+        TEST(colour_pictures_are_accepted),
+        TEST(too_few_pictures_are_refused),
+        TEST(repeated_pictures_are_refused),
         TEST(a_board_in_the_middle_is_refused),
         TEST(a_board_that_is_never_turned_is_refused),
-        TEST(what_is_no_picture_is_named),
+        TEST(missing_and_damaged_pictures_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -73,7 +73,7 @@ static void the_same_options_make_the_same_bytes(void **state)
 
 /* An object of the expected size is at the place where people stand: a share of the image is as
  * near as they are, and there is no ground truth of a face. */
-static void something_is_there(void **state)
+static void an_object_is_at_the_place_of_a_person(void **state)
 {
     const struct sim_corpus *c = corpus(state);
     char file[128];
@@ -219,7 +219,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_are_as_documented),
         cmocka_unit_test(the_same_options_make_the_same_bytes),
-        cmocka_unit_test(something_is_there),
+        cmocka_unit_test(an_object_is_at_the_place_of_a_person),
         cmocka_unit_test(balls_are_round_and_walls_are_flat),
         cmocka_unit_test(people_are_turned_away),
     };
