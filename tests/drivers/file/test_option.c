@@ -98,21 +98,21 @@ static void expect_sound(const char *back_end, const struct iso_option_spec *tab
     struct iso_fault fault = {.text = ""};
     const char *const name = spec->name;
     if (!*name || name[strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_")]) {
-        fail_msg("%s: '%s' is no name of an option", back_end, name);
+        fail_msg("%s: '%s' is not a valid name of an option", back_end, name);
     }
     if (iso_option_find_spec(table, name) != spec) {
-        fail_msg("%s: '%s' stands twice in the table", back_end, name);
+        fail_msg("%s: '%s' is in the table twice", back_end, name);
     }
     if (!spec->help || !*spec->help || strchr(spec->help, '\n')) {
         fail_msg("%s: '%s' has no line of help", back_end, name);
     }
     if (spec->required == (spec->standard != NULL)) {
-        fail_msg("%s: '%s' is either required or has a standard value", back_end, name);
+        fail_msg("%s: '%s' must be required or have a standard value, not both", back_end, name);
     }
     const bool needs_range = spec->kind == ISO_OPTION_NUMBER || spec->kind == ISO_OPTION_COUNT;
     if (needs_range != (spec->min < spec->max) ||
         (spec->kind == ISO_OPTION_CHOICE) != (spec->choices != NULL)) {
-        fail_msg("%s: '%s' has a range or choices that its kind does not have", back_end, name);
+        fail_msg("%s: the range or the choices of '%s' do not fit its kind", back_end, name);
     }
     if (spec->standard && iso_option_check_value(spec, spec->standard, &fault)) {
         fail_msg("%s: %s", back_end, fault.text);

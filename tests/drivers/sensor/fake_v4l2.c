@@ -20,7 +20,7 @@ static struct fake_camera *camera_of(struct fake_v4l2 *fake, int fd)
             return &fake->cameras[i];
         }
     }
-    fail_msg("a call on descriptor %d, which is no camera's", fd);
+    fail_msg("a call on descriptor %d, which belongs to no camera", fd);
     return NULL;
 }
 
@@ -188,7 +188,7 @@ static int fake_ioctl(void *context, int fd, unsigned long request, void *argume
     case VIDIOC_STREAMOFF:
         return switch_stream(camera, request == VIDIOC_STREAMON);
     default:
-        fail_msg("request %lx is not one that a sensor has use for", request);
+        fail_msg("unexpected request %lx", request);
         return -ENOTTY;
     }
 }
@@ -215,7 +215,7 @@ static void fake_unmap(void *context, void *at, size_t length)
             }
         }
     }
-    fail_msg("what was unmapped was never mapped");
+    fail_msg("an address was unmapped that is no buffer");
 }
 
 static int64_t fake_monotonic_ns(void *context)

@@ -76,7 +76,7 @@ void on_every_stage(void (*test)(struct sensor_set *set),
         ran++;
     }
     if (left_out > 0) {
-        print_message("  %d stages, and %d that cannot show it\n", ran, left_out);
+        print_message("  ran on %d stages; %d cannot run this test\n", ran, left_out);
     }
     if (ran == 0) {
         skip();

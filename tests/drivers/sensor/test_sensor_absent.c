@@ -50,7 +50,7 @@ static void ask_in_vain(const char *back_end, const struct iso_option *options, 
         assert_null(sensor);
         assert_int_equal(iso_sensor_probe(back_end, count_device, &n, &fault), 0);
         if (i == 0) {
-            print_message("  %s: %d devices, and not the one that was asked for\n", back_end, n);
+            print_message("  %s: %d devices, but not the requested one\n", back_end, n);
         }
     }
 }

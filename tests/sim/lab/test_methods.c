@@ -94,7 +94,7 @@ static void test_methods_tell_people_apart(void **state)
             method->discard(probe);
             sim_scan_free(scan);
         }
-        print_message("%s: %d of %d are taken for another\n", method->name, mistaken, PEOPLE);
+        print_message("%s: %d of %d people mistaken\n", method->name, mistaken, PEOPLE);
         assert_true(mistaken <= (method == &sim_method_cp_hk ? 2 : 0));
         for (int p = 0; p < PEOPLE; p++) {
             method->discard(enrolled[p]);

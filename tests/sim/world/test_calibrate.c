@@ -72,8 +72,8 @@ static struct verdict judge(const struct iso_stereo_calibration *real,
 
 static void print_verdict(const char *what, const struct verdict *v)
 {
-    print_message("%s: depth off by %.2f mm rms at 600 mm, %.2f of it not common to all; rows by "
-                  "%.3f px\n",
+    print_message("%s: depth error at 600 mm: rms %.2f mm, without its mean %.2f mm; row error: "
+                  "rms %.3f px\n",
                   what, v->depth_rms_mm, v->curved_mm, v->row_rms_px);
 }
 

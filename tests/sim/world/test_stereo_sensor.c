@@ -50,7 +50,7 @@ static void check_picture(const struct sim_sensor *sensor, const struct sim_view
     }
     on /= (double)n_on;
     beside /= (double)(workspace->n_pixels - n_on);
-    print_message("its picture: %.2f on it, %.2f beside it\n", on, beside);
+    print_message("brightness %.2f on the surface, %.2f beside it\n", on, beside);
     assert_true(on > 0.15 && on < 0.8 && beside < 0.03);
     free(picture);
 }
