@@ -172,7 +172,7 @@ static void a_fused_score_says_how_rare_it_is_among_strangers(void **state)
 }
 
 /* No person from whom the shipped metric was learned may be in a test. It was learned only from
- * people of the population `train`, and from nobody whom a committed corpus names. */
+ * people of the population `train`, and a committed corpus names none of its sources. */
 static void the_shipped_metric_knows_nobody_who_is_tested(void **state)
 {
     (void)state;
