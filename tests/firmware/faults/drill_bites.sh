@@ -6,8 +6,8 @@
 #        BUILD: a build of the preset dev; PATTERN: a regular expression that selects mistakes, such as "rule 3: stale".
 #        --patterns: builds nothing and takes seconds. It only checks that each mistake can be built in: its text is in its file
 #        exactly once, and BUILD knows the programs of the commands that are named for it (gate_mistakes of ctest).
-#        DRILL_LONGEST_S in the environment: a command that takes longer than so many seconds hangs. A command also hangs if it takes
-#        longer than half a minute plus ten times its time without a mistake.
+#        DRILL_LONGEST_S in the environment: a command that takes more seconds is ended and counts as failed. The same holds for a
+#        command that takes longer than half a minute plus ten times its time without a mistake.
 #
 # Each line has the mistake, the command that found it, and the output of that command. The last line counts the mistakes by rule:
 #   1  after an error of COMMIT, or of an exchange of files, the state is read again from the disk
@@ -33,7 +33,7 @@ declare -A of_rule found_of_rule
 judges=() # commands, of which one has to fail; run from tests/firmware of the build
 longest_s=${DRILL_LONGEST_S:-90}
 limit_s=$longest_s # of the command that runs
-memory=/dev/shm # for the files of tests: no mistake is one that needs a slow disk to be seen
+memory=/dev/shm # for the files of the tests: no mistake needs a slow disk to be found
 [ -w "$memory" ] || memory=$copy
 
 if [ "$patterns_only" ]; then
@@ -70,7 +70,7 @@ word_of() {
 run_judge() {
     local words judge_pid
     read -ra words <<<"$1"
-    : >"$copy/said" # what the one before said is not this one's
+    : >"$copy/said" # removes the output of the previous judge
     (cd "$copy/build/dev/tests/firmware" && TMPDIR=$memory exec timeout -k 5 "$limit_s" "./${words[0]}" "${words[@]:1}") >>"$copy/said" 2>&1 &
     judge_pid=$!
     while [ "$(jobs -rp)" ]; do
@@ -120,7 +120,7 @@ check_judges() {
     judges=("${wanted[@]}")
 }
 
-# Keeps the file of the copy without the mistake, because the tree may change meanwhile. Reports a file that does not exist.
+# Keeps the file without the mistake next to the copy, because the tree may change meanwhile. Prints a fault if there is no such file.
 keep() {
     if [ ! -e "$root/$1" ]; then
         echo "there is no $1"
@@ -196,13 +196,13 @@ mistake() {
 # ---- 1: the state is read again from the disk ----
 rule=1
 judges=('storage_faults 3 remove')
-mistake 'commit: an error is believed' firmware/gallery/gallery_db.c \
+mistake 'commit: an error always means not done' firmware/gallery/gallery_db.c \
     'error = error ? iso__gallery_settle(db, error, fault) : 0;' 'db->draft = error ? db->head : db->draft;'
 mistake 'commit: an error is taken for a success' firmware/gallery/gallery_db.c \
     'error = error ? iso__gallery_settle(db, error, fault) : 0;' 'error = 0;'
-mistake 'commit: what is done is told as undone' firmware/gallery/gallery_truth.c \
+mistake 'commit: a change that is done is reported as not done' firmware/gallery/gallery_truth.c \
     'if (is_same(&db->head, &after)) {' 'if (is_same(&db->head, &after) && is_same(&db->head, &before)) {'
-mistake 'commit: what is undone is told as done' firmware/gallery/gallery_truth.c \
+mistake 'commit: a change that is not done is reported as done' firmware/gallery/gallery_truth.c \
     'if (is_same(&db->head, &after)) {' 'if (is_same(&db->head, &after) || is_same(&db->head, &before)) {'
 mistake 'commit: the old connection is asked' firmware/gallery/gallery_truth.c \
     'iso__gallery_disconnect(db);
@@ -216,19 +216,19 @@ mistake 'commit: an error of an enrolment is swallowed' firmware/gallery/gallery
     error = iso_gallery_db_end(gallery->db, error, fault);' 'size, fault);
     }
     error = iso_gallery_db_end(gallery->db, error, fault) ? 0 : error;'
-mistake 'commit: out of service, and it goes on' firmware/gallery/gallery_truth.c 'db->lost = true;' 'db->lost = false;'
+mistake 'commit: a store out of service goes on' firmware/gallery/gallery_truth.c 'db->lost = true;' 'db->lost = false;'
 judges=('storage_faults 3 rename' 'storage_faults 1 rename')
 mistake 'commit: the directory is not synchronised' firmware/gallery/gallery_truth.c \
     'return iso_directory_sync(db->path, fault);' 'return 0 * fault->text[0];'
 judges=('storage_faults 3 log')
-mistake 'log: an exchange of files is believed' firmware/audit/audit_rotate.c \
+mistake 'log: the files are not read again after an exchange' firmware/audit/audit_rotate.c \
     '(void)!iso__audit_recover(audit, NULL);' ';'
 mistake 'log: a failed group counts' firmware/audit/audit_append.c 'put_back(audit, before);' '(void)put_back;'
 judges=(test_firmware_audit_chain)
-mistake 'log: who lacks records is taken for the log' firmware/audit/audit_truth.c 'if (!has_all(found, audit)) {' 'if (!has_all(found, audit) && !found) {'
+mistake 'log: a file that lacks records is taken for the log' firmware/audit/audit_truth.c 'if (!has_all(found, audit)) {' 'if (!has_all(found, audit) && !found) {'
 judges=('storage_faults 1 lockdown')
 mistake 'lock-out: ended in memory only' firmware/appliance/appliance_refusal.c 'appliance->lockout.state = *before;' '(void)before;'
-mistake 'lock-out: nobody asks what the file holds' firmware/appliance/appliance_refusal.c \
+mistake 'lock-out: the file is not read after an error' firmware/appliance/appliance_refusal.c \
     'if (error && !is_kept(appliance)) {' 'if (error && (!is_kept(appliance) || error)) {' \
     firmware/visit/lockout_file.c \
     'if (error && iso_data_file_holds(path, bytes, sizeof bytes)) {' 'if (error && size_of_nothing(path)) {' \
@@ -241,7 +241,7 @@ judges=(test_firmware_slow_disk)
 mistake 'door: it waits for its records' firmware/appliance/appliance_door.c \
     'iso_audit_writer_post(appliance->log, &record, NULL)' \
     'iso_audit_writer_append(appliance->log, &record, ISO_NEVER_NS, NULL, NULL)'
-mistake 'door: it waits for whoever steps the appliance' firmware/config/door_options.c \
+mistake 'door: it waits for the thread of the appliance' firmware/config/door_options.c \
     '.threaded = threaded,' '.threaded = false && threaded,'
 mistake 'door: the queue is locked while the disk works' firmware/audit/audit_group.c \
     '(void)pthread_mutex_unlock(&writer->mutex);
@@ -280,15 +280,15 @@ mistake 'log: a grant that was given up is written' firmware/audit/audit_writer.
     'slot->cancelled || slot->ticket == ticket;' 'slot->cancelled && slot->ticket == ticket;'
 mistake 'log: a late grant has no outcome behind it' firmware/audit/audit_group.c \
     'known ? writer->awaited.sequence : 0;' 'known ? 0 : 0;'
-mistake 'log: what was lost is not said' firmware/audit/audit_group.c 'return writer->lost > 0 &&' 'return writer->lost > 1000 &&'
-mistake 'log: whoever posts waits' firmware/audit/audit_writer.c \
+mistake 'log: the number of lost records is not reported' firmware/audit/audit_group.c 'return writer->lost > 0 &&' 'return writer->lost > 1000 &&'
+mistake 'log: a poster waits for its record' firmware/audit/audit_writer.c \
     'error = writer->threaded ? 0 : write_now(writer, &own);' \
     'error = writer->threaded ? !wait_for(writer, slot->ticket, ISO_NEVER_NS) : write_now(writer, &own);' \
     firmware/audit/audit_writer.c 'static int post(' 'static bool wait_for(struct iso_audit_writer *writer, uint64_t ticket, int64_t wait_ns);
 static int post('
 judges=(test_firmware_audit_priority)
 if [ "$patterns_only" ] || chrt -f 1 true 2>/dev/null; then # the test needs the right to real-time priorities
-    mistake 'log: whoever posts waits for the thread that it wakes' firmware/audit/audit_writer.c \
+    mistake 'log: a poster waits for the thread that it wakes' firmware/audit/audit_writer.c \
         '(void)sem_post(&writer->work);
     *out = slot;' '(void)pthread_cond_broadcast(&writer->finished_some);
     *out = slot;' firmware/audit/audit_writer.c '(void)pthread_mutex_unlock(&writer->mutex);
@@ -300,8 +300,8 @@ if [ "$patterns_only" ] || chrt -f 1 true 2>/dev/null; then # the test needs the
         firmware/audit/audit_writer.c '(void)sem_post(&writer->work);
         iso_disk_wait_begin();' '(void)pthread_cond_broadcast(&writer->finished_some);
         iso_disk_wait_begin();'
-elif [[ 'rule 2: log: whoever posts waits for the thread that it wakes' =~ $only ]]; then
-    echo 'rule 2  log: whoever posts waits for the thread that it wakes    SKIPPED: no right to real-time priorities (chrt)'
+elif [[ 'rule 2: log: a poster waits for the thread that it wakes' =~ $only ]]; then
+    echo 'rule 2  log: a poster waits for the thread that it wakes    SKIPPED: no right to real-time priorities (chrt)'
 fi
 judges=('test_firmware_faults 40 500')
 mistake 'disk: the door opens without a record' firmware/appliance/appliance_visit.c \
@@ -310,10 +310,10 @@ mistake 'disk: the door opens without a record' firmware/appliance/appliance_vis
 # ---- 3: the age of a grant's frames ----
 rule=3
 judges=(test_firmware_old_verdicts)
-mistake 'stale: nobody asks how old a grant is' firmware/door/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {'
-mistake 'stale: nobody asks again behind the switching' firmware/door/door_guard.c \
+mistake 'stale: the age of a grant is not checked' firmware/door/door_guard.c 'if (begin_ns > until_ns) {' 'if (begin_ns < 0) {'
+mistake 'stale: the age is not checked after the switching' firmware/door/door_guard.c \
     '!was_unlocked && now_ns(guard) > until_ns' '!was_unlocked && now_ns(guard) < 0'
-mistake 'stale: by a clock that stops with the machine' firmware/config/door_options.c \
+mistake 'stale: the clock stops while the machine is suspended' firmware/config/door_options.c \
     '.clock = times->boottime.now_ns ? times->boottime : times->monotonic,' '.clock = times->monotonic,'
 mistake 'stale: the newest frame counts, not the oldest' firmware/visit/decision.c \
     '*since_ns = decision->frames[i].t_ns;' '*since_ns = t_ns;'
@@ -380,40 +380,40 @@ mistake 'twice, frozen: a frame agrees with itself' firmware/appliance/appliance
 # ---- 5: files of an earlier time ----
 rule=5
 judges=(test_firmware_earlier_files)
-mistake 'earlier: nobody compares the stores' firmware/keys/heads.c \
+mistake 'earlier: the stores are not compared' firmware/keys/heads.c \
     'store->found && store->count < claim->known.count[i]' 'store->found && store->count + 1 == 0'
-mistake 'earlier: the daemon does not ask' firmware/daemon/components_stores.c \
+mistake 'earlier: the daemon does not check the heads' firmware/daemon/components_stores.c \
     'const int error = iso_heads_check(iso_key_ring_board(components->ring), fault);' 'const int error = 0;'
-mistake 'earlier: one less is taken' firmware/keys/heads.c \
+mistake 'earlier: a count that is one too low is accepted' firmware/keys/heads.c \
     'store->count < claim->known.count[i]' 'store->count + 1 < claim->known.count[i]'
-mistake 'earlier: anchors know nothing' firmware/audit/anchor.c \
+mistake 'earlier: anchors do not record the other stores' firmware/audit/anchor.c \
     'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' ''
-mistake 'earlier: the lock-out file knows nothing' firmware/visit/lockout_file.c \
+mistake 'earlier: the lock-out file records no other store' firmware/visit/lockout_file.c \
     '.known = iso_heads_get(plain + 29),' '.known = {{0}, {0}},'
-mistake 'earlier: an old lock-out file is taken' firmware/visit/lockout_file.c \
+mistake 'earlier: an old lock-out file is accepted' firmware/visit/lockout_file.c \
     'if (file.number < needed) {' 'if (file.number + 1 == 0) {' \
     firmware/keys/heads.c 'store->found && store->count < claim->known.count[i]' \
     'i != ISO_HEAD_LOCKOUT && store->found && store->count < claim->known.count[i]'
-mistake 'earlier: the gallery knows nothing' firmware/gallery/gallery_seal.c \
+mistake 'earlier: the gallery does not record the other stores' firmware/gallery/gallery_seal.c \
     'out->known = iso_heads_get(plain + ISO_GALLERY_HEAD_1_BYTES);' 'out->known = (struct iso_heads){{0}, {0}};' \
     firmware/audit/anchor.c 'anchor->known = iso_heads_get(plain + PLAIN_1_BYTES);' \
     'if (anchor->kind[0] == 0x6c) { anchor->known = iso_heads_get(plain + PLAIN_1_BYTES); }'
 mistake 'earlier: the key ring has no number' firmware/keys/key_ring_file.c \
     'const uint64_t number = ring->number + 1;' 'const uint64_t number = 1;'
-mistake 'earlier: another history of the log is taken' firmware/keys/heads.c \
+mistake 'earlier: another history of the log is accepted' firmware/keys/heads.c \
     'claim->other_link = true;' 'claim->other_link = false;'
-mistake 'earlier: nobody counts closed segments' firmware/audit/audit_anchor.c 'return found == n ? 0' 'return found < UINT16_MAX ? 0'
+mistake 'earlier: closed segments are not counted' firmware/audit/audit_anchor.c 'return found == n ? 0' 'return found < UINT16_MAX ? 0'
 judges=(test_firmware_gallery_sealed)
-mistake 'earlier: a gallery that is gone is made anew' firmware/gallery/gallery_make.c \
+mistake 'earlier: a missing gallery is made anew' firmware/gallery/gallery_make.c \
     'db->anchor && iso_anchor_state(db->anchor)->value > 0' 'db->anchor && iso_anchor_state(db->anchor)->value + 1 == 0'
 judges=(test_firmware_audit_group)
-mistake 'earlier: an anchor behind a group is taken' firmware/audit/audit_scan.c 'audit->proved > anchor->value' 'audit->proved > UINT64_MAX - 1'
-mistake 'group: one record ahead, and no more' firmware/audit/audit_scan.c \
+mistake 'earlier: an anchor behind a group is accepted' firmware/audit/audit_scan.c 'audit->proved > anchor->value' 'audit->proved > UINT64_MAX - 1'
+mistake 'group: an anchor may lack only one record' firmware/audit/audit_scan.c \
     'audit->proved > anchor->value' 'audit->last > anchor->value + 1'
 judges=(test_firmware_lockout_unread)
-mistake 'lock-out: what cannot be read is a lockdown' firmware/appliance/appliance_refusal.c 'if (may_pass(error)) {' 'if (may_pass(error) && 0) {'
+mistake 'lock-out: an unreadable file begins a lockdown' firmware/appliance/appliance_refusal.c 'if (may_pass(error)) {' 'if (may_pass(error) && 0) {'
 judges=(test_firmware_refusal)
-mistake 'earlier: a lock-out file that is gone is none' firmware/visit/lockout_file.c \
+mistake 'earlier: a missing lock-out file means no lock-out' firmware/visit/lockout_file.c \
     'return needed == 0
 ' 'return needed + 1 != 0
 '
@@ -426,9 +426,9 @@ mistake 'earlier: a count is known before it is written' firmware/audit/audit_ap
 # ---- 6: the plans of faults ----
 rule=6
 judges=('test_firmware_faults 40 500')
-mistake 'late: a pause of 1.5 s is no silence' tests/firmware/faults/test_faults.c \
+mistake 'late: a pause of 1.5 s is not reported' tests/firmware/faults/test_faults.c \
     'config->sensor.silence_ms = 2000;' 'config->sensor.silence_ms = 2000; config->sensor.pause_ms = 1500;'
-mistake 'drop: blind, and the door says nothing' firmware/appliance/appliance_sensor.c \
+mistake 'drop: a blind sensor is no fault of the door' firmware/appliance/appliance_sensor.c \
     'iso_door_guard_set_fault(appliance->door, appliance->sensor.blind);' ''
 mistake 'drop: a visit goes on while blind' firmware/appliance/appliance_sensor.c \
     'iso__appliance_forget_face(appliance);' '' \
@@ -437,7 +437,7 @@ mistake 'drop: a visit goes on while blind' firmware/appliance/appliance_sensor.
     firmware/recognise/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
     firmware/visit/decision.c '> decision->options.stale_ns' '> 20 * decision->options.stale_ns' \
     firmware/appliance/appliance_door.c 'asleep_ns + stale_ns;' 'asleep_ns + 20 * stale_ns;'
-mistake 'gone: the sensor is kept' firmware/sensor/sensor_supervisor.c '    close_sensor(supervisor, now_ns);
+mistake 'gone: a sensor that is gone stays open' firmware/sensor/sensor_supervisor.c '    close_sensor(supervisor, now_ns);
     return ISO_SENSOR_GONE;
 }
 
@@ -460,13 +460,13 @@ mistake 'blank: a visit has no end' firmware/visit/decision.c \
     firmware/recognise/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
     firmware/visit/decision.c '> decision->options.stale_ns' '> 20 * decision->options.stale_ns' \
     firmware/appliance/appliance_door.c 'asleep_ns + stale_ns;' 'asleep_ns + 20 * stale_ns;'
-mistake 'blank: nobody is whoever was there before' firmware/appliance/appliance_face.c \
+mistake 'blank: an empty frame keeps the person before' firmware/appliance/appliance_face.c \
     '    if (extraction->outcome != ISO_CAPTURE_OK) {' \
     '    if (extraction->outcome != ISO_CAPTURE_OK && extraction->outcome != ISO_CAPTURE_NOBODY) {' \
     firmware/appliance/appliance_face.c 'iso_template_wipe(&appliance->face.extraction.tmpl);' '' \
     tests/firmware/rigs/puppets.c '*out = (struct iso_extraction){.outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100)};' \
     'out->outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100);'
-mistake 'clock: whom the calendar shuts out enters' firmware/appliance/appliance_frame.c \
+mistake 'clock: a person outside the dates is admitted' firmware/appliance/appliance_frame.c \
     'face.valid = appliance->mode' 'face.valid = true || appliance->mode'
 mistake 'restart: the relay keeps its power' firmware/appliance/appliance.c \
     'iso_door_guard_stop(appliance->door);' ''

@@ -20,7 +20,7 @@ void world_end_appliance(struct world *w)
     w->oracle.claimed = false;
     w->oracle.n_seen = 0;
     rig->sensor.next = rig->sensor.n_frames; /* frames that were not fetched are lost */
-    w->last_actor = NOBODY;                  /* no process remembers the last frame */
+    w->last_actor = NOBODY;                  /* the next process does not know the last frame */
     total.restarts++;
     /* A broken disk could not store this state, so the restart loses it. */
     if (broken_disk.error || w->rig->now_ns - w->oracle.broken_ns < 3 * ISO_NS_PER_S) {
@@ -48,7 +48,7 @@ void world_begin_appliance(struct world *w)
     error = error ? error : iso_appliance_start(rig->appliance, &fault);
     if (error) {
         if (error == -EBADMSG) {
-            world_broken(w, "what was stored is damaged: %s", fault.text);
+            world_broken(w, "the stored files are damaged: %s", fault.text);
         }
         iso_appliance_free(rig->appliance);
         iso_audit_close(rig->audit);

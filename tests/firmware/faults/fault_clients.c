@@ -1,6 +1,7 @@
 #include "tests/firmware/faults/fault_step.h"
 
-/* The appliance forgets the present visit, but not the frames that it has not fetched yet. */
+/* Removes the frames that the appliance has fetched from the oracle's memory, because the appliance
+ * forgets the present visit. Frames that it has not fetched yet stay. */
 static void forget_visit(struct oracle *o, uint64_t fetched_now)
 {
     int kept = 0;
@@ -45,7 +46,7 @@ static void claim(struct world *w)
         break;
     }
     if (error && !fault.text[0]) {
-        world_broken(w, "refused without a word");
+        world_broken(w, "refused an action without a fault");
     }
 }
 

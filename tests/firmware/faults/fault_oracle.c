@@ -54,8 +54,9 @@ static bool may_enter(const struct world *w, enum actor actor)
            (actor == BOB && wall_s >= bob_from_s && wall_s <= bob_until_s);
 }
 
-/* Counts the frames of this actor up to number `last`, without repeated frames. They end at another
- * actor or at a gap. */
+/* Counts the successive frames of this actor that end with o->seen[last]. A frame that repeats the
+ * previous one does not count. Another actor or a gap ends the count. The result is 0 if seen[last]
+ * is too old. */
 static int frames_until(const struct world *w, enum actor actor, int last)
 {
     const struct oracle *o = &w->oracle;
@@ -79,8 +80,8 @@ uint64_t oracle_fetched(const struct world *w)
     return w->rig->sensor.forgotten + (uint64_t)w->rig->sensor.next;
 }
 
-/* The highest such count up to one of the frames that the appliance has fetched since the last
- * observation. Late frames make it several frames. */
+/* Returns the highest count of frames_until() over the frames that the appliance has fetched since
+ * the last observation. There are several of them if frames were late. */
 static int frames_of(const struct world *w, enum actor actor)
 {
     const struct oracle *o = &w->oracle;
@@ -92,7 +93,8 @@ static int frames_of(const struct world *w, enum actor actor)
     return most;
 }
 
-/* Whether the lock-out has certainly shut the door. It does not count in its last moments. */
+/* Whether a lockdown or a lock-out certainly keeps the door shut. The last 200 ms of a lock-out do
+ * not count. */
 static bool is_shut(const struct world *w)
 {
     return w->oracle.lockdown || w->rig->now_ns + 200 * ISO_NS_PER_MS < w->oracle.locked_until_ns;
@@ -105,13 +107,13 @@ static void judge_admission(struct world *w, const char *name)
         actor++;
     }
     if (actor == STRANGER || !may_enter(w, actor)) {
-        world_broken(w, "let in who may not enter: %s", name);
+        world_broken(w, "let in a person who may not enter: %s", name);
     }
     if (frames_of(w, actor) < w->rig->config.decision.agree) {
         world_broken(w, "let in %s after %d frames", actor_names[actor], frames_of(w, actor));
     }
     if (w->oracle.claimed || is_shut(w)) {
-        world_broken(w, "let in %s while nobody is", actor_names[actor]);
+        world_broken(w, "let in %s while nobody may enter", actor_names[actor]);
     }
     if (broken_disk.error) {
         world_broken(w, "let in %s without a record", actor_names[actor]);
@@ -145,7 +147,7 @@ static void note_failure(struct world *w, bool attack)
     }
 }
 
-/* Takes one report into account. */
+/* Judges or counts one report of the appliance. */
 static void hear(struct world *w, const char *news)
 {
     unsigned frames = 0;
@@ -175,7 +177,8 @@ static bool blinds(enum sim_fault fault)
            fault == SIM_FAULT_DISK_READ_ONLY;
 }
 
-/* Whether the policy has the door unlocked because a person was admitted. */
+/* Whether the lock may have power, because the last admission is less than unlock_ms and two frames
+ * ago. */
 static bool is_granted(const struct world *w)
 {
     const int64_t most_ns = (w->rig->config.door.unlock_ms + 2 * FRAME_MS) * ISO_NS_PER_MS;
@@ -183,9 +186,9 @@ static bool is_granted(const struct world *w)
            w->rig->now_ns - w->oracle.allowed_ns <= most_ns;
 }
 
-/* The sensor has seen no frame for a second, or since the start. The appliance has to report this,
- * and the door has to be at fault, except for the rest of the time for which it was unlocked
- * before. */
+/* Judges the appliance if no frame has arrived in time for a second, counted from the start at the
+ * earliest. The appliance has to report this, and the door has to be at fault. The door may stay
+ * unlocked for the rest of the time of an earlier admission. */
 static void judge_silence(struct world *w)
 {
     struct oracle *o = &w->oracle;
@@ -195,19 +198,20 @@ static void judge_silence(struct world *w)
     }
     const struct iso_appliance_status status = iso_appliance_status(w->rig->appliance);
     if (strcmp(status.sensor_state, "started") == 0) {
-        world_broken(w, "sees what nobody has shown it");
+        world_broken(w, "reports a working sensor, and no frame has arrived");
     }
     if (status.door != ISO_DOOR_FAULT && !is_granted(w)) {
-        world_broken(w, "sees nothing, and the door is %s", iso_door_state_name(status.door));
+        world_broken(w, "no frame has arrived, and the door is %s",
+                     iso_door_state_name(status.door));
     }
     if (o->allowed_ns >= o->sighted_ns + ISO_NS_PER_S) {
-        world_broken(w, "let in unseen");
+        world_broken(w, "let in a person without a frame");
     }
     total.silences += !o->silent;
     o->silent = true;
 }
 
-/* Judges a fault that has lasted for a second. */
+/* Judges a fault that has been present for at least a second. */
 static void judge_fault(struct world *w, enum sim_fault fault)
 {
     struct oracle *o = &w->oracle;
@@ -216,7 +220,7 @@ static void judge_fault(struct world *w, enum sim_fault fault)
     }
     if (fault == SIM_FAULT_SENSOR_GONE && w->running &&
         strcmp(iso_appliance_status(w->rig->appliance).sensor_state, "lost") != 0) {
-        world_broken(w, "has a sensor that is gone");
+        world_broken(w, "does not report that the sensor is gone");
     }
     total.lasted[fault] += !o->judged[fault];
     o->judged[fault] = true;
@@ -255,8 +259,8 @@ void oracle_observe(struct world *w)
     for (char *rest = text, *news; (news = strsep(&rest, ";"));) {
         hear(w, news + strspn(news, " "));
     }
-    /* Failures of clients count, too, and not all of them are reported with a reason. The lock may
-     * therefore begin earlier. */
+    /* Failed attempts of clients count, too, but the oracle does not hear of all of them. A
+     * lock-out may therefore begin before the oracle expects it. */
     if (w->running && iso_appliance_status(w->rig->appliance).lockout_ns > 0) {
         w->oracle.failures = w->oracle.attacks = 0;
     }

@@ -6,7 +6,7 @@
 
 #include "tests/firmware/faults/fault_world.h"
 
-/* The number of each actor's face in tests/firmware/rigs/puppets.h; 0: an unknown face. */
+/* The number of each actor's face in tests/firmware/rigs/puppets.h; 0: no usable face. */
 extern const int actor_faces[ACTORS];
 
 /* Exposes one frame, changed by the faults of this step. */
@@ -23,10 +23,11 @@ void world_begin_appliance(struct world *w);
  * this step leave it. */
 void world_pass_frame(struct world *w);
 
-/* Clients may claim the appliance, release it, or administer it. */
+/* A client may claim the appliance, release it, or administer it. The random numbers of the run
+ * decide. */
 void world_ask(struct world *w);
 
-/* The client that has the claim releases it. */
+/* Releases the claim of the client. */
 void world_release_claim(struct world *w);
 
 #endif

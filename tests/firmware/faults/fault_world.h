@@ -14,10 +14,10 @@ enum actor { NOBODY = 0, ANNA, BOB, CARL, STRANGER, PICTURE, ACTORS };
 /* Names of the actors who have one, up to CARL. */
 extern const char *const actor_names[ACTORS];
 
-/* A frame that the sensor received undamaged. */
+/* A frame with a face that the sensor received undamaged. */
 struct sight {
-    int64_t t_ns; /* time of its exposure */
-    uint64_t number;
+    int64_t t_ns;    /* time of its exposure */
+    uint64_t number; /* counted over all frames of the sensor, from 0 */
     enum actor actor;
     bool echo; /* it repeats the previous frame */
 };
@@ -25,13 +25,13 @@ struct sight {
 /* Counts over all seeds. */
 struct world_counts {
     int allowed, denied, restarts, absences, acts, by_fault[SIM_FAULTS];
-    int lasted[SIM_FAULTS]; /* of those, how many were judged a second after their beginning */
+    int lasted[SIM_FAULTS]; /* how many of by_fault lasted for a second and were judged */
     int silences;           /* how often no frame was seen for a second, for any reason */
 };
 
 extern struct world_counts total;
 
-/* The oracle's own state, from which it knows what the policy requires. */
+/* The oracle's own state. The oracle derives from it what the policy requires. */
 struct oracle {
     struct sight seen[SEEN_MAX];
     int n_seen;
@@ -41,7 +41,7 @@ struct oracle {
     int64_t locked_until_ns, failed_ns;
     int64_t allowed_ns;           /* time of the last allowed visit */
     int64_t broken_ns;            /* last time at which the disk was broken */
-    int64_t sighted_ns;           /* last time at which the sensor received a frame in time */
+    int64_t sighted_ns;           /* exposure of the last frame that was in time; or the start */
     int64_t since_ns[SIM_FAULTS]; /* beginning of each present fault */
     bool silent, judged[SIM_FAULTS];
 };
@@ -79,10 +79,10 @@ __attribute__((noreturn, format(printf, 2, 3))) void world_broken(const struct w
 /* Begins a step: notes the faults that begin in it. */
 void oracle_begin_step(struct world *w);
 
-/* Notes that the sensor receives its next frame, undamaged, with this actor in it. */
+/* Notes the frame that was added to the sensor last. It is undamaged and has this actor's face. */
 void oracle_see(struct world *w, int64_t t_ns, enum actor actor, bool echo);
 
-/* How many of the sensor's frames the appliance has fetched. */
+/* Returns how many of the sensor's frames the appliance has fetched. */
 uint64_t oracle_fetched(const struct world *w);
 
 /* Reads the reports since the last call, and checks the state of the door. */

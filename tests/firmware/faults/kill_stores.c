@@ -5,8 +5,8 @@
  * usage: kill_stores [ROUNDS [SEED]]     exit status 0 if every round was correct
  *
  * The writer reports each change before it begins and after it is done. From these reports the
- * observer knows who has to be in the gallery; only the one change under way may hold or not. The
- * writer is also killed while it opens the stores. */
+ * observer knows who has to be in the gallery. Only the change under way may have taken effect or
+ * not. The writer is also killed while it opens the stores. */
 #include <errno.h>
 #include <signal.h>
 #include <stdbool.h>
@@ -49,7 +49,7 @@ struct message {
 /* What this run has tried so far. */
 static struct {
     long kills, operations;
-    bool observes; /* this process counts */
+    bool observes; /* this is the observer, which prints these counts; the writer does not */
 } total;
 
 static char directory[64];
@@ -228,11 +228,11 @@ __attribute__((noreturn)) static void write_for_ever(int report_fd)
 struct tally {
     unsigned done[ACTIONS], cut[ACTIONS], cut_held;
     int64_t slowest_ns;
-    uint64_t last; /* the record that must be there */
+    uint64_t last; /* number of the last record that the log must have */
 };
 
-/* Lets a writer run for a while. *under_way is the change that the writer had begun, if there is
- * one. */
+/* Lets a writer run for a while and kills it. Returns whether the writer had begun a change that it
+ * did not report as done; *under_way is then this change. */
 static bool run_writer(struct tally *tally, struct message *under_way)
 {
     int fds[2], status = 0;
@@ -272,7 +272,8 @@ static bool run_writer(struct tally *tally, struct message *under_way)
     return begun;
 }
 
-/* Whether a person is as expected. A face of another person is always an error. */
+/* Whether a person has this number of templates (0: is not in the gallery). A template of another
+ * person is always an error. */
 static bool is_as(const struct stores *stores, int person, int templates)
 {
     char name[32];
@@ -290,8 +291,8 @@ static bool is_as(const struct stores *stores, int person, int templates)
     return own.n_entries == templates;
 }
 
-/* Compares the people in the gallery with the expected people. The change under way may hold or
- * not. */
+/* Compares the people in the gallery with the expected people. The change under way may have taken
+ * effect or not. If it has, it is noted. */
 static void check_people(const struct stores *stores, const struct message *under_way,
                          struct tally *tally)
 {
@@ -301,7 +302,7 @@ static void check_people(const struct stores *stores, const struct message *unde
     for (int i = 0; i < PEOPLE; i++) {
         if (!is_as(stores, i, templates_of[i])) {
             if (!changes || under_way->person != i) {
-                give_up("somebody", "is lost, or back");
+                give_up("somebody", "is lost, or back after a deletion");
             }
             keep_in_mind(under_way);
             tally->cut_held++;
@@ -356,7 +357,7 @@ static void print(const struct tally *tally, unsigned rounds)
     for (int i = 0; i < ACTIONS; i++) {
         printf("%-14s %8u %10u\n", action_names[i], tally->done[i], tally->cut[i]);
     }
-    printf("enrolments and deletions cut short that held: %u\n", tally->cut_held);
+    printf("enrolments and deletions cut short that took effect: %u\n", tally->cut_held);
     printf("slowest start of the stores: %.0f ms\n", (double)tally->slowest_ns / 1e6);
 }
 

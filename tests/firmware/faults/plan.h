@@ -20,7 +20,7 @@ enum sim_fault {
     SIM_FAULT_DISK_READ_ONLY,
     SIM_FAULT_DATABASE_BUSY, /* another process has locked the gallery's file */
     SIM_FAULT_BUS_GONE,      /* clients are gone, and no new client comes */
-    SIM_FAULT_NO_MEMORY,     /* one allocation of each step fails, see value */
+    SIM_FAULT_NO_MEMORY,     /* one allocation of each frame fails, see value */
     SIM_FAULT_RESTART,       /* the appliance ends and starts again; lasts one step */
     SIM_FAULTS
 };
@@ -33,7 +33,8 @@ enum { SIM_FAULT_EVENTS_MAX = 256 };
 struct sim_fault_event {
     enum sim_fault fault;
     int first, last; /* numbers of the first and the last step */
-    int64_t value;   /* clock-step: nanoseconds; no-memory: which allocation of the step; else 0 */
+    int64_t value;   /* clock-step: nanoseconds; no-memory: number of allocations of a frame that
+                        succeed before one fails; else 0 */
 };
 
 struct fault_plan {

@@ -141,7 +141,7 @@ static int rotate_keys(struct storage_world *w, struct iso_fault *fault)
     return iso_appliance_rotate_keys(w->rig->appliance, NULL, &remark, fault);
 }
 
-/* So many records that the segment ends among them. */
+/* Appends so many records that the segment ends between two of them. */
 static int append(struct storage_world *w, struct iso_fault *fault)
 {
     const struct iso_audit_record record = iso_audit_record_of("x");
@@ -154,7 +154,7 @@ static int append(struct storage_world *w, struct iso_fault *fault)
     return error;
 }
 
-/* The same records in two groups. The first group reaches the end of the segment. */
+/* Appends the same records in two groups. The first group reaches the end of the segment. */
 static int append_groups(struct storage_world *w, struct iso_fault *fault)
 {
     enum { GROUP = 5 };

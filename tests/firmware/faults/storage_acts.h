@@ -14,7 +14,7 @@ struct storage_world {
     struct rig *rig;  /* NULL: the act opens the stores itself */
     int file;         /* the file with the people to import */
     int records_told; /* number of the records "x" that the appliance reported as written */
-    int grants_told;  /* number of the allowed visits */
+    int grants_told;  /* 1 after an allowed visit, otherwise 0 */
 };
 
 struct storage_act {

@@ -47,7 +47,7 @@ static void judge_people(const struct storage_point *point, const struct storage
     }
     if (has_memory && (point->goes_on || !report->out_of_service) &&
         (strcmp(found->people, report->people) != 0 || found->zoe != report->zoe)) {
-        storage_violation(point, "the memory is not what is on the disk");
+        storage_violation(point, "the memory differs from the disk");
     }
 }
 
@@ -80,8 +80,8 @@ static void judge_door(const struct storage_point *point, const struct storage_e
     }
     if (point->goes_on && !point->act->opens &&
         (found->lockdown != report->lockdown || found->locked != report->locked)) {
-        storage_violation(point, "the door was shut, or is (%d %d, %d %d)", report->lockdown,
-                          report->locked, found->lockdown, found->locked);
+        storage_violation(point, "lockdown and lock-out were %d %d in memory and are %d %d on disk",
+                          report->lockdown, report->locked, found->lockdown, found->locked);
     }
 }
 
@@ -89,7 +89,7 @@ static void judge_words(const struct storage_point *point)
 {
     const struct storage_report *report = &storage_trial->report;
     if (report->told && !point->act->opens && !strstr(report->fault.text, "the disk refused: ")) {
-        storage_violation(point, "a fault of the disk is not told as one");
+        storage_violation(point, "the fault does not say that the disk refused");
     }
 }
 
@@ -105,7 +105,7 @@ void storage_judge_kill(const struct storage_point *point, const struct storage_
 {
     const struct storage_found *found = &storage_trial->found;
     if (!found->done) {
-        storage_violation(point, "what is left does not open");
+        storage_violation(point, "the files do not open");
         return;
     }
     if (strcmp(found->people, ends->before.people) != 0 &&

@@ -26,7 +26,7 @@ struct storage_report {
 struct storage_found {
     bool done, sound, lockdown, locked, zoe;
     int records, grants;
-    struct iso_fault fault; /* why it does not open */
+    struct iso_fault fault; /* why the files do not open, or the flaw of the log */
     char people[STORAGE_PEOPLE_SIZE];
 };
 

@@ -1,6 +1,6 @@
-/* Files of an earlier time. The daemon must refuse every subset of them among the present files,
- * and it must not take an interrupted write for such files. The tests open the stores as the daemon
- * does. */
+/* Files of an earlier time. The daemon must refuse every mixture of earlier and present files. It
+ * must not take the files of an interrupted write for such a mixture. The tests open the stores as
+ * the daemon does. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,7 +30,7 @@ static int opens(const char *directory, const struct mix_state *state)
     return error;
 }
 
-/* Asserts that the present files are refused, in one line that names one of the exchanged files. */
+/* Asserts that these files are refused, in one line that names a file of the directory. */
 static void expect_refusal(const char *directory, const struct mix_state *state, const char *what,
                            unsigned mask)
 {
@@ -117,7 +117,7 @@ static void files_of_two_histories_are_refused(void **state)
     mix_let_go(&other);
 }
 
-/* Only the key is left. This is a new appliance without any people. */
+/* Whether no file, or only the key, is left. This is a new appliance without any people. */
 static bool is_new(const struct mix_state *state)
 {
     return state->n == 0 || (state->n == 1 && strcmp(state->files[0].name, "gallery.db.key") == 0);
@@ -155,7 +155,8 @@ static void expect_people_of_before(struct iso_components *components)
     }
 }
 
-/* The last version whose stores did not know each other wrote the directory state_1. */
+/* The directory state_1 was written by the last version in which a store did not record the counts
+ * of the other stores. */
 static void a_directory_of_the_version_before_is_upgraded(void **state)
 {
     const struct world *world = *state;
@@ -207,7 +208,7 @@ static int find_accepted(void *context, const char *line)
     return 0;
 }
 
-/* Uses the earlier versions of the files of these names, or removes them. */
+/* Replaces the files of these names by their earlier versions (by_older), or removes them. */
 static void replace(const struct world *world, const char *const *names, bool by_older)
 {
     char path[MIX_PATH_SIZE];
@@ -244,7 +245,7 @@ static void an_administrator_accepts_an_older_gallery(void **state)
     mix_let_go(&after);
 }
 
-static void what_is_accepted_without_a_lock_out_file_is_a_lockdown(void **state)
+static void stores_accepted_without_a_lock_out_file_begin_a_lockdown(void **state)
 {
     static const char *const lost[] = {"audit.log", "audit.log.anchor", "lockout",
                                        "audit.log.00000000000000000001", NULL};
@@ -264,7 +265,7 @@ static void what_is_accepted_without_a_lock_out_file_is_a_lockdown(void **state)
 
 /* ---- interruptions ---- */
 
-static const char *watched; /* the directory; every state of it between two calls is tried */
+static const char *watched; /* the directory whose state is kept after every call; or NULL */
 static struct mix_state *moments;
 enum { MOMENTS_MAX = 600 };
 static struct puppet_counter counts[MOMENTS_MAX]; /* the counter at each of these moments */
@@ -311,7 +312,8 @@ static int open_counter(struct iso_counter *out, struct iso_fault *fault)
     return 0;
 }
 
-/* Tries the interruptions from a start of the daemon to its end. Both are included. */
+/* Keeps the files after every call that changes one, from a start of the daemon to its end. Then
+ * checks that the stores open with each of these states. */
 static void try_interruptions(const struct world *world)
 {
     struct mix_state after;
@@ -341,8 +343,9 @@ static void no_interruption_is_taken_for_an_attack(void **state)
     try_interruptions(*state);
 }
 
-/* These states include the moments between the write of the anchor and the increment. */
-static void nor_with_a_counter(void **state)
+/* These states include the moments between the write of the anchor and the increment of the
+ * counter. */
+static void no_interruption_with_a_counter_is_taken_for_an_attack(void **state)
 {
     const struct world *world = *state;
     counter = (struct puppet_counter){.incremented = moment};
@@ -365,9 +368,9 @@ int main(void)
         TEST(every_subset_of_missing_files_is_refused),
         TEST(a_directory_of_the_version_before_is_upgraded),
         TEST(an_administrator_accepts_an_older_gallery),
-        TEST(what_is_accepted_without_a_lock_out_file_is_a_lockdown),
+        TEST(stores_accepted_without_a_lock_out_file_begin_a_lockdown),
         TEST(no_interruption_is_taken_for_an_attack),
-        TEST(nor_with_a_counter),
+        TEST(no_interruption_with_a_counter_is_taken_for_an_attack),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,7 +35,8 @@ static void choose_actor(struct world *w)
     }
 }
 
-/* Checks the rules that hold during a whole step. */
+/* Begins a step: sets the state of sensor, disk and clock that the step's faults require, and ends
+ * or starts the appliance. */
 static void bring_about(struct world *w)
 {
     oracle_begin_step(w);
@@ -73,7 +74,8 @@ static void step(struct world *w)
     }
 }
 
-/* All faults are over. A lock-out and a lockdown are lifted, and anna comes. */
+/* Checks that the appliance works again when all faults are over: a lockdown and a lock-out are
+ * lifted, anna comes, and the door opens. */
 static void recover(struct world *w)
 {
     struct iso_fault fault = {.text = ""};
@@ -88,7 +90,7 @@ static void recover(struct world *w)
         oracle_observe(w);
     }
     if (!w->running) {
-        world_broken(w, "does not begin again");
+        world_broken(w, "the appliance does not start again");
     }
     world_release_claim(w);
     rig_run(w->rig, 5000);
@@ -165,10 +167,10 @@ static void nobody_is_let_in_who_should_not_be(void **state)
         play(first_seed + i);
     }
     printf("%d seeds x %d steps: %d visits allowed, %d denied, %d acts, %d restarts, "
-           "%d starts that had to wait\n",
+           "%d starts failed\n",
            n_seeds, n_steps, total.allowed, total.denied, total.acts, total.restarts,
            total.absences);
-    printf("nothing seen for a second: %d times\n", total.silences);
+    printf("no frame in time for a second: %d times\n", total.silences);
     for (int i = 0; i < SIM_FAULTS; i++) {
         printf("  %-15s %4d, %4d for a second or longer\n", sim_fault_name((enum sim_fault)i),
                total.by_fault[i], total.lasted[i]);

@@ -1,6 +1,6 @@
 /* The Nth call that changes a file fails, for every N until an act of the appliance makes no more
- * calls. It fails in every way in which a disk can fail (tests/support/disk/failing_disk.h). Each
- * failure is tried in two ways, with processes of their own:
+ * calls. It fails in each of the six ways of tests/support/disk/failing_disk.h in which a disk can
+ * fail. Each failure is tried in two ways, with processes of their own:
  *
  *   restart   The process ends after the act. Another process opens the files that it has left.
  *   go on     The disk works again. The process continues for a while, enrols one more person and
@@ -10,10 +10,13 @@
  * process had in its memory. Gallery, log and anchors have to open. Nobody may be lost, and no
  * deleted person may be back.
  *
+ * The two other kinds of failing_disk.h kill the process before or after the Nth call. Another
+ * process opens the files that it has left.
+ *
  * usage: storage_faults [STRIDE [ACT]]     exit status 0 if every trial was correct
  *
- * With a stride of 3, each call fails in two of the six ways: in one of those that last for one
- * call, and in one of the others. */
+ * With a stride of 3, each call fails in two of the six ways, and two of three calls are tried with
+ * a kill. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,7 +27,7 @@
 
 enum { CALLS_MAX = 5000 };
 
-static long points; /* number of judged trials */
+static long points; /* number of trials */
 
 /* Kills the process at one call. Returns false if the act does not make so many calls. */
 static bool kill_at(struct storage_point *point, const struct storage_ends *ends)
@@ -54,7 +57,7 @@ static bool fail_at(struct storage_point *point, const struct storage_ends *ends
         if (ended) {
             storage_judge(point, ends);
         } else {
-            storage_violation(point, storage_trial->report.done ? "what is left does not open"
+            storage_violation(point, storage_trial->report.done ? "the files do not open"
                                                                 : "does not end");
         }
         points++;
@@ -68,7 +71,8 @@ static int do_nothing(struct storage_world *w, struct iso_fault *fault)
     return 0;
 }
 
-/* Returns how many calls the act makes. */
+/* Runs the act on a disk that works. Sets *ends to the states before and after it. Returns how many
+ * calls the act makes. */
 static long learn(const struct storage_act *of, struct storage_ends *ends)
 {
     struct storage_act nothing = *of;
@@ -76,11 +80,11 @@ static long learn(const struct storage_act *of, struct storage_ends *ends)
     const struct storage_point after = {of, FAILING_DISK_ONCE, CALLS_MAX, false};
     nothing.act = do_nothing;
     if (!storage_try(&before)) {
-        storage_violation(&before, "does not work with a disk that does");
+        storage_violation(&before, "fails although the disk works");
     }
     ends->before = storage_trial->found;
     if (!storage_try(&after) || storage_trial->report.told) {
-        storage_violation(&after, "does not work with a disk that does");
+        storage_violation(&after, "fails although the disk works");
     }
     if (storage_trial->report.kernel_writes >= 0 &&
         storage_trial->report.kernel_writes != storage_trial->report.writes) {
