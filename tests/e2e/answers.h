@@ -6,16 +6,16 @@
 
 #include "tests/e2e/appliance.h"
 
-/* The text of a member; "(none)" if the object has no such text. */
+/* Returns the text of a member, or "(none)" if the object has no such text. */
 const char *answer_text(const json_t *object, const char *name);
 
-/* The whole number of a member; 0 if the object has no such number. */
+/* Returns the whole number of a member, or 0 if the object has no such number. */
 json_int_t answer_number(const json_t *object, const char *name);
 
-/* How many people `isotherm list` names. */
+/* Returns how many people `isotherm list` names. */
 size_t answer_people(const struct appliance *appliance);
 
-/* Runs a command that has to end with this exit code and answer with this code of an error. */
+/* Runs a command. It has to end with this exit code and print this error code. */
 void answer_expect_error(const struct appliance *appliance, const char *words, int exit,
                          const char *code);
 

@@ -80,7 +80,7 @@ void appliance_start_daemon(struct appliance *appliance)
     struct pollfd ready = {.fd = appliance->notify_fd, .events = POLLIN};
     char text[512] = "";
 
-    run_free(&appliance->daemon); /* what an earlier daemon of this test printed */
+    run_free(&appliance->daemon); /* frees the output of an earlier daemon of this test */
     run_start(&appliance->daemon, argv);
     while (!strstr(text, "READY=1")) {
         if (poll(&ready, 1, READY_MS) <= 0) {
@@ -186,7 +186,7 @@ int appliance_teardown(void **state)
     void *directory = appliance->directory;
 
     (void)state;
-    if (appliance->daemon.pid > 0) { /* else a test failed between an end and a start */
+    if (appliance->daemon.pid > 0) { /* otherwise a test failed between an end and a start */
         appliance_end_daemon(appliance, SIGTERM);
     }
     if (appliance->daemon.exit != 0) {

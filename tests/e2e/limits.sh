@@ -19,7 +19,7 @@ dbus-daemon --config-file="$story_directory/bus.conf" --nofork --nosyslog 2>/dev
 bus=$!
 trap 'kill "$bus"; rm -rf "$story_directory"' EXIT
 
-# A corpus of two people of the stored corpus; one of them is a stranger.
+# A corpus of two people and of a photograph, all from the stored corpus.
 corpus=$story_directory/corpus
 mkdir "$corpus"
 for recording in p01-enrol p01-v1 p02-enrol p02-v1 none-photo1; do

@@ -11,12 +11,12 @@ struct process_memory {
     size_t size;
 };
 
-/* Reads the memory while the process is stopped (SIGSTOP). False if this user may not read it: the
- * daemon is not dumpable, so only root may. Any other failure fails the test. */
+/* Reads the memory of a child process while it is stopped (SIGSTOP). Returns false if this user may
+ * not read it: the daemon is not dumpable, so only root may. Any other failure fails the test. */
 bool process_memory_read(pid_t pid, struct process_memory *out);
 void process_memory_free(struct process_memory *memory);
 
-/* The number of places that have these bytes. */
+/* Returns the number of places that have these bytes. */
 int process_memory_count(const struct process_memory *memory, const void *bytes, size_t size);
 
 #endif

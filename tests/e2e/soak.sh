@@ -126,5 +126,5 @@ if grep -E 'ERROR: |WARNING: ThreadSanitizer|runtime error' "$run/isothermd.log"
     exit 1
 fi
 echo "$seen frames, $visits visits, $allowed let in; settled at $settled kB, at most $largest kB"
-[ "$allowed" -gt 0 ] || { echo 'who is enrolled was never let in' >&2; exit 1; }
+[ "$allowed" -gt 0 ] || { echo 'the enrolled person was never let in' >&2; exit 1; }
 [ "$largest" -le $((settled + settled / 20)) ] || { echo 'memory has grown' >&2; exit 1; }

@@ -15,7 +15,7 @@
 #include "tests/e2e/answers.h"
 #include "tests/e2e/appliance.h"
 
-void who_stands_badly_is_told_so(void **state)
+void a_person_who_stands_badly_gets_a_hint(void **state)
 {
     json_t *document = appliance_run_json(*state, "identify --timeout 4", "none-cut4", 5);
 
@@ -28,8 +28,8 @@ void who_stands_badly_is_told_so(void **state)
     json_decref(document);
 }
 
-/* An empty room with a wall in it: the appliance gives no hint. */
-void an_empty_room_is_told_nothing(void **state)
+/* The room has a wall, but no person. The appliance gives no hint. */
+void an_empty_room_gets_no_hint(void **state)
 {
     const struct appliance *appliance = *state;
     const char *const argv[] = {appliance_isotherm, "--bus", appliance->bus.address, "aim", NULL};
@@ -57,9 +57,10 @@ void an_empty_room_is_told_nothing(void **state)
     run_free(&aim);
 }
 
-/* In a single frame a chair within reach looks like a visitor without a face; but it does not move.
- * The recording is short: it is repeated until the appliance has forgotten the visitor before. */
-void a_room_with_a_chair_is_told_nothing(void **state)
+/* In a single frame a chair within reach looks like a visitor without a face, but a chair does not
+ * move. The recording is short. It is repeated until the appliance has forgotten the previous
+ * visitor. */
+void a_room_with_a_chair_gets_no_hint(void **state)
 {
     static const struct timespec half_a_second = {0, 500000000};
     bool empty = false;

@@ -53,7 +53,7 @@ static void expect_entry(const json_t *records, const json_t *visit)
     assert_string_equal(answer_text(before, "person"), answer_text(visit, "person"));
 }
 
-void what_happened_is_in_the_log(void **state)
+void visits_and_grants_are_in_the_log(void **state)
 {
     json_t *document = appliance_run_json(*state, "log --count 1000", NULL, 0), *record;
     const json_t *records = json_object_get(document, "records");
@@ -76,7 +76,7 @@ void what_happened_is_in_the_log(void **state)
     json_decref(document);
 }
 
-void who_is_removed_or_expired_is_refused(void **state)
+void removed_and_expired_people_are_refused(void **state)
 {
     static const char *const recordings[] = {"p03-v1", "p04-v1", NULL};
 
@@ -147,7 +147,7 @@ void limits_and_names_are_changed_on_record(void **state)
 
 /* A camera delivers earlier frames again: the first visit opens the door, the same frames do not
  * open it again, and the daemon reports the fault. */
-void a_recording_that_comes_again_opens_nothing(void **state)
+void a_repeated_recording_opens_nothing(void **state)
 {
     static const char *const recordings[] = {"p01-v1", NULL};
     static const char *const others[] = {"p02-v1", "p02-v2", "p04-v1", "p04-v2",
@@ -159,7 +159,7 @@ void a_recording_that_comes_again_opens_nothing(void **state)
     appliance_configure(appliance);
     appliance_start_daemon(appliance);
     appliance_expect(appliance_run(appliance, "verify p01", "p01-v1"), 0);
-    /* A match needs two frames of three: one may be left that was not shown yet. */
+    /* A match needs two frames of the three. At most one of them was not shown yet. */
     assert_int_not_equal(appliance_run(appliance, "verify p01 --timeout 2", "p01-v1")->exit, 0);
     appliance_expect(appliance_visit(appliance, recordings), 1);
 
@@ -174,7 +174,7 @@ void a_recording_that_comes_again_opens_nothing(void **state)
 
     appliance_expect(appliance_run(appliance, "verify p01", "p01-v2"), 0); /* new frames */
     status = appliance_run_json(appliance, "status", NULL, 0);
-    assert_string_equal(answer_text(status, "sensor-state"), "repeats"); /* three of them, not 15 */
+    assert_string_equal(answer_text(status, "sensor-state"), "repeats"); /* three are too few */
     json_decref(status);
     (void)appliance_visit(appliance, others);
     status = appliance_run_json(appliance, "status", NULL, 0);

@@ -43,7 +43,8 @@ static void nobody_is_let_in_while_nobody_is_enrolled(void **state)
     assert_null(strstr(result->out, "unlocked"));
 }
 
-/* Runs a command whose last word before `after` is a file of the appliance's directory. */
+/* Runs the command BEFORE FILE AFTER, where FILE is the path of `file` in the appliance's
+ * directory. Returns the exit code. */
 static int run_with_file(const struct appliance *appliance, const char *before, const char *file,
                          const char *after)
 {
@@ -65,7 +66,7 @@ static void people_are_carried_in_a_sealed_file(void **state)
     (void)snprintf(option, sizeof option, " --passphrase-file %s",
                    scratch_path(appliance->directory, "phrase"));
     assert_int_equal(run_with_file(appliance, "export", "people", option), 0);
-    assert_int_equal(run_with_file(appliance, "export", "people", option), 4); /* it is there */
+    assert_int_equal(run_with_file(appliance, "export", "people", option), 4); /* the file exists */
     char *file = scratch_read(scratch_path(appliance->directory, "people"), &size);
     assert_null(memmem(file, size, "p01", 3));
     free(file);
@@ -128,20 +129,20 @@ int main(void)
         cmocka_unit_test(people_are_identified),
         cmocka_unit_test(people_are_verified),
         cmocka_unit_test(nobody_before_the_camera_times_out),
-        cmocka_unit_test(who_stands_badly_is_told_so),
-        cmocka_unit_test(an_empty_room_is_told_nothing),
-        cmocka_unit_test(a_room_with_a_chair_is_told_nothing),
+        cmocka_unit_test(a_person_who_stands_badly_gets_a_hint),
+        cmocka_unit_test(an_empty_room_gets_no_hint),
+        cmocka_unit_test(a_room_with_a_chair_gets_no_hint),
         cmocka_unit_test(the_camera_can_be_aimed),
         cmocka_unit_test(a_camera_in_use_is_refused_and_freed_by_an_interrupt),
         cmocka_unit_test(a_client_that_dies_frees_the_camera),
         cmocka_unit_test(the_door_opens_to_the_enrolled_and_to_nobody_else),
-        cmocka_unit_test(what_happened_is_in_the_log),
-        cmocka_unit_test(who_is_removed_or_expired_is_refused),
+        cmocka_unit_test(visits_and_grants_are_in_the_log),
+        cmocka_unit_test(removed_and_expired_people_are_refused),
         cmocka_unit_test(limits_and_names_are_changed_on_record),
         cmocka_unit_test(people_are_carried_in_a_sealed_file),
         cmocka_unit_test(keys_are_rotated_and_the_log_is_sound),
         cmocka_unit_test(a_killed_daemon_forgets_nobody),
-        cmocka_unit_test(a_recording_that_comes_again_opens_nothing),
+        cmocka_unit_test(a_repeated_recording_opens_nothing),
         cmocka_unit_test(an_end_by_signal_is_a_clean_one),
     };
 

@@ -132,7 +132,7 @@ static void a_full_disk_is_found(void **state)
                    ISO_FAULT_NOBODY_VALID);
 }
 
-/* Starts the daemon anew, the first `before` in its configuration being `after`. */
+/* Starts the daemon again. Its configuration has `after` in place of the first `before`. */
 static void restart_with(struct appliance *appliance, const char *before, const char *after)
 {
     size_t size;
@@ -194,7 +194,7 @@ static void a_lockout_file_that_is_missing_is_found(void **state)
 
 /* ---- states in which the daemon does not start ---- */
 
-/* Starts another daemon with the same files, which must end with this code in its line. */
+/* Starts another daemon with the same files. It must end with a fault that has this code. */
 static void expect_refusal(const struct appliance *appliance, const char *tag)
 {
     const char *const argv[] = {ISOTHERM_BINARY_DIR "/firmware/isothermd", "--config",

@@ -25,7 +25,7 @@ static void expect_text(const struct run *run, const char *text)
     }
 }
 
-/* What both clients say of the appliance. */
+/* Expects the lines about the appliance that both clients print. */
 static void expect_state(const struct run *run)
 {
     expect_text(run, state_of_one_person);
@@ -83,7 +83,7 @@ static void the_client_in_python_prints_the_visits_of_the_log(void **state)
     run_free(&run);
 }
 
-static void who_does_not_find_the_daemon_says_so(void **state)
+static void a_client_that_finds_no_daemon_says_so(void **state)
 {
     (void)state;
     const char *const argv[] = {WATCH_DOOR, "unix:path=/nonexistent", "1", NULL};
@@ -101,7 +101,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_client_in_c_prints_each_visit),
         cmocka_unit_test(the_client_in_python_prints_the_visits_of_the_log),
-        cmocka_unit_test(who_does_not_find_the_daemon_says_so),
+        cmocka_unit_test(a_client_that_finds_no_daemon_says_so),
     };
 
     return appliance_find() ? cmocka_run_group_tests(tests, appliance_setup, appliance_teardown)

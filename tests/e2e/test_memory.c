@@ -30,9 +30,8 @@ struct runs {
     int n;
 };
 
-/* Whether the piece has many different bytes; pieces with few, such as zeros, are anywhere in
- * memory.
- */
+/* Whether the piece has many different bytes. A piece with few, such as zeros, may occur anywhere
+ * in memory. */
 static bool is_telling(const uint8_t *run)
 {
     int kinds = 0;
@@ -44,7 +43,7 @@ static bool is_telling(const uint8_t *run)
     return kinds >= RUN / 2;
 }
 
-/* Collects a piece every `step` bytes. */
+/* Collects a piece every `step` bytes, if it has enough different bytes. */
 static void take_runs(struct runs *runs, const void *bytes, size_t size, size_t step)
 {
     const uint8_t *at = bytes;
@@ -147,7 +146,7 @@ static void remove_and_search(struct appliance *appliance)
     assert_int_equal(after.runs, 0);
 }
 
-static void who_was_enrolled_by_this_process_leaves_no_trace(void **state)
+static void a_person_enrolled_by_this_process_leaves_no_trace(void **state)
 {
     struct appliance *appliance = *state;
     appliance_expect(appliance_run(appliance, "enroll " OTHER, "p02-enrol"), 0);
@@ -155,7 +154,7 @@ static void who_was_enrolled_by_this_process_leaves_no_trace(void **state)
     remove_and_search(appliance);
 }
 
-static void who_was_read_from_the_gallery_leaves_no_trace(void **state)
+static void a_person_read_from_the_gallery_leaves_no_trace(void **state)
 {
     struct appliance *appliance = *state;
     appliance_expect(appliance_run(appliance, "enroll " NAME, "p01-enrol"), 0);
@@ -167,8 +166,8 @@ static void who_was_read_from_the_gallery_leaves_no_trace(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(who_was_enrolled_by_this_process_leaves_no_trace),
-        cmocka_unit_test(who_was_read_from_the_gallery_leaves_no_trace),
+        cmocka_unit_test(a_person_enrolled_by_this_process_leaves_no_trace),
+        cmocka_unit_test(a_person_read_from_the_gallery_leaves_no_trace),
     };
 
     if (!appliance_find()) {

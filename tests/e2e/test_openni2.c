@@ -136,7 +136,7 @@ static void await_sensor(const struct appliance *appliance, const char *wanted)
     fail_msg("the sensor does not become '%s'", wanted);
 }
 
-static void a_pulled_cable_is_told_and_survived(void **state)
+static void a_pulled_cable_is_reported_and_survived(void **state)
 {
     static const char *const recordings[] = {"p01-v2", NULL};
     const struct appliance *appliance = *state;
@@ -163,7 +163,7 @@ int main(void)
         cmocka_unit_test(people_are_enrolled),
         cmocka_unit_test(people_are_identified),
         cmocka_unit_test(the_door_opens_to_the_enrolled_and_to_no_stranger),
-        cmocka_unit_test(a_pulled_cable_is_told_and_survived),
+        cmocka_unit_test(a_pulled_cable_is_reported_and_survived),
     };
 
     return appliance_find()
