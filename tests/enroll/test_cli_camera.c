@@ -168,7 +168,7 @@ static void every_ending_has_its_words_and_exit_code(void **state)
     }
 }
 
-static void a_score_that_nobody_knows_is_null(void **state)
+static void a_missing_score_is_null(void **state)
 {
     static const struct fake_status status = {"identify-timed-out", true, 0, 0, 7, NULL, 2};
     const struct fake_script script = {.statuses = &status, .n_statuses = 1};
@@ -345,7 +345,7 @@ int main(void)
         cmocka_unit_test(a_used_name_is_told_at_the_beginning),
         cmocka_unit_test(a_duplicate_is_named),
         cmocka_unit_test(every_ending_has_its_words_and_exit_code),
-        cmocka_unit_test(a_score_that_nobody_knows_is_null),
+        cmocka_unit_test(a_missing_score_is_null),
         cmocka_unit_test(a_score_that_is_no_number_is_left_out),
         cmocka_unit_test(verify_says_hints_and_asks_for_the_person),
         cmocka_unit_test(hints_are_in_the_document),

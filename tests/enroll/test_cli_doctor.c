@@ -1,5 +1,5 @@
-/* isotherm doctor against a scripted daemon. Its findings follow from words and codes of the
- * daemon, its remedies from the codes. */
+/* isotherm doctor against a scripted daemon. Its findings follow from texts and codes of the
+ * daemon, and its remedies follow from the codes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -19,7 +19,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-/* Whether a name is between two separators of a line of names. */
+/* Whether the first line of `names`, which has commas between the names, has this name. */
 static bool has_column(const char *names, const char *name)
 {
     const size_t length = strlen(name);
@@ -33,7 +33,7 @@ static bool has_column(const char *names, const char *name)
     return false;
 }
 
-/* The daemon writes no member that a table of values would not show. */
+/* The CSV output has a column for every member that the daemon writes. */
 static void csv_has_a_column_for_every_member_that_the_daemon_writes(void **state)
 {
     static const char call[] = "(line, \"";
@@ -90,7 +90,8 @@ static bool is_known(const char *word)
     return known;
 }
 
-/* Checks that every word which the source passes to a call is known. `call` ends with the quote. */
+/* Checks that every event which the source passes to a call is known. `call` ends with the quote.
+ * Returns the number of these calls. */
 static size_t expect_known(const char *path, const char *source, const char *call)
 {
     char word[64];
@@ -107,7 +108,7 @@ static size_t expect_known(const char *path, const char *source, const char *cal
     return n;
 }
 
-/* The whole source of the daemon, all files in a row. Every known event is a word in it. */
+/* Reads all source files of the daemon. Every known event is a string in one of them. */
 static void the_daemon_records_the_events_that_are_known(void **state)
 {
     static const char *const calls[] = {

@@ -21,7 +21,7 @@ static const char *const commands[] = {
     "enroll anna", "identify", "verify anna",          "list",           "remove anna", "status",
     "log",         "aim",      "validity anna --none", "rename anna eve"};
 
-static void what_cannot_be_written_is_a_fault(void **state)
+static void output_that_cannot_be_written_is_a_fault(void **state)
 {
     static const char *const words[] = {"list",   "list --json", "status",   "log",
                                         "doctor", "--help",      "--version"};
@@ -133,7 +133,7 @@ static void help_and_version_need_no_daemon(void **state)
 }
 
 /* Without its configuration a unit does not start. The remedy is `isotherm setup`. */
-static void a_daemon_that_is_not_configured_is_told_of(void **state)
+static void a_daemon_that_is_not_configured_is_reported(void **state)
 {
     static const char *const words[] = {"status", "list", "log", "identify", "doctor"};
     const bool configured = access(cli_setup_installed.config, F_OK) == 0;
@@ -177,13 +177,13 @@ static void help_is_shown_however_it_is_asked_for(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_cannot_be_written_is_a_fault),
+        cmocka_unit_test(output_that_cannot_be_written_is_a_fault),
         cmocka_unit_test(every_command_fails_clearly_without_a_daemon),
         cmocka_unit_test(every_command_fails_clearly_without_a_bus),
         cmocka_unit_test(every_error_of_the_bus_has_its_exit_code),
         cmocka_unit_test(usage_errors_are_told_in_the_form_asked_for),
         cmocka_unit_test(help_and_version_need_no_daemon),
-        cmocka_unit_test(a_daemon_that_is_not_configured_is_told_of),
+        cmocka_unit_test(a_daemon_that_is_not_configured_is_reported),
         cmocka_unit_test(help_is_shown_however_it_is_asked_for),
     };
 

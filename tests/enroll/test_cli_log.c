@@ -14,7 +14,8 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-/* The numbers of the first and the last record of a document. */
+/* Runs the command. Its document must have n records, and the first and the last must have these
+ * numbers. */
 static void expect_records_of(const struct fake_script *script, const char *words, size_t n,
                               json_int_t first, json_int_t last)
 {
@@ -72,7 +73,8 @@ static void log_shows_the_last_or_those_from_a_number_on(void **state)
     expect_records("log --json --from 1", 20, 1, 20);
 }
 
-/* Local time, two digits of a score, and no member that only programs need. */
+/* A line has the local time and two digits of a score. Members that only programs need are left
+ * out. */
 static void log_is_one_line_a_record(void **state)
 {
     const struct fake_script script = {.n_records = 2};
@@ -104,7 +106,7 @@ static void log_shows_what_was_asked_for(void **state)
     expect_records("log --json --day 2026-11-22 --person anna --from 200 -n 2", 2, 201, 203);
 }
 
-static void log_of_what_never_happened(void **state)
+static void log_without_a_matching_record(void **state)
 {
     static const char *const words[] = {"log --person carl", "log --event attack",
                                         "log --day 2026-01-01"};
@@ -226,7 +228,7 @@ int main(void)
         cmocka_unit_test(log_shows_the_last_or_those_from_a_number_on),
         cmocka_unit_test(log_is_one_line_a_record),
         cmocka_unit_test(log_shows_what_was_asked_for),
-        cmocka_unit_test(log_of_what_never_happened),
+        cmocka_unit_test(log_without_a_matching_record),
         cmocka_unit_test(log_as_csv),
         cmocka_unit_test(log_shows_every_member),
         cmocka_unit_test(log_finds_a_person_by_any_spelling),

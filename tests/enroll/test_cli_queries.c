@@ -229,7 +229,8 @@ static void import_reads_files_alone(void **state)
     }
 }
 
-/* With --replace no known person stays unchanged. A file for an appliance needs no passphrase. */
+/* With --replace the answer names no people who stay as they are. A file for an appliance needs no
+ * passphrase. */
 static void import_says_whether_people_were_replaced(void **state)
 {
     static const char sealed[32] = ISO_CONTRACT_PEOPLE_MAGIC "\002";

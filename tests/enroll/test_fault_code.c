@@ -107,7 +107,7 @@ static bool has_word(const char *text, const char *word)
     return false;
 }
 
-/* Returns the end of a call, after its last bracket. */
+/* Returns the bracket that closes a call, or the end of the text. */
 static const char *end_of_call(const char *at)
 {
     int depth = 0;
@@ -137,7 +137,8 @@ static void expect_codes_passed_on(const char *path, const char *text)
     }
 }
 
-/* The list of codes and the table of remedies name all codes and raise none. */
+/* Notes the codes that a source names, except the list of codes and the table of remedies, which
+ * name all codes and raise none. */
 static int look_into(const char *path, const struct stat *status, int kind, struct FTW *walk)
 {
     const char *base = path + walk->base, *ending = strrchr(base, '.');

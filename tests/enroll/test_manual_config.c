@@ -60,7 +60,7 @@ static char *item_of(const char *section_name, const char *section, const char *
     return next ? strndup(start, (size_t)(next + 1 - start)) : strdup(start);
 }
 
-/* The text of a key ends with its range. */
+/* Expects a line that begins with the range of the key in the text of its item. */
 static void expect_range(const char *text, const char *name, double min, double max)
 {
     char range[64];

@@ -51,7 +51,7 @@ static void a_fresh_machine_becomes_an_appliance(void **state)
     assert_int_equal(status.st_mode & 07777, 0600);
 }
 
-static void an_old_file_is_kept_and_what_is_the_same_is_not_written(void **state)
+static void an_old_file_is_kept_and_an_equal_file_is_not_written(void **state)
 {
     const struct cli_setup_wish wish = {.sensor = "openni2", .board = "rock-5b", .yes = true};
     const struct fake_manager_script manager = {.enabled = true, .active = true};
@@ -82,7 +82,7 @@ static void an_old_file_is_kept_and_what_is_the_same_is_not_written(void **state
     assert_int_equal(setup_rig_count_files(), 2);
 }
 
-static void what_is_found_need_not_be_named(void **state)
+static void a_board_and_a_camera_that_are_found_need_not_be_named(void **state)
 {
     const struct cli_setup_wish wish = {.yes = true, .dry_run = true};
     struct setup_rig *rig = *state;
@@ -211,7 +211,7 @@ static void a_file_that_cannot_be_written_starts_nothing(void **state)
     assert_string_equal(rig->calls, "");
 }
 
-static void only_root_may_write_but_everybody_look(void **state)
+static void only_root_may_write_but_every_user_may_look(void **state)
 {
     struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
     struct setup_rig *rig = *state;
@@ -237,7 +237,7 @@ static void only_root_may_write_but_everybody_look(void **state)
     setup_rig_expect_config(NULL);
 }
 
-static void a_picture_that_does_not_come_is_said_and_no_failure(void **state)
+static void a_missing_picture_is_reported_and_is_no_failure(void **state)
 {
     const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
     const struct fake_manager_script manager = {.enabled = true};
@@ -263,7 +263,7 @@ static size_t count_calls(const char *calls, const char *method)
     return n;
 }
 
-/* The daemon itself has waited for a frame, and each question is on record. */
+/* The daemon itself waits for a frame, and it records each request for a picture. */
 static void a_camera_that_shows_nothing_is_asked_once(void **state)
 {
     const struct cli_setup_wish wish = {.sensor = "openni2", .board = "pc-usb", .yes = true};
@@ -297,14 +297,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         ON_A_RIG(a_fresh_machine_becomes_an_appliance),
-        ON_A_RIG(an_old_file_is_kept_and_what_is_the_same_is_not_written),
-        ON_A_RIG(what_is_found_need_not_be_named),
+        ON_A_RIG(an_old_file_is_kept_and_an_equal_file_is_not_written),
+        ON_A_RIG(a_board_and_a_camera_that_are_found_need_not_be_named),
         ON_A_RIG(a_wrong_wish_is_named_and_changes_nothing),
         ON_A_RIG(a_start_that_fails_is_undone),
         ON_A_RIG(without_a_service_manager_nothing_is_replaced),
         ON_A_RIG(a_file_that_cannot_be_written_starts_nothing),
-        ON_A_RIG(only_root_may_write_but_everybody_look),
-        ON_A_RIG(a_picture_that_does_not_come_is_said_and_no_failure),
+        ON_A_RIG(only_root_may_write_but_every_user_may_look),
+        ON_A_RIG(a_missing_picture_is_reported_and_is_no_failure),
         ON_A_RIG(a_camera_that_shows_nothing_is_asked_once),
         ON_A_RIG(a_camera_in_use_is_asked_for_again),
     };

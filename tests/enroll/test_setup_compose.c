@@ -52,7 +52,7 @@ static void a_sensor_is_one_word(void **state)
     }
 }
 
-static void what_no_file_can_hold_is_refused(void **state)
+static void a_sensor_that_no_file_can_contain_is_refused(void **state)
 {
     static const struct {
         const char *word, *text;
@@ -128,7 +128,7 @@ static void the_sensor_is_the_boards_if_the_driver_is_the_same(void **state)
                     FIRST "[door]\nrelay = A\n\n[sensor]\nbackend = replay\npath = /r\n");
 }
 
-static void what_concerns_neither_sensor_nor_door_stays(void **state)
+static void sections_other_than_sensor_and_door_stay(void **state)
 {
     static const char board[] = "[sensor]\nbackend = openni2\n\n[door]\nrelay = A\n\n[log]\n"
                                 "max_mib = 8\n";
@@ -141,7 +141,8 @@ static void what_concerns_neither_sensor_nor_door_stays(void **state)
                           "# Strict.\nlevel = strict\n\n[log]\nmax_mib = 9\n");
 }
 
-/* Every board with every kind of sensor, twice. The second time nothing changes. */
+/* Composes the file for every board with every kind of sensor, twice. The second time nothing
+ * changes. */
 static void every_composition_is_sound(void **state)
 {
     static const char *const sensors[] = {
@@ -221,9 +222,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sensor_is_one_word),
-        cmocka_unit_test(what_no_file_can_hold_is_refused),
+        cmocka_unit_test(a_sensor_that_no_file_can_contain_is_refused),
         cmocka_unit_test(the_sensor_is_the_boards_if_the_driver_is_the_same),
-        cmocka_unit_test(what_concerns_neither_sensor_nor_door_stays),
+        cmocka_unit_test(sections_other_than_sensor_and_door_stay),
         IN_SCRATCH(every_composition_is_sound),
         IN_SCRATCH(a_composition_that_is_not_sound_is_refused_by_name),
         cmocka_unit_test(a_change_is_shown_line_by_line),

@@ -235,7 +235,7 @@ static const char *only_board_here(const struct cli_setup_places *places)
     return found;
 }
 
-static void a_board_is_recognised_by_what_the_machine_says(void **state)
+static void a_board_is_recognised_by_the_files_of_the_machine(void **state)
 {
     const struct cli_setup_places places = make_machine(*state);
 
@@ -274,7 +274,7 @@ int main(void)
         IN_SCRATCH(a_camera_is_known_by_its_usb_id_and_a_name_that_lasts),
         IN_SCRATCH(the_description_of_a_camera_is_found_by_its_usb_id),
         IN_SCRATCH(only_depth_cameras_are_candidates),
-        IN_SCRATCH(a_board_is_recognised_by_what_the_machine_says),
+        IN_SCRATCH(a_board_is_recognised_by_the_files_of_the_machine),
         IN_SCRATCH(without_boards_there_is_no_board),
     };
 

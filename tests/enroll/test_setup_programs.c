@@ -47,7 +47,8 @@ static void with_json_there_is_one_document(void **state)
     json_decref(document);
 }
 
-/* A daemon with stored frames, which runs already, in place of the one that would be started. */
+/* Starts a daemon with stored frames before the set-up, in place of the daemon that the service
+ * manager would start. */
 static void start_real_daemon(const struct setup_rig *rig, struct run *run)
 {
     static char text[2048];

@@ -15,7 +15,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-static void a_person_is_asked_what_is_not_known(void **state)
+static void a_person_is_asked_for_missing_values(void **state)
 {
     const struct cli_setup_wish wish = {.yes = false};
     const struct fake_manager_script manager = {.active = false};
@@ -115,7 +115,7 @@ static void an_interrupt_while_the_service_starts_undoes_it(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        ON_A_RIG(a_person_is_asked_what_is_not_known),
+        ON_A_RIG(a_person_is_asked_for_missing_values),
         ON_A_RIG(a_recording_can_be_tried_and_the_lens_file_is_asked_for),
         ON_A_RIG(no_and_an_interrupt_change_nothing),
         ON_A_RIG(an_interrupt_while_the_service_starts_undoes_it),

@@ -141,13 +141,15 @@ static size_t compare_pages(const char *command, const char *help, const char *c
         const char *name = name_at(at + strlen("Fl Fl "));
         if (strcmp(name, "help") != 0 && strcmp(name, "version") != 0 &&
             !has_option(help, "\n  --", name)) {
-            fail_msg("the SYNOPSIS of '%s' has --%s, which there is not", command, name);
+            fail_msg("the SYNOPSIS of '%s' has --%s, which the program does not have", command,
+                     name);
         }
     }
     return count;
 }
 
-/* Calls `look` for every command of a help, " name ..." below "Commands:". */
+/* Calls `look` for every command of a help, "  name ..." below "Commands:". Returns the sum of its
+ * results. */
 static size_t for_each_command(const char *program, const char *common,
                                size_t (*look)(const char *program, const char *command,
                                               const char *common))
@@ -184,8 +186,8 @@ static void the_synopsis_of_isotherm_is_complete(void **state)
     free(common);
 }
 
-/* One command, or each command of a group: "Usage: isotherm-sim train head|cohort|metric
- * [OPTION...]". */
+/* Compares the pages of one command, or of each command of a group: "Usage: isotherm-sim train
+ * head|cohort|metric [OPTION...]". Returns how many options there are. */
 static size_t look_at_simulator(const char *program, const char *command, const char *common)
 {
     char *help = help_of(program, command), usage[NAME_SIZE], own[2 * NAME_SIZE];

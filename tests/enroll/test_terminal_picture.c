@@ -106,7 +106,8 @@ static void sixels_are_bands_of_six_by_shade(void **state)
     free(text);
 }
 
-/* A terminal that answers the question for its attributes with this text, or does not answer. */
+/* Runs cli_terminal_has_sixels() on a terminal that answers the question for its attributes with
+ * this text (NULL: it does not answer). */
 static bool ask_terminal(const char *answer)
 {
     int master, slave, status;

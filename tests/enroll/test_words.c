@@ -72,7 +72,7 @@ static void dates_are_read(void **state)
     }
 }
 
-static void what_is_no_date_is_refused(void **state)
+static void texts_that_are_no_date_are_refused(void **state)
 {
     static const char *const texts[] = {"",
                                         "tomorrow",
@@ -233,7 +233,7 @@ static const struct {
     {"log --csv --json", "--csv or --json"},
 };
 
-static void what_is_wrong_on_the_command_line_is_named(void **state)
+static void faults_of_the_command_line_are_named(void **state)
 {
     struct cli_arguments arguments;
     struct cli_fault fault;
@@ -275,8 +275,8 @@ static void help_fits_a_terminal(void **state)
     }
 }
 
-/* Numbers and tables are written separately. No row is missing, and each option has a help text for
- * each of its commands. */
+/* The enumerations and the tables are written separately. No row is missing, and each option has a
+ * help text for each of its commands. */
 static void every_command_and_option_has_its_row(void **state)
 {
     (void)state;
@@ -304,11 +304,11 @@ int main(void)
         cmocka_unit_test(every_capture_word_has_a_hint_of_its_own),
         cmocka_unit_test(a_retry_is_recognised_by_its_prefix),
         cmocka_unit_test(dates_are_read),
-        cmocka_unit_test(what_is_no_date_is_refused),
+        cmocka_unit_test(texts_that_are_no_date_are_refused),
         cmocka_unit_test(days_are_read),
         cmocka_unit_test(dates_are_written),
         cmocka_unit_test(options_stand_anywhere),
-        cmocka_unit_test(what_is_wrong_on_the_command_line_is_named),
+        cmocka_unit_test(faults_of_the_command_line_are_named),
         cmocka_unit_test(every_command_and_option_has_its_row),
     };
 

@@ -30,7 +30,8 @@ static const char *out_path; /* standard output of the next run; NULL: a pipe */
 
 enum { WORDS_MAX = 24 };
 
-/* Runs isotherm --bus ADDRESS WORDS. The result is valid until the next call. */
+/* Writes the words of the command line `isotherm --bus ADDRESS WORDS` to argv, which ends with
+ * NULL. They are valid until the next call. */
 static void make_argv(const char *words, const char *argv[WORDS_MAX])
 {
     static char copy[512];

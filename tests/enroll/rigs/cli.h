@@ -9,8 +9,8 @@
 #include "tests/support/programs/private_bus.h"
 #include "tests/support/programs/run.h"
 
-/* A daemon with two people: anna, who has two templates and is valid until the end of 2026, and Bo
- * Ek. */
+/* A daemon with two people. anna has two templates and is valid until 30 December 2026, Bo Ek has
+ * one template and is valid from 21 November 2026. */
 extern const struct fake_script cli_two_people;
 
 /* Starts the bus that all tests of a program share. Returns false if the program has to skip its
@@ -53,8 +53,8 @@ json_t *cli_json(const struct cli_result *result);
  * the exit code and the outputs. */
 void cli_expect_exit(const struct cli_result *result, int exit);
 
-/* Fails the test unless stdout is an error document with this error code and with the exit code of
- * the run. */
+/* Fails the test unless the program ended with this exit code, and stdout is an error document with
+ * this error code and this exit code. */
 void cli_expect_error(const struct cli_result *result, int exit, const char *code);
 
 #endif

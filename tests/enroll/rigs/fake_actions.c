@@ -35,7 +35,7 @@ int fake_on_release(sd_bus_message *call, void *context, sd_bus_error *error)
     return sd_bus_reply_method_return(call, NULL);
 }
 
-/* Sends it only to the client that has the claim, as the daemon does. */
+/* Sends a status signal only to the client that has the claim, as the daemon does. */
 static int send_status(sd_bus *bus, const struct fake_service *service,
                        const struct fake_status *status)
 {
@@ -72,7 +72,8 @@ static void send_strange_status(const struct fake_service *service)
     sd_bus_flush_close_unref(bus);
 }
 
-/* The answer to a Start method. The answer of an enrolment says who has the name. */
+/* Answers a Start method. `enrolled` is the name of an enrolment, NULL for the other actions. If a
+ * person of the script has this name, the answer describes that person. */
 static int answer_start(const struct fake_service *service, sd_bus_message *call,
                         const char *enrolled)
 {

@@ -52,7 +52,7 @@ int fake_on_aim_start(sd_bus_message *call, void *context, sd_bus_error *error)
     return r;
 }
 
-/* It needs no claim, but a start. */
+/* AimStop needs no claim, but an AimStart before it. */
 int fake_on_aim_stop(sd_bus_message *call, void *context, sd_bus_error *error)
 {
     struct fake_service *service = context;

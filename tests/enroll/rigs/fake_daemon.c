@@ -84,7 +84,7 @@ static int on_status(sd_bus_message *call, void *context, sd_bus_error *error)
     return r;
 }
 
-/* The methods that take long. The daemon, too, does nothing else meanwhile. */
+/* Handles the methods that take long. Meanwhile the stand-in does nothing else. */
 static int on_work(sd_bus_message *call, void *context, sd_bus_error *error)
 {
     const struct fake_service *service = context;

@@ -1,7 +1,6 @@
 /* A stand-in for the daemon. It has the name, object and interface of firmware/contract/contract.h,
- * keeps to the signatures written there, and follows a script. It runs in a process of its own. It
- * is stricter than the daemon: an action without a claim, a second claim, and a stop without a
- * start fail. */
+ * keeps to the signatures written there, and follows a script. It runs in a process of its own. As
+ * in the daemon, an action without a claim, a second claim, and a stop without a start fail. */
 #ifndef TEST_FAKE_DAEMON_H
 #define TEST_FAKE_DAEMON_H
 
@@ -48,7 +47,7 @@ struct fake_script {
     const struct fake_view *views;
     size_t n_views;
     const char *fail_text; /* text of that error; NULL: "the fake says so" */
-    bool vanish;           /* it leaves the bus after the last status */
+    bool vanish;           /* it leaves the bus after the last status or view */
     const char *stranger;  /* another connection sends this result as final, before the statuses */
     const struct fake_progress *progress; /* of ExportPeople, ImportPeople, RotateKeys, VerifyLog */
     size_t n_progress;
@@ -72,9 +71,9 @@ struct fake_script {
     const char *last_record;       /* its members from "event" on; NULL: like the other records */
     /* Each ReadLog adds so many records and removes so many of the oldest. */
     unsigned records_come, records_go;
-    const char *picture; /* content of the file that Picture gives; NULL: "PNG" */
+    const char *picture; /* content of the file that Picture returns; NULL: "PNG" */
     size_t picture_size; /* its length in bytes; 0: up to the NUL */
-    unsigned refused; /* so many of the first calls of ReadLog fail, because there are too many */
+    unsigned refused;    /* the first calls of ReadLog, so many, fail with TooManyCalls */
 };
 
 struct fake_daemon {

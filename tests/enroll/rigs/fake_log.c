@@ -11,8 +11,8 @@
 enum { RECORD_SIZE = 512 };
 enum { LOG_RECORDS_MAX = 100 }; /* at most per answer: less than a client may ask for */
 
-/* Two records are ten minutes apart. Every fifth record is about the door, the others are about
- * visits. */
+/* Successive records are ten minutes apart. Every fifth record is about the door, the others are
+ * about visits. */
 static void write_record(const struct fake_script *script, uint64_t i, char line[RECORD_SIZE])
 {
     const time_t time_s = 1795249215 + (time_t)i * 600; /* record 1: 2026-11-21T08:30:15Z */

@@ -95,7 +95,7 @@ static void trace_file(const struct service *service)
     trace_call(service, ">;");
 }
 
-/* Only the first start follows the script. The later starts restore the previous state. */
+/* Only the first job follows the script. Later jobs, which restore the previous state, succeed. */
 static int on_job(sd_bus_message *call, void *context, sd_bus_error *error)
 {
     struct service *service = context;

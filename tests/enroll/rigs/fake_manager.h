@@ -9,9 +9,9 @@
 
 struct fake_manager_script {
     bool enabled, active;    /* state of the unit before the first call */
-    const char *result;      /* result of a RestartUnit; NULL: "done"; "": no result */
+    const char *result;      /* result of the first job; NULL: "done"; "": no result */
     const char *fail_method; /* the method that fails */
-    const char *started;     /* the text of this file is noted with RestartUnit; NULL: no file */
+    const char *started;     /* the text of this file is noted with each job; NULL: no file */
 };
 
 struct fake_manager {
@@ -23,11 +23,12 @@ struct fake_manager {
 void fake_manager_start(struct fake_manager *manager, const char *address,
                         const struct fake_manager_script *script);
 
-/* Waits until a client asks the manager to start the unit. */
+/* Waits until a client calls RestartUnit. */
 void fake_manager_wait_for_start(struct fake_manager *manager);
 
-/* Ends the manager and returns the calls that it received, "Subscribe;LoadUnit;...;RestartUnit<TEXT
- * OF started>". The text is valid until the next call. */
+/* Ends the manager and returns the calls that it received,
+ * "Subscribe;LoadUnit;...;RestartUnit;<TEXT OF started>;". The text is valid until the next
+ * fake_manager_start. */
 const char *fake_manager_stop(struct fake_manager *manager);
 
 #endif

@@ -13,8 +13,8 @@ struct fake_service {
     int trace_fd;
     char claimed_by[64], action[16]; /* "": no claim, no action */
     bool leave;
-    unsigned n_log_calls; /* number of the calls that were answered */
-    unsigned n_refused;
+    unsigned n_log_calls; /* number of the calls of ReadLog that were answered */
+    unsigned n_refused;   /* number of the calls of ReadLog that failed, see refused */
 };
 
 /* Adds text to the calls that fake_daemon_stop returns. */

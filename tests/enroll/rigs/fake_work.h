@@ -7,9 +7,9 @@
 
 #include "tests/enroll/rigs/fake_daemon.h"
 
-/* Sends the Progress signals of the script and answers the call: 2 people are exported, 1 is added
- * and 1 was known, the keys are rotated without a remark, records 1 to 100 are sound. Returns 0 or
- * a negative errno of sd-bus. */
+/* Sends the Progress signals of the script and answers the call: 2 people are exported, 2 are added
+ * and none was known, the keys are rotated without a remark, records 1 to 100 are sound. Returns a
+ * negative errno of sd-bus if it fails. */
 int fake_work(sd_bus_message *call, const struct fake_script *script);
 
 #endif

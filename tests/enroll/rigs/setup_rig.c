@@ -54,7 +54,8 @@ void setup_rig_set_devices(const char *lines)
     scratch_write_text(setup_rig_path("devices"), lines);
 }
 
-/* The real program, with the devices of the rig. */
+/* Writes a script that runs the real program. Only for --list-devices it prints the devices of the
+ * rig. */
 static void write_daemon(void)
 {
     char text[2048];
@@ -180,7 +181,8 @@ void setup_rig_open(struct setup_rig *at, const struct cli_setup_wish *wish,
     }
 }
 
-/* Returns false at the end. */
+/* Waits for output of the program and adds it to the text. Returns false at the end of the output.
+ */
 static bool take_output(struct setup_terminal *terminal)
 {
     struct pollfd waiting = {.fd = terminal->fd, .events = POLLIN};

@@ -43,8 +43,8 @@ void setup_rig_begin(struct setup_rig *rig, const struct fake_manager_script *ma
  * to the daemon. */
 void setup_rig_end(struct setup_rig *rig);
 
-/* Runs the set-up as the program does, without a terminal. Call it between setup_rig_begin and
- * setup_rig_end. */
+/* Runs the set-up as the program does, without a terminal, and returns its exit code. The service
+ * manager and the daemon are on the bus meanwhile: it calls setup_rig_begin and setup_rig_end. */
 enum cli_exit setup_rig_run(struct setup_rig *rig, const struct cli_setup_wish *wish,
                             const struct fake_manager_script *manager,
                             const struct fake_script *daemon);
@@ -57,20 +57,22 @@ struct setup_terminal {
     size_t length, asked; /* asked: length of the output whose questions were answered */
 };
 
+/* Starts the set-up on a terminal of 80 columns. Call setup_rig_begin before it if the service
+ * manager or the daemon has to be on the bus. */
 void setup_rig_open(struct setup_rig *rig, const struct cli_setup_wish *wish,
                     struct setup_terminal *terminal);
 
 /* Waits for a question in the output since the last answer, and answers it. */
 void setup_rig_answer(struct setup_terminal *terminal, const char *question, const char *answer);
 
-/* Waits for the end of the program. Returns its exit code. */
+/* Waits for the end of the program. Returns its exit code, or 1000 + the signal. */
 int setup_rig_close(struct setup_terminal *terminal);
 
 /* An earlier configuration with comments. The function writes it. */
 extern const char setup_rig_old_text[];
 void setup_rig_write_old(void);
 
-/* What `isothermd --list-devices` prints for one camera. */
+/* The output of `isothermd --list-devices` for one camera. */
 extern const char setup_rig_one_camera[];
 
 /* Fails unless `text` contains the part. */
