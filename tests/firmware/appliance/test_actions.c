@@ -88,7 +88,7 @@ static void verifies(void **state)
 }
 
 /* An empty scene gives no hint to a waiting client, and does not count as a failure. */
-static void nobody_is_told_nothing(void **state)
+static void an_empty_scene_gives_no_hint(void **state)
 {
     struct rig *rig = *state;
     rig_start(rig);
@@ -157,7 +157,7 @@ static void an_identification_goes_on_with_another_face(void **state)
     assert_string_equal(rig_news(rig), "identify match anna done");
 }
 
-static void who_may_not_enter_now_is_still_recognised(void **state)
+static void a_person_outside_the_dates_is_still_recognised(void **state)
 {
     struct rig *rig = *state;
     const struct iso_person anna = {.name = "anna", .valid_until_s = 1795240000};
@@ -170,7 +170,7 @@ static void who_may_not_enter_now_is_still_recognised(void **state)
     assert_string_equal(rig_news(rig), "identify match anna done");
 }
 
-static void looks_for_a_time_only(void **state)
+static void gives_up_after_a_time(void **state)
 {
     struct rig *rig = *state;
     rig_enrol(rig, "anna", 50);
@@ -204,7 +204,7 @@ static void deletes_on_record(void **state)
     assert_string_equal(rig_news(rig), "visit deny unknown 6");
 }
 
-static void who_is_deleted_while_being_verified_does_not_match(void **state)
+static void a_person_deleted_during_a_verification_does_not_match(void **state)
 {
     struct rig *rig = *state;
     rig_enrol(rig, "anna", 50);
@@ -226,13 +226,13 @@ int main(void)
         TEST(nothing_goes_without_a_claim),
         TEST(verifies),
         TEST(identifies),
-        TEST(nobody_is_told_nothing),
+        TEST(an_empty_scene_gives_no_hint),
         TEST(a_picture_is_not_recognised),
         TEST(an_identification_goes_on_with_another_face),
-        TEST(who_may_not_enter_now_is_still_recognised),
-        TEST(looks_for_a_time_only),
+        TEST(a_person_outside_the_dates_is_still_recognised),
+        TEST(gives_up_after_a_time),
         TEST(deletes_on_record),
-        TEST(who_is_deleted_while_being_verified_does_not_match),
+        TEST(a_person_deleted_during_a_verification_does_not_match),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

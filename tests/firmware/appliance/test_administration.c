@@ -51,7 +51,7 @@ static void carries_people_on_record(void **state)
     assert_int_equal(close(fd), 0);
 }
 
-static void refuses_what_is_no_fresh_file(void **state)
+static void refuses_files_that_are_not_fresh(void **state)
 {
     struct rig *rig = *state;
     struct iso_fault fault = {.text = ""};
@@ -122,7 +122,7 @@ static void rotates_every_key(void **state)
     assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
 
-static void what_cannot_be_put_on_record_is_not_done(void **state)
+static void a_rotation_that_cannot_be_put_on_record_is_not_done(void **state)
 {
     struct rig *rig = *state;
     const char *remark = NULL;
@@ -226,7 +226,7 @@ static void a_change_that_cannot_be_put_on_record_is_not_made(void **state)
     assert_int_equal(iso_appliance_set_validity(rig->appliance, "ada", &until, NULL), -EBUSY);
 }
 
-static void the_journal_is_told_no_name(void **state)
+static void the_journal_gets_no_name(void **state)
 {
     char fields[ISO_JOURNAL_FIELDS_MAX][ISO_JOURNAL_FIELD_SIZE];
     struct iso_audit_record record = iso_audit_record_of("visit");
@@ -259,7 +259,7 @@ static void the_journal_is_told_no_name(void **state)
     }
 }
 
-static void the_journal_is_told_of_a_door_that_did_not_unlock(void **state)
+static void the_journal_gets_a_door_that_did_not_unlock(void **state)
 {
     char fields[ISO_JOURNAL_FIELDS_MAX][ISO_JOURNAL_FIELD_SIZE];
     struct iso_audit_record record = iso_audit_record_of("visit");
@@ -317,7 +317,7 @@ static void refuses_a_test_that_is_not_safe(void **state)
     assert_int_equal(iso_appliance_test_door(rig->appliance, NULL), 0);
 }
 
-static void a_test_without_a_record_is_none(void **state)
+static void a_test_without_a_record_does_not_switch(void **state)
 {
     struct rig *rig = *state;
     rig_start(rig);
@@ -334,19 +334,19 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
     const struct CMUnitTest tests[] = {
         TEST(carries_people_on_record),
-        TEST(refuses_what_is_no_fresh_file),
+        TEST(refuses_files_that_are_not_fresh),
         TEST(waits_for_the_end_of_an_action),
         TEST(rotates_every_key),
-        TEST(what_cannot_be_put_on_record_is_not_done),
+        TEST(a_rotation_that_cannot_be_put_on_record_is_not_done),
         TEST(renames_on_record),
         TEST(a_rename_reminds_of_the_cards),
         TEST(changes_limits_on_record),
         TEST(a_change_that_cannot_be_put_on_record_is_not_made),
         TEST(tests_the_relay_on_record),
         TEST(refuses_a_test_that_is_not_safe),
-        TEST(a_test_without_a_record_is_none),
-        cmocka_unit_test(the_journal_is_told_no_name),
-        cmocka_unit_test(the_journal_is_told_of_a_door_that_did_not_unlock),
+        TEST(a_test_without_a_record_does_not_switch),
+        cmocka_unit_test(the_journal_gets_no_name),
+        cmocka_unit_test(the_journal_gets_a_door_that_did_not_unlock),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,7 +11,7 @@
 
 /* ---- visits ---- */
 
-static void lets_in_who_is_known(void **state)
+static void admits_a_known_person(void **state)
 {
     struct rig *rig = *state;
     rig_enrol(rig, "anna", 50);
@@ -51,7 +51,7 @@ static void refuses_a_stranger(void **state)
     assert_string_equal(iso_appliance_status(rig->appliance).last_outcome, "deny");
 }
 
-static void refuses_who_leaves(void **state)
+static void refuses_a_person_who_leaves(void **state)
 {
     struct rig *rig = *state;
     rig_enrol(rig, "anna", 50);
@@ -84,7 +84,7 @@ static void nobody_is_no_visit(void **state)
 
 /* ---- hints ---- */
 
-static void says_at_the_door_what_hinders(void **state)
+static void gives_hints_at_the_door(void **state)
 {
     struct rig *rig = *state;
     rig_enrol(rig, "anna", 50);
@@ -149,7 +149,7 @@ static void two_faces_in_turn_do_not_agree(void **state)
 
 /* ---- the view ---- */
 
-static void tells_what_it_sees_to_who_aims(void **state)
+static void sends_the_view_to_a_client_that_aims(void **state)
 {
     struct rig *rig = *state;
     rig_start(rig);
@@ -196,8 +196,8 @@ static void two_people_one_after_the_other(void **state)
                         "door unlocked grant; visit allow anna match 2; visit allow bob match 2");
 }
 
-/* A visit has the time at which its frames were exposed, however late the appliance works on them
- * (unless they are too old, see stale_ms). */
+/* The times of a visit are those at which its frames were exposed, however late the appliance works
+ * on them (unless they are too old, see stale_ms). */
 static void a_slow_machine_sees_one_visit(void **state)
 {
     struct rig *rig = *state;
@@ -258,7 +258,7 @@ static void puts_the_door_on_record(void **state)
                            "\"event\":\"door\",\"reason\":\"opened\",\"note\":\"forced\"}"));
 }
 
-static void sends_the_card_of_who_is_let_in(void **state)
+static void sends_the_card_of_an_admitted_person(void **state)
 {
     struct rig *rig = *state;
     const char *path = scratch_path(rig->directory, "cards");
@@ -283,7 +283,7 @@ static void sends_the_card_of_who_is_let_in(void **state)
     assert_int_equal(count, 1);
     assert_int_equal(card.facility, 17);
     assert_int_equal(card.number, 4711);
-    rig_show(rig, 80, 2); /* bob has no limits, and is admitted */
+    rig_show(rig, 80, 2); /* bob is admitted, and has no card number */
     rig_run(rig, 100);
     assert_true(rig_relay(rig));
     assert_int_equal(iso_door_null_get_card(rig->door_io, &count, &card), 0);
@@ -330,21 +330,21 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(lets_in_who_is_known),
+        TEST(admits_a_known_person),
         TEST(refuses_a_stranger),
-        TEST(refuses_who_leaves),
+        TEST(refuses_a_person_who_leaves),
         TEST(refuses_everybody_with_an_empty_gallery),
         TEST(nobody_is_no_visit),
-        TEST(says_at_the_door_what_hinders),
+        TEST(gives_hints_at_the_door),
         TEST(nobody_does_not_delay_a_hint),
         TEST(a_face_that_moves_is_not_used),
         TEST(two_faces_in_turn_do_not_agree),
-        TEST(tells_what_it_sees_to_who_aims),
+        TEST(sends_the_view_to_a_client_that_aims),
         TEST(two_people_one_after_the_other),
         TEST(a_slow_machine_sees_one_visit),
         cmocka_unit_test(the_time_of_validity_counts),
         TEST(puts_the_door_on_record),
-        TEST(sends_the_card_of_who_is_let_in),
+        TEST(sends_the_card_of_an_admitted_person),
         TEST(stops_without_power),
         TEST(knows_its_state),
     };

@@ -1,5 +1,5 @@
-/* The appliance and the counter of its state. The counter counts every change, also a change
- * without a record after it, and faults of the counter are reported. */
+/* The appliance and the counter of its state. The counter counts every change of an administrator,
+ * also a change without a record after it. Faults of the counter are reported. */
 #include <errno.h>
 #include <string.h>
 
@@ -76,7 +76,7 @@ static void a_change_without_a_record_gets_one(void **state)
     assert_int_equal(puppet.increments, before + 1);
 }
 
-static void a_fault_is_told_and_shown_until_it_is_over(void **state)
+static void a_fault_is_reported_until_it_is_over(void **state)
 {
     struct rig *rig = *state;
     puppet.error = -EIO;
@@ -102,7 +102,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(visits_are_not_counted_and_orders_are),
         TEST(a_change_without_a_record_gets_one),
-        TEST(a_fault_is_told_and_shown_until_it_is_over),
+        TEST(a_fault_is_reported_until_it_is_over),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,9 +9,9 @@
 #include "tests/firmware/rigs/rig.h"
 #include "tests/support/scratch.h"
 
-/* ---- more visits ---- */
+/* ---- a full disk ---- */
 
-static void what_cannot_be_logged_does_not_open(void **state)
+static void a_grant_that_cannot_be_logged_does_not_open(void **state)
 {
     struct rig *rig = *state;
     rig_enrol(rig, "anna", 50);
@@ -27,7 +27,7 @@ static void what_cannot_be_logged_does_not_open(void **state)
     assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
 
-static void who_is_inside_gets_out_with_a_full_disk(void **state)
+static void a_person_inside_gets_out_with_a_full_disk(void **state)
 {
     struct rig *rig = *state;
     rig_start(rig);
@@ -102,7 +102,7 @@ static void starts_without_a_sensor(void **state)
     assert_string_equal(rig_news(rig), "door locked recovered");
 }
 
-static void does_not_start_with_a_sensor_that_cannot_be(void **state)
+static void does_not_start_with_an_impossible_sensor(void **state)
 {
     struct rig *rig = *state;
     struct iso_fault fault = {.text = ""};
@@ -123,8 +123,8 @@ static void a_damaged_frame_is_no_fault_of_the_door(void **state)
     assert_string_equal(iso_appliance_status(rig->appliance).sensor_state, "started");
 }
 
-/* The camera fails for less than a second. Frames from before the failure admit nobody, and the
- * sensor is not opened again. */
+/* The camera delivers nothing for little more than a second. Frames from before this pause admit
+ * nobody, and the sensor is not opened again. */
 static void a_silent_sensor_is_a_fault_of_the_door_within_a_second(void **state)
 {
     struct rig *rig = *state;
@@ -151,8 +151,8 @@ static void a_silent_sensor_is_a_fault_of_the_door_within_a_second(void **state)
     assert_string_equal(rig_news(rig), "door unlocked grant; visit allow anna match 2");
 }
 
-/* An enrolment by a client continues after the failure. */
-static void an_action_goes_on_after_a_pause(void **state)
+/* An enrolment by a client continues while the sensor is silent. */
+static void an_action_goes_on_during_a_pause(void **state)
 {
     struct rig *rig = *state;
     const struct iso_enroll_request anna = {.person = "anna"};
@@ -167,7 +167,7 @@ static void an_action_goes_on_after_a_pause(void **state)
     assert_string_equal(rig_news(rig), "enroll disconnected 0/3 done");
 }
 
-static void the_watchdog_sees_an_idle_sensor_and_not_a_dead_one(void **state)
+static void a_dead_sensor_makes_no_progress_for_the_watchdog(void **state)
 {
     struct rig *rig = *state;
     rig->sensor.streams = true;
@@ -185,17 +185,17 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(what_cannot_be_logged_does_not_open),
-        TEST(who_is_inside_gets_out_with_a_full_disk),
+        TEST(a_grant_that_cannot_be_logged_does_not_open),
+        TEST(a_person_inside_gets_out_with_a_full_disk),
         TEST(goes_on_after_a_frame_that_fails),
         TEST(a_face_with_too_few_points_is_none),
         TEST(a_lost_sensor_is_a_fault_of_the_door),
         TEST(starts_without_a_sensor),
-        TEST(does_not_start_with_a_sensor_that_cannot_be),
+        TEST(does_not_start_with_an_impossible_sensor),
         TEST(a_damaged_frame_is_no_fault_of_the_door),
         TEST(a_silent_sensor_is_a_fault_of_the_door_within_a_second),
-        TEST(an_action_goes_on_after_a_pause),
-        TEST(the_watchdog_sees_an_idle_sensor_and_not_a_dead_one),
+        TEST(an_action_goes_on_during_a_pause),
+        TEST(a_dead_sensor_makes_no_progress_for_the_watchdog),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

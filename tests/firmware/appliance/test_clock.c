@@ -8,7 +8,7 @@
 #include "tests/firmware/rigs/rig.h"
 #include "tests/firmware/rigs/stores.h"
 
-enum { ANNA = 50, BOB = 80 }; /* valid until an hour after the start; without limits */
+enum { ANNA = 50, BOB = 80 }; /* anna is valid until an hour after the start, bob has no limits */
 
 static const int64_t hour_ns = 3600 * ISO_NS_PER_S;
 
@@ -68,7 +68,7 @@ static void restart(struct rig *rig)
     restart_with(rig, stores_audit(rig->directory).segment_bytes);
 }
 
-static void who_has_expired_stays_out_when_the_clock_is_set_back(void **state)
+static void an_expired_person_stays_out_when_the_clock_is_set_back(void **state)
 {
     struct rig *rig = *state;
     assert_non_null(strstr(visit(rig, ANNA), "visit allow anna"));
@@ -94,7 +94,7 @@ static void who_has_expired_stays_out_when_the_clock_is_set_back(void **state)
 
 /* The restart happens twice, because the clock that is behind wrote the records of the first run.
  */
-static void a_restart_forgets_nothing_of_it(void **state)
+static void a_restart_keeps_the_fault_of_the_clock(void **state)
 {
     struct rig *rig = *state;
     rig->wall_ns += 2 * hour_ns;
@@ -109,7 +109,7 @@ static void a_restart_forgets_nothing_of_it(void **state)
 }
 
 /* Each record begins a segment, so that only the newest record is read. */
-static void nor_does_a_new_segment_of_the_log(void **state)
+static void a_new_segment_of_the_log_keeps_the_fault_of_the_clock(void **state)
 {
     struct rig *rig = *state;
     rig->wall_ns += 2 * hour_ns;
@@ -142,7 +142,8 @@ static void an_administrator_accepts_the_clock(void **state)
     assert_string_equal(fault(rig), "");
 }
 
-/* A correction by the network's time is no fault, and it extends no limit by a minute. */
+/* A correction of less than a minute, as by the network's time, is no fault. It extends no limit.
+ */
 static void a_small_correction_is_no_fault(void **state)
 {
     struct rig *rig = *state;
@@ -193,12 +194,14 @@ static void a_clock_that_is_not_set_is_a_fault_of_its_own(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(who_has_expired_stays_out_when_the_clock_is_set_back, setup,
-                                        rig_teardown),
+        cmocka_unit_test_setup_teardown(an_expired_person_stays_out_when_the_clock_is_set_back,
+                                        setup, rig_teardown),
         cmocka_unit_test_setup_teardown(a_clock_that_is_not_set_is_a_fault_of_its_own, setup,
                                         rig_teardown),
-        cmocka_unit_test_setup_teardown(a_restart_forgets_nothing_of_it, setup, rig_teardown),
-        cmocka_unit_test_setup_teardown(nor_does_a_new_segment_of_the_log, setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(a_restart_keeps_the_fault_of_the_clock, setup,
+                                        rig_teardown),
+        cmocka_unit_test_setup_teardown(a_new_segment_of_the_log_keeps_the_fault_of_the_clock,
+                                        setup, rig_teardown),
         cmocka_unit_test_setup_teardown(an_administrator_accepts_the_clock, setup, rig_teardown),
         cmocka_unit_test_setup_teardown(a_small_correction_is_no_fault, setup, rig_teardown),
         cmocka_unit_test_setup_teardown(jumps_by_months_during_a_visit_prolong_nobodys_limit, setup,

@@ -66,7 +66,7 @@ static void the_pose_is_named_by_what_to_do(void **state)
     assert_string_equal(judge(), "look-up");
 }
 
-static void what_is_covered_is_named(void **state)
+static void covered_regions_are_named(void **state)
 {
     static const struct {
         enum iso_landmark landmark;
@@ -115,7 +115,7 @@ static void a_grimace_is_not_kept(void **state)
     (void)state;
     extraction.expression_norm = 1.01;
     assert_string_equal(judge(), "expression");
-    extraction.coverage = 0.7; /* it is checked first */
+    extraction.coverage = 0.7; /* the coverage is checked before the expression */
     assert_string_equal(judge(), "too-few-points");
 }
 
@@ -164,7 +164,7 @@ static void a_face_is_described(void **state)
 }
 
 /* A face that was found but not fitted has a position and no quality. */
-static void a_rough_pose_is_told_alone(void **state)
+static void a_rough_pose_has_no_quality(void **state)
 {
     const struct iso_track_motion none = {0};
     (void)state;
@@ -182,14 +182,14 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(a_good_frame_passes, setup),
         cmocka_unit_test_setup(the_pose_is_named_by_what_to_do, setup),
-        cmocka_unit_test_setup(what_is_covered_is_named, setup),
+        cmocka_unit_test_setup(covered_regions_are_named, setup),
         cmocka_unit_test_setup(half_a_hidden_face_is_named, setup),
         cmocka_unit_test_setup(holes_all_over_are_too_few_points, setup),
         cmocka_unit_test_setup(a_grimace_is_not_kept, setup),
         cmocka_unit_test_setup(an_open_mouth_is_not_kept, setup),
         cmocka_unit_test_setup(nobody_has_no_pose, setup),
         cmocka_unit_test_setup(a_face_is_described, setup),
-        cmocka_unit_test_setup(a_rough_pose_is_told_alone, setup),
+        cmocka_unit_test_setup(a_rough_pose_has_no_quality, setup),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -160,7 +160,7 @@ static void enrols_within_limits(void **state)
     assert_int_equal(iso_gallery_find(rig->gallery, "anna")->valid_until_s, 1795250001);
 }
 
-/* Enrols anna with these limits. A stored limit holds where the call names none. */
+/* Enrols face 50 under this name with these limits. A limit that is not named stays as it is. */
 static void enroll_within(struct rig *rig, const char *name,
                           const struct iso_validity_change *validity)
 {
@@ -200,7 +200,7 @@ static void enrolling_again_keeps_the_limits(void **state)
                            "\"after\":\"from 2026-11-18T11:06:40Z until 2027-01-15T08:00:00Z\"}"));
 }
 
-static void an_end_in_the_past_has_to_be_meant(void **state)
+static void an_end_in_the_past_must_be_confirmed(void **state)
 {
     struct rig *rig = *state;
     struct iso_enroll_request request = {.person = "anna",
@@ -213,7 +213,7 @@ static void an_end_in_the_past_has_to_be_meant(void **state)
     assert_int_equal(iso_appliance_enroll(rig->appliance, &request, NULL), 0);
 }
 
-static void a_second_person_under_a_name_is_told_why(void **state)
+static void a_second_person_under_a_name_is_refused(void **state)
 {
     struct rig *rig = *state;
     rig_enrol(rig, "anna", 90);
@@ -349,8 +349,8 @@ int main(void)
         TEST(does_not_enrol_a_picture),
         TEST(enrols_within_limits),
         TEST(enrolling_again_keeps_the_limits),
-        TEST(an_end_in_the_past_has_to_be_meant),
-        TEST(a_second_person_under_a_name_is_told_why),
+        TEST(an_end_in_the_past_must_be_confirmed),
+        TEST(a_second_person_under_a_name_is_refused),
         TEST(refuses_a_duplicate),
         TEST(an_enrolment_can_fail),
         TEST(an_enrolment_takes_its_time),

@@ -156,7 +156,7 @@ static void a_machine_that_is_suspended_over_the_record_lets_nobody_in(void **st
     assert_int_equal(relay_switchings, 0);
 }
 
-/* The first of the two frames is 33 ms older than the second. */
+/* At the verdict the first of the two frames is older than stale_ms, and the second is not. */
 static void frames_that_have_become_old_let_nobody_in(void **state)
 {
     struct rig *rig = *state;
@@ -193,8 +193,8 @@ static void a_machine_that_is_suspended_over_a_frame_lets_nobody_in(void **state
     assert_null(strstr(rig_news(rig), "allow"));
 }
 
-/* The second frame agrees with the first. The machine is suspended while the frame is processed, so
- * that both frames are fresh by the clock of the frames. */
+/* The second frame agrees with the first. The machine is suspended while the second frame is
+ * processed. By the clock of the frames both frames are fresh. */
 static void a_machine_that_is_suspended_over_the_frame_that_decides_lets_nobody_in(void **state)
 {
     struct rig *rig = *state;
@@ -257,7 +257,7 @@ static void the_door_locks_after_a_suspension(void **state)
     assert_false(relay);
 }
 
-static void a_test_of_the_door_does_not_wait_for_its_record(void **state)
+static void a_test_of_the_door_needs_its_record_in_time(void **state)
 {
     struct rig *rig = *state;
     struct iso_fault fault = {.text = ""};
@@ -269,7 +269,7 @@ static void a_test_of_the_door_does_not_wait_for_its_record(void **state)
 
 /* ---- a warning before verdicts become old ---- */
 
-static void a_slow_sensor_is_told_at_the_start(void **state)
+static void a_slow_sensor_is_reported_at_the_start(void **state)
 {
     struct rig *rig = *state;
     rig->sensor.rate_hz = 3;
@@ -284,7 +284,7 @@ static void a_slow_sensor_is_told_at_the_start(void **state)
     assert_int_equal(status.stale_fault_code, ISO_FAULT_TIME_SHORT);
 }
 
-static void a_slow_machine_is_told_when_it_was_measured(void **state)
+static void a_slow_machine_is_reported_when_it_was_measured(void **state)
 {
     struct rig *rig = *state;
     assert_string_equal(iso_appliance_status(rig->appliance).stale_fault, "");
@@ -310,9 +310,9 @@ int main(void)
         TEST(a_visit_does_not_go_on_after_a_suspension),
         TEST(a_lock_that_was_switched_too_late_is_switched_back),
         TEST(the_door_locks_after_a_suspension),
-        TEST(a_test_of_the_door_does_not_wait_for_its_record),
-        TEST(a_slow_sensor_is_told_at_the_start),
-        TEST(a_slow_machine_is_told_when_it_was_measured),
+        TEST(a_test_of_the_door_needs_its_record_in_time),
+        TEST(a_slow_sensor_is_reported_at_the_start),
+        TEST(a_slow_machine_is_reported_when_it_was_measured),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,7 +11,7 @@
 
 static char path[4096];
 
-/* An appliance with the file of its lock-out. */
+/* cmocka set-up: an appliance that keeps its lock-out in a file. It is not started. */
 static int setup(void **state)
 {
     const int error = rig_setup(state);
@@ -80,7 +80,7 @@ static void attacks_lock_the_door(void **state)
     assert_string_equal(visit(rig, 50), "visit deny locked-out 6");
 }
 
-static void an_administrator_clears_it(void **state)
+static void an_administrator_clears_a_lock_out(void **state)
 {
     struct rig *rig = *state;
     struct iso_fault fault = {.text = ""};
@@ -93,7 +93,7 @@ static void an_administrator_clears_it(void **state)
     assert_non_null(strstr(visit(rig, 50), "visit allow anna"));
 }
 
-static void what_cannot_be_logged_clears_nothing(void **state)
+static void a_call_that_cannot_be_logged_clears_nothing(void **state)
 {
     struct rig *rig = *state;
     struct iso_fault fault = {.text = ""};
@@ -118,7 +118,7 @@ static void a_lock_outlasts_a_restart(void **state)
     rig_start(rig);
     (void)visit(rig, 80);
     restart(rig);
-    (void)visit(rig, 80); /* the first lockdown was stored */
+    (void)visit(rig, 80); /* the first failure was stored */
     restart(rig);
     assert_string_equal(visit(rig, 50), "visit deny locked-out 6");
     rig_run(rig, 60000);
@@ -155,7 +155,7 @@ static void lockdown_in_the_middle_of_a_visit(void **state)
     assert_null(strstr(rig_news(rig), "allow"));
 }
 
-static void what_is_remembered_and_damaged_is_a_lockdown(void **state)
+static void a_damaged_lock_out_file_begins_a_lockdown(void **state)
 {
     struct rig *rig = *state;
     struct iso_fault fault = {.text = ""};
@@ -169,7 +169,7 @@ static void what_is_remembered_and_damaged_is_a_lockdown(void **state)
     assert_non_null(strstr(visit(rig, 50), "visit allow anna"));
 }
 
-static void what_was_remembered_and_is_gone_is_a_lockdown(void **state)
+static void a_missing_lock_out_file_begins_a_lockdown(void **state)
 {
     struct rig *rig = *state;
     struct iso_fault fault = {.text = ""};
@@ -184,7 +184,7 @@ static void what_was_remembered_and_is_gone_is_a_lockdown(void **state)
     assert_non_null(strstr(visit(rig, 50), "visit allow anna"));
 }
 
-static void a_client_learns_nothing_either(void **state)
+static void a_client_is_refused_during_a_lock_out(void **state)
 {
     struct rig *rig = *state;
     struct iso_fault fault = {.text = ""};
@@ -240,14 +240,14 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(strangers_lock_the_door_for_everybody),
         TEST(attacks_lock_the_door),
-        TEST(an_administrator_clears_it),
-        TEST(what_cannot_be_logged_clears_nothing),
+        TEST(an_administrator_clears_a_lock_out),
+        TEST(a_call_that_cannot_be_logged_clears_nothing),
         TEST(a_lock_outlasts_a_restart),
         TEST(lockdown_outlasts_a_restart_until_it_is_ended),
         TEST(lockdown_in_the_middle_of_a_visit),
-        TEST(what_is_remembered_and_damaged_is_a_lockdown),
-        TEST(what_was_remembered_and_is_gone_is_a_lockdown),
-        TEST(a_client_learns_nothing_either),
+        TEST(a_damaged_lock_out_file_begins_a_lockdown),
+        TEST(a_missing_lock_out_file_begins_a_lockdown),
+        TEST(a_client_is_refused_during_a_lock_out),
         TEST(a_frame_that_comes_too_late_is_not_looked_at),
         TEST(a_frame_does_not_agree_with_itself),
     };

@@ -12,8 +12,8 @@
 
 enum { WIDTH = 160, HEIGHT = 120, NOSE_MM = 700, QUEUE_MAX = 64, CODE_PX = 3 };
 
-/* The face and the number of the buffer determine all pixels: equal numbers give equal frames. The
- * pipeline of the puppets reads the codes (puppets.h). */
+/* Its face, number and position determine all pixels of a buffer: equal values give equal frames.
+ * The pipeline of the puppets reads face and position from the first pixels (puppets.c). */
 struct buffer {
     int64_t t_ns;
     int face, number, right_mm;
@@ -257,7 +257,7 @@ static void a_stuck_camera_is_on_record_once(void **state)
     assert_non_null(strstr(rig_record(rig, "sensor"), "\"reason\":\"started\""));
 }
 
-static void a_client_is_not_told_who_known_frames_show(void **state)
+static void known_frames_identify_nobody_to_a_client(void **state)
 {
     struct rig *rig = *state;
     struct iso_fault fault = {.text = ""};
@@ -300,7 +300,7 @@ int main(void)
         TEST(frames_that_were_not_used_are_remembered),
         TEST(a_camera_that_starts_again_has_no_new_frames),
         TEST(a_stuck_camera_is_on_record_once),
-        TEST(a_client_is_not_told_who_known_frames_show),
+        TEST(known_frames_identify_nobody_to_a_client),
         TEST(nobody_is_enrolled_by_known_frames),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

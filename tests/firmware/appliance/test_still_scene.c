@@ -2,8 +2,8 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 #include "tests/firmware/rigs/rig.h"
 
-/* A chair is no face either, but it does not move. */
-static void tells_only_what_moves_that_it_is_not_a_face(void **state)
+/* A chair is no face. It gets no hint, because it does not move. */
+static void only_a_moving_object_gets_the_hint_not_a_face(void **state)
 {
     struct rig *rig = *state;
     rig_start(rig);
@@ -25,7 +25,7 @@ static void tells_only_what_moves_that_it_is_not_a_face(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(tells_only_what_moves_that_it_is_not_a_face, rig_setup,
+        cmocka_unit_test_setup_teardown(only_a_moving_object_gets_the_hint_not_a_face, rig_setup,
                                         rig_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -105,7 +105,7 @@ static void a_grant_is_on_record_before_the_lock_and_its_outcome_after(void **st
 }
 
 /* On such a door the controller unlocks. It needs a card number. */
-static void a_door_without_a_relay_does_what_its_controller_is_told(void **state)
+static void a_door_without_a_relay_needs_a_card_number(void **state)
 {
     struct rig *rig = *state;
     const char *path = scratch_path(rig->directory, "cards");
@@ -126,7 +126,7 @@ static void a_door_without_a_relay_does_what_its_controller_is_told(void **state
     iso_cards_free(cards);
 }
 
-static void a_refusal_asks_nothing_of_the_door(void **state)
+static void a_refusal_does_not_use_the_door(void **state)
 {
     struct rig *rig = *state;
     rig_start(rig);
@@ -137,7 +137,7 @@ static void a_refusal_asks_nothing_of_the_door(void **state)
     assert_null(strstr(rig_record(rig, "visit"), "\"door\""));
 }
 
-static void an_allow_whose_lock_is_stuck_is_no_entry(void **state)
+static void an_allowed_visit_with_a_stuck_lock_does_not_unlock(void **state)
 {
     struct rig *rig = *state;
     rig_start(rig);
@@ -228,10 +228,10 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, rig_teardown)
     const struct CMUnitTest tests[] = {
         TEST(a_grant_is_on_record_before_the_lock_and_its_outcome_after),
-        TEST(a_refusal_asks_nothing_of_the_door),
-        TEST(an_allow_whose_lock_is_stuck_is_no_entry),
+        TEST(a_refusal_does_not_use_the_door),
+        TEST(an_allowed_visit_with_a_stuck_lock_does_not_unlock),
         TEST(a_door_whose_lamp_is_stuck_unlocks_all_the_same),
-        TEST(a_door_without_a_relay_does_what_its_controller_is_told),
+        TEST(a_door_without_a_relay_needs_a_card_number),
         TEST(a_door_that_is_at_fault_already_says_why),
         TEST(a_door_that_stands_open_is_not_unlocked_again),
         TEST(a_disk_that_fills_behind_the_grant_keeps_nobody_out),

@@ -10,7 +10,7 @@
 #include "tests/support/devices/wired_door.h"
 #include "tests/support/disk/slow_disk.h"
 
-void whoever_is_known_is_let_in_while_the_disk_works(void **state)
+void a_known_person_is_admitted_while_the_disk_works(void **state)
 {
     struct rig *rig = *state;
     const char *news = "";
@@ -18,7 +18,7 @@ void whoever_is_known_is_let_in_while_the_disk_works(void **state)
     for (int i = 0; i < SLOW_DISK_RIG_VISITS_MAX && !strstr(news, "visit allow anna match 2");
          i++) {
         news = slow_disk_rig_visit(
-            rig); /* more than once on a machine that wakes a thread after 250 ms */
+            rig); /* again if the machine woke the log's thread only after 250 ms */
     }
     wired_door_await(ISO_DOOR_RELAY, 2);
     const char *visit = slow_disk_rig_record(rig, "visit");
@@ -29,7 +29,7 @@ void a_grant_that_is_not_on_record_lets_nobody_in(void **state)
 {
     struct rig *rig = *state;
     slow_disk_rig_start(rig);
-    do { /* more than once on a machine that wakes a thread after 250 ms */
+    do { /* again if the machine woke the log's thread only after 250 ms */
         slow_disk_go_on();
         slow_disk_hang();
         assert_non_null(strstr(slow_disk_rig_visit(rig), "visit deny anna not-on-record 2"));

@@ -111,7 +111,7 @@ void a_stuck_journal_keeps_nobody_out(void **state)
     for (int i = 0; i < SLOW_DISK_RIG_VISITS_MAX && !strstr(news, "visit allow anna match 2");
          i++) {
         news = slow_disk_rig_visit(
-            rig); /* more than once on a machine that wakes a thread after 250 ms */
+            rig); /* again if the machine woke the log's thread only after 250 ms */
     }
     assert_true(journal.stuck);
     assert_non_null(strstr(news, "visit allow anna match 2"));

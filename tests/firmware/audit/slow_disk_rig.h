@@ -30,8 +30,8 @@ void slow_disk_rig_wait_a_moment(void);
  * valid until the next call. */
 const char *slow_disk_rig_visit(struct rig *rig);
 
-/* The log's last record that has this event, with all records on the disk; "" if there is none. It
- * is valid until the next call. */
+/* Waits until all records are on the disk, and returns the last record that has this event; "" if
+ * there is none. The text is valid until the next call. */
 const char *slow_disk_rig_record(struct rig *rig, const char *event);
 
 /* A thread that removes anna; the context is the rig. It returns NULL on success. */

@@ -34,8 +34,8 @@ static void show_nobody(struct rig *rig)
     puppet_sensor_add(&rig->sensor, now_ns, 0, ISO_CAPTURE_NO_FACE);
 }
 
-/* Removes anna, for which the disk takes STALL_MS. Meanwhile frames from before and during this
- * time wait. */
+/* Removes anna, for which the disk takes STALL_MS. Frames from before and during this time wait
+ * until it is over. */
 static void stall(struct rig *rig)
 {
     const struct timespec stall = {.tv_nsec = STALL_MS * 1000000L};
@@ -69,7 +69,7 @@ void a_slow_disk_does_not_release_a_fail_safe_door(void **state)
     assert_null(strstr(rig_news(rig), "fault"));
 }
 
-/* Frames from before the stall admit nobody, although the people in them did not cause it. */
+/* Frames with berta from before the stall do not admit her. */
 void frames_from_before_a_stall_let_nobody_in(void **state)
 {
     struct rig *rig = *state;
@@ -89,7 +89,7 @@ void frames_from_before_a_stall_let_nobody_in(void **state)
     assert_null(strstr(rig_news(rig), "visit allow"));
 }
 
-/* The camera was unplugged during the stall. */
+/* No frame comes after the stall. */
 void a_dead_sensor_is_a_fault_behind_a_stall(void **state)
 {
     struct rig *rig = *state;

@@ -4,7 +4,7 @@
 #define TESTS_FIRMWARE_AUDIT_SLOW_DISK_STORY_H
 
 /* Grants and their records (slow_disk_grant.c). */
-void whoever_is_known_is_let_in_while_the_disk_works(void **state);
+void a_known_person_is_admitted_while_the_disk_works(void **state);
 void a_grant_that_is_not_on_record_lets_nobody_in(void **state);
 void a_grant_that_was_not_begun_is_forgotten(void **state);
 void a_full_queue_lets_nobody_in(void **state);

@@ -174,7 +174,7 @@ static void a_full_disk_leaves_whole_lines(void **state)
     assert_int_equal(waitpid(pid, &status, 0), pid);
     const int n = child_code(status);
     if (n < 15 || n > 40) {
-        fail_msg("a daemon on a full disk: %d records, or code, and not 15 to 40", n);
+        fail_msg("on a full disk: the exit code is %d, not a number of records from 15 to 40", n);
     }
     struct iso_audit *audit = audit_rig_open(*state); /* the open fails if the log has a gap */
     assert_int_equal(iso_audit_last(audit), n + 1);

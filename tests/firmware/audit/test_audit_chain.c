@@ -56,7 +56,8 @@ static void takes_a_torn_line_away(void **state)
     free(whole);
 }
 
-/* Asserts that the log is refused with such words, and that the files stay unchanged. */
+/* Writes this text to the log's file. Asserts that the log is refused with this error and a fault
+ * that contains the message, and that the file stays unchanged. */
 static void expect_refusal(const char *directory, const char *text, int error, const char *message)
 {
     struct iso_audit *audit = NULL;
@@ -96,7 +97,7 @@ static void refuses_a_log_that_was_changed(void **state)
     free(whole);
 }
 
-/* Every byte of the file is protected. */
+/* Every byte of the file is protected. The test changes every fifth one. */
 static void finds_a_flipped_bit_anywhere(void **state)
 {
     char *whole = make_three(*state);
@@ -199,9 +200,10 @@ static void a_damaged_log_in_plain_text_is_left_alone(void **state)
                    "/a.log:2: damaged, or not record 2; move the file away to begin a new log");
 }
 
-/* The log is opened again after an exchange of files that failed. Meanwhile somebody has replaced
- * its file by that of an earlier time, with its anchor. Only the running daemon can notice this. */
-static void what_was_written_is_missed_when_the_log_is_opened_again(void **state)
+/* The log is opened again after an exchange of files that failed. Before that, an attacker has
+ * replaced its file and its anchor by those of an earlier time. Only the running daemon can notice
+ * this. */
+static void missing_records_are_noticed_when_the_log_is_opened_again(void **state)
 {
     struct iso_fault fault = {.text = ""};
     struct iso_audit *audit = audit_rig_open(*state);
@@ -228,7 +230,7 @@ int main(void)
         TEST(without_sync_the_anchor_follows_later),
         TEST(seals_a_log_in_plain_text),
         TEST(a_damaged_log_in_plain_text_is_left_alone),
-        TEST(what_was_written_is_missed_when_the_log_is_opened_again),
+        TEST(missing_records_are_noticed_when_the_log_is_opened_again),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

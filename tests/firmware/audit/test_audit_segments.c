@@ -12,10 +12,6 @@
 #include "tests/firmware/rigs/audit_rig.h"
 #include "tests/support/scratch.h"
 
-/* ---- damage ---- */
-
-/* ---- segments ---- */
-
 static void is_bounded_and_verifies(void **state)
 {
     struct iso_audit *audit = audit_rig_open_small(*state);
@@ -111,7 +107,7 @@ static void expect_flaw(struct iso_audit *audit, uint64_t at, const char *words)
     }
 }
 
-static void verify_finds_what_was_done_to_old_segments(void **state)
+static void verify_finds_changes_to_old_segments(void **state)
 {
     struct iso_audit *audit = audit_rig_open_small(*state);
     size_t size = 0;
@@ -140,7 +136,7 @@ static void verify_finds_what_was_done_to_old_segments(void **state)
     iso_audit_close(audit);
 }
 
-static void a_known_head_convicts_a_log_that_was_begun_anew(void **state)
+static void a_known_head_reveals_a_log_that_was_begun_anew(void **state)
 {
     struct iso_audit *audit = audit_rig_open(*state);
     struct iso_audit_report report;
@@ -239,8 +235,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(is_bounded_and_verifies),
         TEST(is_read_while_it_grows_and_rotates),
-        TEST(verify_finds_what_was_done_to_old_segments),
-        TEST(a_known_head_convicts_a_log_that_was_begun_anew),
+        TEST(verify_finds_changes_to_old_segments),
+        TEST(a_known_head_reveals_a_log_that_was_begun_anew),
         TEST(goes_on_under_another_key),
         TEST(a_segment_without_a_record_is_none),
         TEST(remembers_the_gallery),

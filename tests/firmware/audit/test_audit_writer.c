@@ -126,7 +126,8 @@ static int take_note(void *context, const char *line)
     return 0;
 }
 
-/* Returns the text of the log after all records are written, and checks its chain. */
+/* Makes the disk work and waits until all records are written. Checks the chain of the log. Returns
+ * event, note and grant of its records, "grant one; visit two 1; ". */
 static const char *told_by_log(void)
 {
     static struct told told;
@@ -141,7 +142,7 @@ static const char *told_by_log(void)
 
 /* ---- tests ---- */
 
-static void whoever_posts_does_not_wait(void **state)
+static void a_post_does_not_wait(void **state)
 {
     (void)state;
     hang();
@@ -153,7 +154,7 @@ static void whoever_posts_does_not_wait(void **state)
     assert_int_equal(iso_audit_writer_last(writer), 3);
 }
 
-static void whoever_appends_has_it_on_the_disk(void **state)
+static void an_append_waits_for_the_disk(void **state)
 {
     uint64_t sequence = 0;
     (void)state;
@@ -211,7 +212,7 @@ static void an_outcome_belongs_to_its_record(void **state)
     assert_string_equal(told_by_log(), "grant first; visit of the first 1; visit of the second; ");
 }
 
-static void a_full_queue_takes_nothing_and_says_what_was_lost(void **state)
+static void a_full_queue_takes_nothing_and_lost_records_are_counted(void **state)
 {
     struct iso_fault fault = {.text = ""};
     char *end;
@@ -254,7 +255,7 @@ static void the_outcome_of_a_grant_has_its_place(void **state)
 
 /* For any number of waiting records, the disk writes once for all of them and once for the anchor.
  */
-static void what_is_queued_is_synchronised_together(void **state)
+static void queued_records_are_synchronised_together(void **state)
 {
     struct iso_audit_report report;
     (void)state;
@@ -273,7 +274,7 @@ static void what_is_queued_is_synchronised_together(void **state)
 }
 
 /* A record that is too long for its line is the only one that is lost. */
-static void a_group_loses_only_what_cannot_be_written(void **state)
+static void a_group_loses_only_records_that_cannot_be_written(void **state)
 {
     static char text[2000]; /* JSON takes six characters for each of them */
     (void)state;
@@ -305,7 +306,7 @@ static void a_disk_that_is_full_loses_records_and_says_so(void **state)
     assert_string_equal(told_by_log(), "grant fits; records-lost 1 record; grant fits again; ");
 }
 
-static void what_is_queued_is_written_at_the_end(void **state)
+static void queued_records_are_written_at_the_end(void **state)
 {
     assert_int_equal(post("one"), 0);
     assert_int_equal(post("two"), 0);
@@ -329,20 +330,20 @@ int main(void)
 #define TEST(f)    cmocka_unit_test_setup_teardown(f, setup, teardown)
 #define WITHOUT(f) cmocka_unit_test_setup_teardown(f, setup_without_thread, teardown)
     const struct CMUnitTest tests[] = {
-        TEST(whoever_posts_does_not_wait),
-        TEST(whoever_appends_has_it_on_the_disk),
-        WITHOUT(whoever_appends_has_it_on_the_disk),
+        TEST(a_post_does_not_wait),
+        TEST(an_append_waits_for_the_disk),
+        WITHOUT(an_append_waits_for_the_disk),
         TEST(a_record_says_when_it_happened),
         TEST(a_record_that_comes_late_is_denied_behind_it),
         TEST(a_record_that_nobody_waits_for_is_not_written),
         TEST(an_outcome_belongs_to_its_record),
-        TEST(a_full_queue_takes_nothing_and_says_what_was_lost),
+        TEST(a_full_queue_takes_nothing_and_lost_records_are_counted),
         TEST(the_outcome_of_a_grant_has_its_place),
-        TEST(what_is_queued_is_synchronised_together),
-        TEST(a_group_loses_only_what_cannot_be_written),
+        TEST(queued_records_are_synchronised_together),
+        TEST(a_group_loses_only_records_that_cannot_be_written),
         TEST(a_disk_that_is_full_loses_records_and_says_so),
         WITHOUT(a_disk_that_is_full_loses_records_and_says_so),
-        TEST(what_is_queued_is_written_at_the_end),
+        TEST(queued_records_are_written_at_the_end),
         TEST(a_record_that_is_too_long_is_refused),
         WITHOUT(a_record_that_is_too_long_is_refused),
     };

@@ -56,7 +56,7 @@ static void be_stuck(bool stuck)
     (void)pthread_mutex_unlock(&journal.mutex);
 }
 
-/* Waits until the journal has begun to take so many entries, and has taken so many. */
+/* Waits until the journal has begun to take `waiting` entries and has taken `sent` entries. */
 static void await(int waiting, int sent)
 {
     (void)pthread_mutex_lock(&journal.mutex);

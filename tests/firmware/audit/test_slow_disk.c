@@ -98,7 +98,7 @@ int main(void)
     cmocka_unit_test_setup_teardown(f, slow_disk_stall_setup, slow_disk_rig_teardown)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_stopped_process_lets_nobody_in_when_it_goes_on),
-        TEST(whoever_is_known_is_let_in_while_the_disk_works),
+        TEST(a_known_person_is_admitted_while_the_disk_works),
         TEST(relay_and_exit_do_not_wait_for_the_disk),
         TEST(contact_and_tamper_do_not_wait_for_the_disk),
         TEST(a_grant_that_is_not_on_record_lets_nobody_in),

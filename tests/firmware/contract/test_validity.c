@@ -44,7 +44,7 @@ static void refuses_what_makes_no_sense(void **state)
     expect_flaw(&change, NOW, "the time of validity is before 1970");
 }
 
-static void an_end_in_the_past_has_to_be_meant(void **state)
+static void an_end_in_the_past_must_be_confirmed(void **state)
 {
     struct iso_validity_change change = {
         .names_from = true, .names_until = true, .limits = {0, NOW - 1}};
@@ -88,7 +88,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_not_named_stays),
         cmocka_unit_test(refuses_what_makes_no_sense),
-        cmocka_unit_test(an_end_in_the_past_has_to_be_meant),
+        cmocka_unit_test(an_end_in_the_past_must_be_confirmed),
         cmocka_unit_test(reads_as_words),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
