@@ -8,7 +8,8 @@
 #include "firmware/contract/contract.h"
 #include "tests/firmware/rigs/bus_rig.h"
 
-/* EnrollStart with one option. */
+/* Calls EnrollStart with one option (NULL: none). Returns the last word of the error's name; "" on
+ * success. */
 static const char *call_enroll(struct bus_rig *fixture, const char *person, const char *option,
                                const char *type, int64_t value)
 {
@@ -68,7 +69,7 @@ static void an_idle_claim_runs_out(void **state)
     assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_CLAIM, NULL), "");
 }
 
-static void actions_want_a_claim(void **state)
+static void actions_need_a_claim(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     rig_enrol(f->rig, "anna", 50);
@@ -153,7 +154,7 @@ static void verifies_and_identifies(void **state)
 
 /* ---- the door ---- */
 
-static void tells_everybody_of_visits(void **state)
+static void sends_visits_to_all_clients(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     rig_enrol(f->rig, "anna", 50);
@@ -259,7 +260,7 @@ static void notices_the_end_of_the_bus(void **state)
     assert_true(iso_bus_is_gone(f->service));
 }
 
-static void comes_back_to_a_bus_that_does(void **state)
+static void returns_to_a_bus_that_was_restarted(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     struct iso_fault fault = {.text = ""};
@@ -279,7 +280,7 @@ static void comes_back_to_a_bus_that_does(void **state)
     assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_CLAIM, NULL), "");
 }
 
-static void who_calls_without_end_is_refused(void **state)
+static void a_client_that_calls_without_end_is_refused(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     int answered = 0;
@@ -302,17 +303,17 @@ int main(void)
         TEST(one_client_has_the_claim),
         TEST(a_client_that_leaves_loses_the_claim),
         TEST(an_idle_claim_runs_out),
-        TEST(actions_want_a_claim),
+        TEST(actions_need_a_claim),
         TEST(enrols),
         TEST(refuses_enrolments),
         TEST(verifies_and_identifies),
-        TEST(tells_everybody_of_visits),
+        TEST(sends_visits_to_all_clients),
         TEST(lists_and_deletes),
         TEST(reads_the_log),
         TEST(one_service_has_the_name),
         cmocka_unit_test(says_that_there_is_no_bus),
-        TEST(who_calls_without_end_is_refused),
-        TEST(comes_back_to_a_bus_that_does),
+        TEST(a_client_that_calls_without_end_is_refused),
+        TEST(returns_to_a_bus_that_was_restarted),
         TEST(notices_the_end_of_the_bus),
     };
     return cmocka_run_group_tests(tests, bus_rig_group_setup, bus_rig_group_teardown);

@@ -40,7 +40,7 @@ static const char *known_of(struct bus_rig *f, const char *person)
     return text;
 }
 
-static void says_whose_a_name_is(void **state)
+static void reports_who_has_a_name(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     const struct iso_validity limits = {5, 1800000000};
@@ -64,7 +64,7 @@ static int read_duplicate(sd_bus_message *signal, void *context, sd_bus_error *e
     return 0;
 }
 
-static void names_whom_a_duplicate_duplicates(void **state)
+static void names_the_person_of_a_duplicate(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     char told[64] = "", others[64] = "";
@@ -154,8 +154,8 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, bus_rig_setup, bus_rig_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(says_whose_a_name_is),
-        TEST(names_whom_a_duplicate_duplicates),
+        TEST(reports_who_has_a_name),
+        TEST(names_the_person_of_a_duplicate),
         TEST(changes_limits),
         TEST(renames),
     };

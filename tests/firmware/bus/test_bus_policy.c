@@ -168,7 +168,8 @@ static int group_teardown(void **state)
     return 0;
 }
 
-/* Reports one verdict for each rule, from a child process in this group. */
+/* Runs in a child process, which becomes a client in this group. Writes one verdict for each rule.
+ */
 static void ask_all(enum rank group, uint8_t verdicts[RULES])
 {
     sd_bus *bus;
@@ -220,7 +221,7 @@ static void expect_rights(enum rank group)
     }
 }
 
-static void everybody_may_what_the_group_may(void **state)
+static void each_group_may_call_its_methods(void **state)
 {
     (void)state;
     if (server <= 0) {
@@ -232,9 +233,9 @@ static void everybody_may_what_the_group_may(void **state)
     }
 }
 
-/* The answer to an enrolment tells whose face is a duplicate and since when a name is in use. The
- * expected rules are the ones that the tests above found on the bus. */
-static void who_may_enrol_may_list(void **state)
+/* The answer to an enrolment contains the person whose face is a duplicate, and since when a name
+ * is in use. The test above has compared the table of rules with the policy. */
+static void every_group_that_may_enrol_may_list(void **state)
 {
     const bool *enrol = NULL, *list = NULL;
     (void)state;
@@ -251,7 +252,7 @@ static void who_may_enrol_may_list(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(everybody_may_what_the_group_may),
-                                       cmocka_unit_test(who_may_enrol_may_list)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(each_group_may_call_its_methods),
+                                       cmocka_unit_test(every_group_that_may_enrol_may_list)};
     return cmocka_run_group_tests(tests, group_setup, group_teardown);
 }

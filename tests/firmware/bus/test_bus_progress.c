@@ -125,7 +125,8 @@ static void import(struct bus_rig *f, int fd, uint32_t wanted)
 
 /* ---- the tests ---- */
 
-/* So many steps give one signal each half second. The last signal is near the end. */
+/* Expects one signal each half second of a call that takes so many steps. The last signal is near
+ * the end. */
 static void expect(const struct heard *heard, uint64_t steps, uint64_t total)
 {
     assert_int_equal(heard->total, total);
@@ -133,7 +134,7 @@ static void expect(const struct heard *heard, uint64_t steps, uint64_t total)
     assert_in_range(heard->n, steps / SIGNAL_STEPS - 1, steps / SIGNAL_STEPS + 1);
 }
 
-static void tells_how_far_a_rotation_is(void **state)
+static void reports_the_progress_of_a_rotation(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     struct heard caller, other;
@@ -147,7 +148,7 @@ static void tells_how_far_a_rotation_is(void **state)
     assert_int_equal(other.n, 0);
 }
 
-static void tells_how_far_a_look_at_the_log_is(void **state)
+static void reports_the_progress_of_a_verification_of_the_log(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     const struct iso_audit_record record = iso_audit_record_of("test");
@@ -163,7 +164,7 @@ static void tells_how_far_a_look_at_the_log_is(void **state)
     expect(&caller, total, total);
 }
 
-static void tells_how_far_people_are_who_move(void **state)
+static void reports_the_progress_of_export_and_import(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     struct heard caller;
@@ -188,7 +189,7 @@ static void tells_how_far_people_are_who_move(void **state)
     assert_int_equal(close(fd), 0);
 }
 
-static void says_nothing_of_a_short_call(void **state)
+static void reports_no_progress_of_a_short_call(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     struct heard caller;
@@ -209,10 +210,10 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, bus_rig_setup, bus_rig_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(tells_how_far_a_rotation_is),
-        TEST(tells_how_far_a_look_at_the_log_is),
-        TEST(tells_how_far_people_are_who_move),
-        TEST(says_nothing_of_a_short_call),
+        TEST(reports_the_progress_of_a_rotation),
+        TEST(reports_the_progress_of_a_verification_of_the_log),
+        TEST(reports_the_progress_of_export_and_import),
+        TEST(reports_no_progress_of_a_short_call),
     };
     rig_capacity = PEOPLE;
     return cmocka_run_group_tests(tests, bus_rig_group_setup, bus_rig_group_teardown);

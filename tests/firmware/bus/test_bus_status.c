@@ -8,7 +8,7 @@
 #include "firmware/contract/contract.h"
 #include "tests/firmware/rigs/bus_rig.h"
 
-/* ---- gallery, status, log ---- */
+/* ---- the status ---- */
 
 /* Returns the value of a key of GetStatus as text. */
 static const char *status_of(struct bus_rig *f, const char *key)
@@ -51,7 +51,7 @@ static const char *status_of(struct bus_rig *f, const char *key)
     return "missing";
 }
 
-static void tells_its_state(void **state)
+static void reports_its_state(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     rig_enrol(f->rig, "anna", 50);
@@ -101,7 +101,7 @@ static void tells_its_state(void **state)
 }
 
 /* Without faults the keys exist and are empty. */
-static void tells_the_codes_of_its_faults(void **state)
+static void reports_the_codes_of_its_faults(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     static const char *const keys[] = {
@@ -124,7 +124,7 @@ static void carries_faults_that_are_no_utf8(void **state)
     assert_string_equal(status_of(f, "sensor-fault-code"), "s sensor-gone");
 }
 
-/* ---- the connection ---- */
+/* ---- lockdown ---- */
 
 static void an_administrator_shuts_the_door(void **state)
 {
@@ -149,8 +149,8 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, bus_rig_setup, bus_rig_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(tells_its_state),
-        TEST(tells_the_codes_of_its_faults),
+        TEST(reports_its_state),
+        TEST(reports_the_codes_of_its_faults),
         TEST(carries_faults_that_are_no_utf8),
         TEST(an_administrator_shuts_the_door),
     };

@@ -9,7 +9,7 @@
 #include "tests/firmware/rigs/bus_rig.h"
 
 /* The signal for each outcome of isotherm/capture.h has the word of that outcome. */
-static void tells_everybody_every_hint(void **state)
+static void sends_every_hint_to_all_clients(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     int n = 0;
@@ -40,7 +40,7 @@ static void tells_everybody_every_hint(void **state)
     }
 }
 
-/* An older client reads only the first seven arguments, and its call is answered as before. */
+/* Reads only the first seven arguments of the signal, as an older client does. */
 static int read_reason(sd_bus_message *signal, void *context, sd_bus_error *error)
 {
     const char *verdict, *person, *reason;
@@ -65,7 +65,7 @@ static int read_door(sd_bus_message *signal, void *context, sd_bus_error *error)
     return 0;
 }
 
-static void tells_what_the_door_did(void **state)
+static void sends_the_result_of_the_door(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     char door[64] = "";
@@ -82,7 +82,7 @@ static void tells_what_the_door_did(void **state)
     assert_string_equal(door, "'unlocked' ''");
 }
 
-static void tells_why(void **state)
+static void sends_the_reason_of_a_visit(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     char reason[64] = "";
@@ -100,7 +100,7 @@ static void tells_why(void **state)
 
 /* ---- aiming ---- */
 
-static void tells_what_it_sees_while_somebody_listens(void **state)
+static void sends_the_view_while_a_client_aims(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     rig_show_at(f->rig, 50, 30, 10);
@@ -127,7 +127,7 @@ static void tells_what_it_sees_while_somebody_listens(void **state)
     assert_non_null(strstr(bus_rig_news(f, 0), "View"));
 }
 
-static void who_leaves_the_bus_does_not_listen(void **state)
+static void a_client_that_leaves_the_bus_stops_aiming(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_AIM_START, NULL), "");
@@ -145,11 +145,11 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, bus_rig_setup, bus_rig_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(tells_everybody_every_hint),
-        TEST(tells_why),
-        TEST(tells_what_the_door_did),
-        TEST(tells_what_it_sees_while_somebody_listens),
-        TEST(who_leaves_the_bus_does_not_listen),
+        TEST(sends_every_hint_to_all_clients),
+        TEST(sends_the_reason_of_a_visit),
+        TEST(sends_the_result_of_the_door),
+        TEST(sends_the_view_while_a_client_aims),
+        TEST(a_client_that_leaves_the_bus_stops_aiming),
     };
     return cmocka_run_group_tests(tests, bus_rig_group_setup, bus_rig_group_teardown);
 }

@@ -57,8 +57,8 @@ static void skip_without_gpiod(void)
     }
 }
 
-/* Asserts that all lines of a board are different. */
-static void lines_are_lines(void **state)
+/* Asserts that all lines of a board are valid and different. */
+static void all_lines_of_a_board_are_valid_and_different(void **state)
 {
     (void)state;
     skip_without_gpiod();
@@ -87,8 +87,8 @@ static void lines_are_lines(void **state)
     }
 }
 
-/* Returns the cell of a row of the table "| line | active means | pc-usb ... | raspberry-pi-5 ... |
- * ... |". The row has `line` in code marks. */
+/* Whether the table "| line | active means | pc-usb ... | raspberry-pi-5 ... | ... |" has `line` in
+ * code marks, in the row of this key and in the column of this board (0: the first board). */
 static bool row_has_line(const char *readme, const char *key, int column, const char *line)
 {
     char begin[64], code[ISO_CONFIG_TEXT_SIZE + 2];
@@ -103,7 +103,7 @@ static bool row_has_line(const char *readme, const char *key, int column, const 
     return found && end && found < end;
 }
 
-static void the_tables_say_the_same(void **state)
+static void the_tables_agree_with_the_configurations(void **state)
 {
     char *readme = read_text(BOARDS "README.md");
     (void)state;
@@ -150,7 +150,7 @@ static int64_t no_time(void *context)
 
 /* The driver for the board's camera accepts the options. The test ignores that this camera is not
  * connected. A build without the driver cannot check them. */
-static void sensors_are_named_as_their_drivers_want(void **state)
+static void the_drivers_accept_the_options_of_the_sensors(void **state)
 {
     static const char *const back_ends[N_BOARDS] = {"openni2", "libcamera-stereo", "openni2",
                                                     "replay"};
@@ -173,7 +173,7 @@ static void sensors_are_named_as_their_drivers_want(void **state)
     }
 }
 
-static void every_board_is_whole(void **state)
+static void every_board_has_its_rules_and_its_unit(void **state)
 {
     (void)state;
     for (int b = 0; b < N_BOARDS; b++) {
@@ -192,11 +192,11 @@ static void every_board_is_whole(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lines_are_lines),
-        cmocka_unit_test(the_tables_say_the_same),
+        cmocka_unit_test(all_lines_of_a_board_are_valid_and_different),
+        cmocka_unit_test(the_tables_agree_with_the_configurations),
         cmocka_unit_test(the_overlay_names_the_lines),
-        cmocka_unit_test(sensors_are_named_as_their_drivers_want),
-        cmocka_unit_test(every_board_is_whole),
+        cmocka_unit_test(the_drivers_accept_the_options_of_the_sensors),
+        cmocka_unit_test(every_board_has_its_rules_and_its_unit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,7 +28,7 @@ struct sections {
     const char *sensor, *door, *stores, *bus, *model, *more;
 };
 
-/* Copies `text` and replaces each "$D". */
+/* Appends `text` to `out`, with the directory in place of each "$D". */
 static void append(char out[TEXT_SIZE], const char *text, const char *directory)
 {
     size_t length = strlen(out);
@@ -292,7 +292,9 @@ static void expect_start(const char *name, const char *path, const char *directo
     (void)close(fd);
 }
 
-/* `name` is the name of the directory for the stores. */
+/* Expects that the check accepts a configuration and creates no file, and that the daemon starts
+ * with it. `name` is the name of the directory for the stores. Back ends that this build does not
+ * have are left out. */
 static void expect_sound(const char *name, const char *sensor_and_door, const char *directory)
 {
     char stores[512];
@@ -317,7 +319,8 @@ static void expect_sound(const char *name, const char *sensor_and_door, const ch
     run_free(&run);
 }
 
-/* Uses a board's file with the calibration that an installer makes in this directory. */
+/* Reads a board's file. The calibration that an installer would make in /etc is replaced by one in
+ * the test's directory. */
 static void read_board(const char *name, char text[TEXT_SIZE])
 {
     static const char calibration[] = "/etc/isotherm/stereo.ini";

@@ -1,5 +1,5 @@
-/* The configuration: its defaults, every refusal with its line, and the agreement of sample and
- * manual with the table. */
+/* The configuration: its defaults, every refusal with its line, and the options of the back ends.
+ */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -61,8 +61,8 @@ static double threshold_among(const char *text, size_t n_people)
     return iso_config_threshold_among(&config, n_people);
 }
 
-/* The rate of a level is the rate of a visit: with ten times the people, each comparison may have a
- * tenth of the chance. */
+/* The rate of a level holds for a whole visit. With ten times the people, the probability that one
+ * comparison is wrong may be only a tenth. */
 static void the_threshold_grows_with_the_people(void **state)
 {
     (void)state;
@@ -144,7 +144,7 @@ static void refuses(const char *text, const char *message)
     assert_int_equal(config.door.unlock_ms, 4711); /* unchanged */
 }
 
-static void refuses_what_it_does_not_know(void **state)
+static void refuses_unknown_sections_and_keys(void **state)
 {
     (void)state;
     refuses("[door]\nunlock_ms = 700\n[wall]\nheight = 3\n", "door.conf:3: unknown section [wall]");
@@ -154,7 +154,7 @@ static void refuses_what_it_does_not_know(void **state)
     refuses("[gallery]\nunlock_ms = 700\n", "door.conf:2: unknown key 'unlock_ms' in [gallery]");
 }
 
-/* For every back end of this build, in either order of `backend` and the option. */
+/* `backend` and the option may be in either order. */
 static void hands_options_to_the_back_end_that_is_named(void **state)
 {
     struct iso_config config;
@@ -185,8 +185,8 @@ static void hands_options_to_the_back_end_that_is_named(void **state)
             "door.conf:2: unknown key 'colour' in [door]");
 }
 
-/* As with the earlier single table of options, an empty value counts as not set. */
-static void lets_pass_what_is_empty(void **state)
+/* An empty value counts as not set, also that of an option of another back end. */
+static void accepts_empty_options(void **state)
 {
     struct iso_config config;
     struct iso_option options[ISO_CONFIG_OPTIONS_MAX];
@@ -268,7 +268,7 @@ static void refuses_bad_values(void **state)
             "door.conf:2: bad value '1.01' for 'trim' (a number, 0.5 to 1)");
 }
 
-static void refuses_what_does_not_fit_together(void **state)
+static void refuses_values_that_contradict_each_other(void **state)
 {
     (void)state;
     refuses("[decision]\nagree = 7\nmax_frames = 6\n",
@@ -279,7 +279,7 @@ static void refuses_what_does_not_fit_together(void **state)
             "door.conf: [sensor] retry_ms is above retry_max_ms");
 }
 
-static void names_the_file_that_is_not_there(void **state)
+static void names_a_file_that_does_not_exist(void **state)
 {
     struct iso_config config;
     struct iso_fault fault = {.text = ""};
@@ -311,15 +311,15 @@ int main(void)
         cmocka_unit_test(every_default_is_sound),
         cmocka_unit_test(reads_every_type),
         cmocka_unit_test(accepts_and_names_an_obsolete_key),
-        cmocka_unit_test(refuses_what_it_does_not_know),
+        cmocka_unit_test(refuses_unknown_sections_and_keys),
         cmocka_unit_test(hands_options_to_the_back_end_that_is_named),
-        cmocka_unit_test(lets_pass_what_is_empty),
+        cmocka_unit_test(accepts_empty_options),
         cmocka_unit_test(leaves_unknown_back_ends_to_their_registry),
         cmocka_unit_test(sets_an_option_as_a_line_does),
         cmocka_unit_test(refuses_bad_lines),
         cmocka_unit_test(refuses_bad_values),
-        cmocka_unit_test(refuses_what_does_not_fit_together),
-        cmocka_unit_test(names_the_file_that_is_not_there),
+        cmocka_unit_test(refuses_values_that_contradict_each_other),
+        cmocka_unit_test(names_a_file_that_does_not_exist),
         cmocka_unit_test(hands_on_the_options_that_are_given),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

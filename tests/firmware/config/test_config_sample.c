@@ -14,7 +14,7 @@
 #include "isotherm/extract.h"
 #include "tests/support/scratch.h"
 
-/* The appliance would take such a line for an option of its own. */
+/* Otherwise the configuration would take such an option for the key. */
 static void expect_no_key(const char *section, const char *back_end,
                           const struct iso_option_spec *spec)
 {
@@ -40,7 +40,7 @@ static void no_option_has_the_name_of_a_key(void **state)
     }
 }
 
-/* ---- sample and manual ---- */
+/* ---- the sample ---- */
 
 static char *sample(void)
 {
@@ -151,7 +151,7 @@ static void expect_sound_with(const char *class, const char *back_end)
 }
 
 /* Takes the keys of the appliance, and the options of each back end, out of their comments. */
-static void what_the_sample_shows_may_be_set(void **state)
+static void every_line_of_the_sample_may_be_set(void **state)
 {
     const struct iso_config otherwise = iso_config_default();
     struct iso_config config;
@@ -183,7 +183,7 @@ int main(void)
         cmocka_unit_test(the_sample_of_the_board_is_the_table),
         cmocka_unit_test(the_sample_is_sound),
         cmocka_unit_test(all_options_of_a_back_end_fit_into_a_configuration),
-        cmocka_unit_test(what_the_sample_shows_may_be_set),
+        cmocka_unit_test(every_line_of_the_sample_may_be_set),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

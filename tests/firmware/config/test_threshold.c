@@ -17,7 +17,7 @@ static int many_people_setup(void **state)
 
 /* At `strict`, a score of 4 is enough for a door of one person, and for a verification. A search
  * among twenty people needs 4.3. */
-static void the_more_people_the_surer_a_search_has_to_be(void **state)
+static void more_people_need_a_higher_score(void **state)
 {
     struct rig *rig = *state;
     rig->config.decision.threshold = 0;
@@ -59,8 +59,8 @@ static void the_more_people_the_surer_a_search_has_to_be(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(the_more_people_the_surer_a_search_has_to_be,
-                                        many_people_setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(more_people_need_a_higher_score, many_people_setup,
+                                        rig_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,7 +30,7 @@ static void case_and_encoding_do_not_tell_names_apart(void **state)
         {"Stra\u00dfe", "STRASSE"},
         {"\u00c9lodie", "\u00e9lodie"},   /* E with acute, both cases */
         {"\u00e9lodie", "e\u0301lodie"},  /* composed, decomposed */
-        {"\uff21\uff44\uff41", "ada"},    /* full-width letters: the short way does not work */
+        {"\uff21\uff44\uff41", "ada"},    /* full-width letters, which are not ASCII */
         {"\u0391\u03a3", "\u03b1\u03c2"}, /* sigma at the end of a word */
         {"\u0416\u0435\u043d\u044f", "\u0436\u0415\u041d\u042f"},
         {"\u3392", "mhz"},       /* letters that get a case by normalisation only */
@@ -67,7 +67,7 @@ static void other_names_are_others(void **state)
 }
 
 /* An earlier version may have stored such a name, so it also has a key. */
-static void a_name_of_nothing_seen_has_a_key(void **state)
+static void an_invisible_name_has_a_key(void **state)
 {
     (void)state;
     assert_true(are_one("\u200b", "\u2060\u200b"));
@@ -76,7 +76,7 @@ static void a_name_of_nothing_seen_has_a_key(void **state)
 
 /* Every character that Unicode lists as default-ignorable, and every character of the other
  * invisible kinds. */
-static void refuses_what_is_not_seen(void **state)
+static void refuses_invisible_characters(void **state)
 {
     static const struct {
         uint32_t first, last;
@@ -96,7 +96,7 @@ static void refuses_what_is_not_seen(void **state)
             assert_true(length > 0);
             memcpy(name + 2 + length, "a", 2);
             if (!iso_person_name_flaw((const char *)name)) {
-                fail_msg("U+%04X is let in", (unsigned)c);
+                fail_msg("U+%04X is accepted", (unsigned)c);
             }
         }
     }
@@ -104,7 +104,7 @@ static void refuses_what_is_not_seen(void **state)
 }
 
 /* Letters of many scripts, marks that belong to them, and blanks inside a name are visible. */
-static void lets_letters_in(void **state)
+static void accepts_letters(void **state)
 {
     static const char *const names[] = {"Zo\u00eb",
                                         "Jose\u0301 Garc\u00eda",
@@ -123,7 +123,7 @@ static void lets_letters_in(void **state)
     }
 }
 
-static void stores_of_before_may_hold_it(void **state)
+static void stored_names_of_earlier_versions_are_kept(void **state)
 {
     (void)state;
     assert_string_equal(iso_person_name_flaw("A\u200bda"), "the name holds an invisible character");
@@ -137,7 +137,7 @@ static void stores_of_before_may_hold_it(void **state)
     assert_string_equal(iso_person_name_flaw("\u205fAda"), "the name begins with a blank");
 }
 
-static void what_is_no_utf8_has_no_key(void **state)
+static void text_that_is_no_utf8_has_no_key(void **state)
 {
     struct iso_person_name_key key, before;
     (void)state;
@@ -152,11 +152,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(case_and_encoding_do_not_tell_names_apart),
         cmocka_unit_test(other_names_are_others),
-        cmocka_unit_test(what_is_no_utf8_has_no_key),
-        cmocka_unit_test(a_name_of_nothing_seen_has_a_key),
-        cmocka_unit_test(refuses_what_is_not_seen),
-        cmocka_unit_test(lets_letters_in),
-        cmocka_unit_test(stores_of_before_may_hold_it),
+        cmocka_unit_test(text_that_is_no_utf8_has_no_key),
+        cmocka_unit_test(an_invisible_name_has_a_key),
+        cmocka_unit_test(refuses_invisible_characters),
+        cmocka_unit_test(accepts_letters),
+        cmocka_unit_test(stored_names_of_earlier_versions_are_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,7 +9,7 @@ enum { NOW = 1795250000 }; /* 2026-11-21T08:33:20Z */
 
 static const struct iso_validity december = {1796083200, 1798761599};
 
-static void what_is_not_named_stays(void **state)
+static void a_limit_that_is_not_named_stays(void **state)
 {
     const struct iso_validity_change nothing = {0};
     const struct iso_validity_change end = {.names_until = true, .limits = {5, 1796169600}};
@@ -33,7 +33,7 @@ static void expect_flaw(const struct iso_validity_change *change, int64_t now_s,
     assert_string_equal(flaw, wanted);
 }
 
-static void refuses_what_makes_no_sense(void **state)
+static void refuses_impossible_limits(void **state)
 {
     struct iso_validity_change change = {.names_until = true, .limits = {0, december.from_s}};
     (void)state;
@@ -86,8 +86,8 @@ static void reads_as_words(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_not_named_stays),
-        cmocka_unit_test(refuses_what_makes_no_sense),
+        cmocka_unit_test(a_limit_that_is_not_named_stays),
+        cmocka_unit_test(refuses_impossible_limits),
         cmocka_unit_test(an_end_in_the_past_must_be_confirmed),
         cmocka_unit_test(reads_as_words),
     };

@@ -19,6 +19,8 @@ enum { FOLDERS = 4 };
 
 /* Begins to watch. Returns the descriptor for opened_files_collect. */
 int opened_files_watch(const char *directory, int watches[FOLDERS]);
+
+/* Adds the files that were opened since the last call. */
 void opened_files_collect(int fd, const int watches[FOLDERS], struct names *names);
 
 #endif

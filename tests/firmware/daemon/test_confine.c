@@ -29,7 +29,7 @@ enum { CANNOT = 200 };
 static struct iso_config config;
 static char inside[4096];
 
-/* A directory for the state, and another one beside it. */
+/* cmocka set-up: the scratch directory has a directory "state" for the stores. */
 static int setup(void **state)
 {
     const int error = scratch_setup(state);
@@ -203,22 +203,23 @@ static void its_stores_can_be_written(void **state)
     assert_int_equal(attempt(write_inside), 0);
 }
 
-static void nothing_else_can(void **state)
+static void other_files_cannot_be_written(void **state)
 {
     (void)state;
     assert_int_equal(attempt(write_outside), EACCES);
     assert_int_equal(attempt(truncate_outside), EACCES);
 }
 
-static void what_is_not_named_cannot_be_read(void **state)
+static void files_that_are_not_named_cannot_be_read(void **state)
 {
     (void)state;
     assert_int_equal(attempt(read_outside), EACCES);
     assert_int_equal(attempt(read_system), 0);
 }
 
-/* Uses a file that an option of the back end names, with the kind from the back end's table. */
-static void what_an_option_of_a_back_end_names_can_be_read(void **state)
+/* A file whose path is in an option can be read if the back end's table says that the option is a
+ * path. */
+static void a_path_in_an_option_can_be_read(void **state)
 {
     static const struct iso_option_spec file = {.name = "camera", .kind = ISO_OPTION_PATH};
     static const struct iso_option_spec text = {.name = "device", .kind = ISO_OPTION_TEXT};
@@ -242,8 +243,8 @@ static void a_replayed_recording_may_be_anywhere(void **state)
     assert_int_equal(attempt(write_outside), EACCES);
 }
 
-/* Returns the folder of the product's library, or the folder around it. Returns "" if it is in a
- * place where the process may read every file. */
+/* The folder of the product's library, and the folder around it. Both are "" if the library is in a
+ * place where the process may read every file. find_library() sets them. */
 static char folder[4096], around[4096];
 
 static int find_library(struct dl_phdr_info *library, size_t size, void *context)
@@ -287,12 +288,12 @@ static int read_around_library(void)
 }
 
 /* A library may load its parts from its own folder. The process may open nothing else there. */
-static void what_lies_beside_a_library_can_be_read(void **state)
+static void files_beside_a_library_can_be_read(void **state)
 {
     (void)state;
     (void)dl_iterate_phdr(find_library, NULL);
     if (!*folder || !*around) {
-        print_message("the library lies where everything may be read\n");
+        print_message("the library is in a place where every file may be read\n");
         skip();
     }
     assert_int_equal(attempt(read_library), 0);
@@ -345,8 +346,8 @@ static void a_realtime_thread_passes_its_priority_on(void **state)
     assert_int_equal(WEXITSTATUS(status), 0);
 }
 
-/* By the present limit, the memory is locked or a fault says why it is not. A core file is never
- * written. */
+/* It depends on the present limit whether the memory can be locked. If it cannot, a fault says why.
+ * A core file is never written. */
 static void its_memory_stays_its_own(void **state)
 {
     struct iso_fault fault = {.text = ""};
@@ -371,14 +372,14 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, scratch_teardown)
     const struct CMUnitTest tests[] = {
         TEST(its_stores_can_be_written),
-        TEST(nothing_else_can),
-        TEST(what_is_not_named_cannot_be_read),
-        TEST(what_an_option_of_a_back_end_names_can_be_read),
+        TEST(other_files_cannot_be_written),
+        TEST(files_that_are_not_named_cannot_be_read),
+        TEST(a_path_in_an_option_can_be_read),
         TEST(a_replayed_recording_may_be_anywhere),
         TEST(it_cannot_become_another_program),
         TEST(it_has_no_network),
         TEST(its_memory_stays_its_own),
-        TEST(what_lies_beside_a_library_can_be_read),
+        TEST(files_beside_a_library_can_be_read),
         TEST(it_cannot_become_realtime),
         TEST(a_realtime_thread_passes_its_priority_on),
     };

@@ -70,7 +70,9 @@ static void stop(struct run *run)
     run_free(run);
 }
 
-/* Waits until the daemon ends by itself. On a failure it must print one line on standard error. */
+/* Runs the daemon with this option (NULL: none) until it ends by itself with this exit code. On a
+ * failure it must print one line with the words on standard error, otherwise the words on standard
+ * output. */
 static void expect_end(const char *option, int exit, const char *words)
 {
     const char *const argv[] = {DAEMON, "--config", configuration, option, NULL};
@@ -156,8 +158,8 @@ static void without_its_tpm_it_does_not_start(void **state)
     expect_end(NULL, 4, "the counter of the state is gone from the TPM");
 }
 
-/* The door continues without the counter and reports its fault; the next start is refused. */
-static void a_tpm_that_is_lost_later_is_told_of(void **state)
+/* The door continues without the counter. The fault is reported until the TPM works again. */
+static void a_tpm_that_is_lost_later_is_reported(void **state)
 {
     const char *const argv[] = {CLIENT, "--bus", bus.address, "doctor", "--json", NULL};
     struct run run, doctor;
@@ -197,7 +199,7 @@ int main(void)
         TEST(a_directory_of_an_earlier_time_is_refused_and_accepted),
         TEST(a_power_cut_is_no_reason_to_refuse),
         TEST(without_its_tpm_it_does_not_start),
-        TEST(a_tpm_that_is_lost_later_is_told_of),
+        TEST(a_tpm_that_is_lost_later_is_reported),
         TEST(a_wrong_index_is_refused),
     };
     void *directory = NULL;

@@ -18,7 +18,8 @@
 #define PROGRAM ISOTHERM_BINARY_DIR "/firmware/isothermd"
 #define DATA    ISOTHERM_SOURCE_DIR "/core/data"
 
-/* A configuration that would work, but has no bus. `more` follows it. */
+/* Writes a configuration that would work, but has no bus. `more` is part of it. Returns its path.
+ */
 static const char *write_configuration(const char *directory, const char *more)
 {
     static char text[2048];
@@ -62,7 +63,7 @@ static void a_wrong_configuration(void **state)
     expect_code(write_configuration(directory, ""), NULL, ISO_FAULT_BUS_MISSING);
 }
 
-static void a_door_that_is_not_there(void **state)
+static void a_missing_door(void **state)
 {
     const char *path = write_configuration(*state, "[door]\nbackend = gpiod\n"
                                                    "relay = gpiochip4711:17");
@@ -127,7 +128,7 @@ static void a_damaged_log(void **state)
     expect_code(path, NULL, ISO_FAULT_ANCHOR_DAMAGED);
 }
 
-static void a_key_that_is_gone_or_another(void **state)
+static void a_missing_or_wrong_key(void **state)
 {
     const char *path = write_configuration(*state, ""), *key = scratch_path(*state, "g.db.key");
     expect_code(path, NULL, ISO_FAULT_BUS_MISSING);
@@ -156,12 +157,8 @@ static void a_full_disk(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(a_wrong_configuration),
-        TEST(a_door_that_is_not_there),
-        TEST(files_that_cannot_be_used),
-        TEST(a_damaged_gallery),
-        TEST(a_damaged_log),
-        TEST(a_key_that_is_gone_or_another),
+        TEST(a_wrong_configuration), TEST(a_missing_door), TEST(files_that_cannot_be_used),
+        TEST(a_damaged_gallery),     TEST(a_damaged_log),  TEST(a_missing_or_wrong_key),
         TEST(a_full_disk),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -160,7 +160,7 @@ static void refuses_more_than_its_capacity(void **state)
     iso_gallery_close(gallery);
 }
 
-static void refuses_what_makes_no_sense(void **state)
+static void refuses_bad_names_and_templates(void **state)
 {
     struct iso_fault fault = {.text = ""};
     struct iso_gallery *gallery = gallery_rig_open(*state);
@@ -202,10 +202,10 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(begins_empty_and_private),    TEST(keeps_people_over_a_restart),
-        TEST(a_template_is_as_it_was),     TEST(deletes_a_person_whole),
-        TEST(leaves_nothing_behind),       TEST(refuses_more_than_its_capacity),
-        TEST(refuses_what_makes_no_sense), TEST(keeps_templates_of_another_algorithm),
+        TEST(begins_empty_and_private),        TEST(keeps_people_over_a_restart),
+        TEST(a_template_is_as_it_was),         TEST(deletes_a_person_whole),
+        TEST(leaves_nothing_behind),           TEST(refuses_more_than_its_capacity),
+        TEST(refuses_bad_names_and_templates), TEST(keeps_templates_of_another_algorithm),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
