@@ -35,7 +35,7 @@ static const struct run *run_program(const char *option, const char *value)
     return &run;
 }
 
-/* A configuration that would work, but has no bus. `more` follows it. */
+/* Writes a configuration that works if there is this bus. `more` is its end. Returns its path. */
 static const char *write_configuration(const char *directory, const char *bus, const char *more)
 {
     static char text[2048];
@@ -235,7 +235,7 @@ static void skip_without_gpiod(const struct run *run)
     }
 }
 
-/* Uses the lines and nothing else. */
+/* --rest-door uses the lines and opens no store. */
 static void puts_the_door_to_rest(void **state)
 {
     run_expect(rest_door(write_configuration(*state, "system", "")), 0);
@@ -284,7 +284,7 @@ static void expect_mode(const char *path, mode_t mode)
     assert_int_equal(status.st_mode & (S_IRWXU | S_IRWXG | S_IRWXO), mode);
 }
 
-/* The bus goes away, but the daemon still controls the door. */
+/* The bus ends, but the daemon still controls the door. */
 static void live_without_the_bus(const char *const argv[], int fd, struct private_bus *bus)
 {
     struct run run;
@@ -313,7 +313,7 @@ static void expect_stop_in_the_log(const char *path)
     run_free(&run);
 }
 
-static void lives_and_dies(void **state)
+static void starts_notifies_and_ends(void **state)
 {
     struct private_bus bus;
     struct run run;
@@ -326,7 +326,7 @@ static void lives_and_dies(void **state)
     const char *const argv[] = {PROGRAM, "--config", path, NULL};
     assert_int_equal(setenv("NOTIFY_SOCKET", scratch_path(*state, "notify"), 1), 0);
     assert_int_equal(setenv("WATCHDOG_USEC", "200000", 1), 0);
-    const mode_t mask = umask(S_IRWXU); /* with any inherited mask, its files are for itself only */
+    const mode_t mask = umask(S_IRWXU); /* its files are private, whatever mask it inherits */
     run_start(&run, argv);
     (void)umask(mask);
     expect_notification(&run, fd, "READY=1");
@@ -346,8 +346,8 @@ static void lives_and_dies(void **state)
     expect_stop_in_the_log(path);
 }
 
-/* A store that cannot be written is a fault. The daemon reports it in one line. */
-static void says_that_it_cannot_be_read(void **state)
+/* A standard output that cannot be written is a fault. The daemon reports it in one line. */
+static void reports_an_output_that_cannot_be_written(void **state)
 {
     static const char *const options[] = {"--help", "--help-config", "--version"};
     (void)state;
@@ -367,7 +367,7 @@ int main(void)
         cmocka_unit_test(explains_itself),
         cmocka_unit_test(the_manual_has_its_options),
         cmocka_unit_test(refuses_a_wrong_command_line),
-        cmocka_unit_test(says_that_it_cannot_be_read),
+        cmocka_unit_test(reports_an_output_that_cannot_be_written),
         cmocka_unit_test_setup_teardown(checks_a_configuration, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(warns_of_an_obsolete_key, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(says_why_it_does_not_start, scratch_setup,
@@ -376,7 +376,7 @@ int main(void)
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(puts_the_door_to_rest, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(starts_without_its_lines, scratch_setup, scratch_teardown),
-        cmocka_unit_test_setup_teardown(lives_and_dies, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(starts_notifies_and_ends, scratch_setup, scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,5 @@
 /* The notifications for the service manager while the main thread waits for the disk. Each test
- * waits for the notifications that must come. It counts the ones that must not come when another
- * one has come. */
+ * waits for the notifications that must come, and checks that no others have come. */
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -53,7 +52,8 @@ static void wait_ms(long ms)
     (void)nanosleep(&wait, NULL);
 }
 
-/* The time-out of the test ends this wait if the notification never comes. */
+/* Waits for three more notifications of this kind. The time-out of the test ends this wait if they
+ * never come. */
 static void await(atomic_int *count)
 {
     const int before = atomic_load(count);
@@ -62,7 +62,7 @@ static void await(atomic_int *count)
     }
 }
 
-static void it_speaks_while_the_disk_is_waited_for(void **state)
+static void it_notifies_during_a_wait_for_the_disk(void **state)
 {
     (void)state;
     begin(3600 * ISO_NS_PER_S, true);
@@ -77,7 +77,7 @@ static void it_speaks_while_the_disk_is_waited_for(void **state)
 }
 
 /* A main thread that hangs elsewhere must be found by the watchdog. */
-static void it_says_nothing_otherwise(void **state)
+static void it_sends_nothing_otherwise(void **state)
 {
     (void)state;
     begin(3600 * ISO_NS_PER_S, true);
@@ -122,7 +122,7 @@ static void another_thread_does_not_count(void **state)
 }
 
 /* A disk that never answers becomes a fault in the end. */
-static void it_does_not_speak_for_ever(void **state)
+static void it_notifies_for_a_limited_time(void **state)
 {
     (void)state;
     begin(0, true);
@@ -152,7 +152,7 @@ static void without_a_watchdog_nothing_is_fed(void **state)
     assert_int_equal(atomic_load(&fed), 0);
 }
 
-static void syncing_is_such_a_wait(void **state)
+static void synchronising_is_a_wait_for_the_disk(void **state)
 {
     (void)state;
     FILE *file = tmpfile();
@@ -168,9 +168,9 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_teardown(f, teardown)
     const struct CMUnitTest tests[] = {
-        TEST(it_speaks_while_the_disk_is_waited_for), TEST(it_says_nothing_otherwise),
-        TEST(another_thread_does_not_count),          TEST(it_does_not_speak_for_ever),
-        TEST(without_a_watchdog_nothing_is_fed),      TEST(syncing_is_such_a_wait),
+        TEST(it_notifies_during_a_wait_for_the_disk), TEST(it_sends_nothing_otherwise),
+        TEST(another_thread_does_not_count),          TEST(it_notifies_for_a_limited_time),
+        TEST(without_a_watchdog_nothing_is_fed),      TEST(synchronising_is_a_wait_for_the_disk),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -109,7 +109,8 @@ static bool is_built_for(const char *directory, const char *back_end)
     return !says(directory, back_end, "no sensor '");
 }
 
-/* The test ignores other faults that keep the daemon from starting. */
+/* Whether the daemon reports no fault of a module. Other faults that keep it from starting do not
+ * matter. */
 static bool finds_its_modules(const char *directory, const char *back_end)
 {
     return !says(directory, back_end, "the module ");
@@ -145,7 +146,7 @@ static void a_counter_needs_its_module(void **state)
     expect_end(*state, counter, 4, "the TPM at device:/nonexistent: No such file or directory");
 }
 
-static void libcamera_needs_both(void **state)
+static void libcamera_needs_two_modules(void **state)
 {
     if (!is_built_for(*state, "libcamera-stereo")) {
         skip();
@@ -157,8 +158,8 @@ static void libcamera_needs_both(void **state)
     assert_true(finds_its_modules(*state, "libcamera-stereo"));
 }
 
-/* The check of the configuration refuses the same modules as the start, with the same words. */
-static void the_check_of_a_configuration_asks_for_modules(void **state)
+/* The check of the configuration refuses a missing module, as the start does. */
+static void the_check_of_a_configuration_needs_the_modules(void **state)
 {
     if (!is_built_for(*state, "libcamera-stereo")) {
         skip();
@@ -177,8 +178,9 @@ static void the_check_of_a_configuration_asks_for_modules(void **state)
 
 /* ---- the image check ---- */
 
-/* A module that the configuration does not name may be missing or broken. */
-static void the_check_is_wanted_when_its_cascade_is_named(void **state)
+/* The module may be missing if the configuration names no cascade. A broken module is a fault,
+ * unless the configuration switches the check off. */
+static void a_named_cascade_needs_the_module(void **state)
 {
     static const char cascade[] = "[recognition]\ncascade = " DATA "/head.model\n";
     expect_end(*state, "", 3, "bus '" NO_BUS "'");
@@ -192,7 +194,8 @@ static void the_check_is_wanted_when_its_cascade_is_named(void **state)
     expect_end(*state, cascade, 4, "/head.model: not a cascade that OpenCV can read");
 }
 
-/* Starts the daemon. Returns its line about the image check. */
+/* Starts the daemon. Expects this word in its status, and this part of its line about the image
+ * check (NULL: no such line). */
 static void expect_image_check(const char *directory, const char *word, const char *line)
 {
     struct private_bus bus;
@@ -243,11 +246,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_sensor_needs_its_module, setup, teardown),
         cmocka_unit_test_setup_teardown(a_counter_needs_its_module, setup, teardown),
-        cmocka_unit_test_setup_teardown(libcamera_needs_both, setup, teardown),
-        cmocka_unit_test_setup_teardown(the_check_of_a_configuration_asks_for_modules, setup,
+        cmocka_unit_test_setup_teardown(libcamera_needs_two_modules, setup, teardown),
+        cmocka_unit_test_setup_teardown(the_check_of_a_configuration_needs_the_modules, setup,
                                         teardown),
-        cmocka_unit_test_setup_teardown(the_check_is_wanted_when_its_cascade_is_named, setup,
-                                        teardown),
+        cmocka_unit_test_setup_teardown(a_named_cascade_needs_the_module, setup, teardown),
         cmocka_unit_test_setup_teardown(without_its_module_the_check_is_absent, setup, teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

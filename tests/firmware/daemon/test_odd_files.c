@@ -2,9 +2,9 @@
  * symbolic link, a socket, a device, or a file of 8 GiB. It refuses the object in one line that
  * names it. It does not hang, and it does not take more memory than it may.
  *
- * This source has no list of those files: the kernel tells by inotify which files a normal start
- * opens in the test's directory. The test replaces each of them by each kind of object in turn, and
- * starts the real program. */
+ * The kernel tells by inotify which files a normal start opens in the test's directory. The test
+ * replaces each of them by each kind of object in turn, and starts the real program. A list names
+ * the files that do not exist in a normal state. */
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
@@ -205,7 +205,7 @@ enum kind { FIFO, DIRECTORY, LINK_TO_THE_FILE, LINK_TO_ZERO, SOCKET, DEVICE, HUG
 static const char *const kind_names[KINDS] = {
     "FIFO", "directory", "link to the file", "link to /dev/zero", "socket", "device", "8 GiB"};
 
-/* The text of the line about it. */
+/* The text that the line about an object of each kind has. */
 static const char *const words[KINDS] = {
     "is a FIFO",   "is a directory", "is a symbolic link", "is a symbolic link",
     "is a socket", "is a device",    "longer than"};
@@ -220,7 +220,8 @@ static void make_socket(const char *path)
     (void)close(fd);
 }
 
-/* Returns false if this machine does not allow the test to make such an object. */
+/* Makes an object at `path`; `away` is the path of the original file. Returns false if this machine
+ * does not allow the test to make such an object. */
 static bool put(enum kind kind, const char *path, const char *away)
 {
     if (kind == HUGE_FILE) { /* it begins like the original file */
@@ -306,7 +307,8 @@ static void try_start(const char *directory, const char *name, enum kind kind, b
     run_free(&run);
 }
 
-/* The daemon may work without a file that it does not need. */
+/* Puts one object in the place of a file, starts the daemon, and restores the file. A file that is
+ * not needed may be missing, and the daemon may start with the object in its place. */
 static void try_one(const char *directory, const char *name, enum kind kind, bool needed)
 {
     const char *path = scratch_path(directory, name);

@@ -33,6 +33,8 @@ const char *door_rig_news(void);
 
 void door_rig_set_input(enum iso_door_input input, bool active);
 bool door_rig_output(enum iso_door_output which);
+
+/* Sets the clock to this time and steps the state machine, without a change of an input. */
 void door_rig_step_at(int64_t t_ms);
 
 #endif

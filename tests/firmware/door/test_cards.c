@@ -7,7 +7,7 @@
 #include "firmware/door/cards.h"
 #include "tests/support/scratch.h"
 
-static void finds_everybodys_card(void **state)
+static void finds_the_card_of_each_person(void **state)
 {
     const char *path = scratch_path(*state, "cards");
     struct iso_cards *cards = NULL;
@@ -42,7 +42,7 @@ static void two_spellings_are_two_cards(void **state)
     iso_cards_free(cards);
 }
 
-static void refuses_what_is_wrong(void **state)
+static void refuses_wrong_lines(void **state)
 {
     static const char *const bad[][2] = {
         {"17 4711\n", "cards:1: not `FACILITY NUMBER NAME`"},
@@ -74,10 +74,11 @@ static void refuses_what_is_wrong(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(finds_everybodys_card, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(finds_the_card_of_each_person, scratch_setup,
+                                        scratch_teardown),
         cmocka_unit_test_setup_teardown(two_spellings_are_two_cards, scratch_setup,
                                         scratch_teardown),
-        cmocka_unit_test_setup_teardown(refuses_what_is_wrong, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(refuses_wrong_lines, scratch_setup, scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

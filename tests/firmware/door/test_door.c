@@ -67,7 +67,7 @@ static const char *const legal =
     "locked stop stopped\nunlocked stop stopped\nopened stop stopped\nheld-open stop stopped\n"
     "forced stop stopped\nfault stop stopped\n";
 
-/* The expected state after an event. Other tests check the events of time. */
+/* Returns the expected state after an event. Other tests check the events of time. */
 static const char *expected(const char *state, const char *event, bool fail_safe)
 {
     char from[16], on[16], to[24];
@@ -110,7 +110,7 @@ static void follows_the_table(void **state)
     }
 }
 
-/* The expected state of a door that shuts while a fault is present. */
+/* A door that shuts while a fault is present goes to the state `fault`. */
 static void rests_in_fault_while_one_lasts(void **state)
 {
     (void)state;

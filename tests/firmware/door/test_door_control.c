@@ -27,7 +27,7 @@ static void lets_in_and_locks_again(void **state)
     assert_string_equal(door_rig_news(), "unlocked(grant) opened(opened) locked(closed) ");
 }
 
-static void switches_only_what_differs(void **state)
+static void switches_only_changed_outputs(void **state)
 {
     size_t before = 0, after = 0;
     (void)state;
@@ -64,7 +64,7 @@ static void reads_inputs_when_it_is_time(void **state)
 
 /* Inputs are handled before the time. A person who opens the door in the last moment does not force
  * it. */
-static void gives_the_benefit_of_the_doubt(void **state)
+static void an_opening_in_the_last_moment_is_not_forced(void **state)
 {
     (void)state;
     iso_door_control_start(&door_rig_control, door_rig_now_ns);
@@ -145,9 +145,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(tests_the_relay, door_rig_setup_weak, door_rig_teardown),
         WEAK(a_renewal_that_fails_is_withdrawn),
         TEST(lets_in_and_locks_again),
-        TEST(switches_only_what_differs),
+        TEST(switches_only_changed_outputs),
         TEST(reads_inputs_when_it_is_time),
-        TEST(gives_the_benefit_of_the_doubt),
+        TEST(an_opening_in_the_last_moment_is_not_forced),
         TEST(starts_with_the_door_open),
         TEST(rests_without_power),
     };

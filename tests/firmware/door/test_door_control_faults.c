@@ -128,8 +128,8 @@ static void opens_lost_lines_anew(void **state)
     assert_string_equal(door_rig_news(), "fault(fault) locked(recovered) ");
 }
 
-/* The machine finds at once what has happened to the door meanwhile. */
-static void sees_what_it_missed(void **state)
+/* When the lines work again, the machine finds at once what happened to the door meanwhile. */
+static void sees_changes_from_the_time_without_lines(void **state)
 {
     (void)state;
     iso_door_control_start(&door_rig_control, door_rig_now_ns);
@@ -197,7 +197,7 @@ int main(void)
         WEAK(two_faults_must_both_end),
         WEAK(says_when_the_lines_are_gone),
         WEAK(opens_lost_lines_anew),
-        WEAK(sees_what_it_missed),
+        WEAK(sees_changes_from_the_time_without_lines),
         TEST(starts_without_lines),
         WEAK(starts_at_fault_without_lines),
         WEAK(stops_without_lines),

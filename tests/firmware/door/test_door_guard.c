@@ -223,7 +223,7 @@ static void await_lock(void)
 
 /* The door works before there is a log. The guard hands over the records of that time when there is
  * one. */
-static void changes_wait_for_whoever_keeps_records(void **state)
+static void changes_wait_until_records_are_kept(void **state)
 {
     (void)state;
     wired_door_press();
@@ -272,8 +272,8 @@ int main(void)
         TEST(news_that_nobody_takes_are_counted),
         cmocka_unit_test_setup_teardown(the_card_of_an_old_grant_is_not_sent, setup_slow, teardown),
         TEST(a_stopped_door_stays_so),
-        cmocka_unit_test_setup_teardown(changes_wait_for_whoever_keeps_records,
-                                        setup_without_records, teardown),
+        cmocka_unit_test_setup_teardown(changes_wait_until_records_are_kept, setup_without_records,
+                                        teardown),
         cmocka_unit_test_setup_teardown(changes_that_are_too_many_are_counted,
                                         setup_without_records, teardown),
     };

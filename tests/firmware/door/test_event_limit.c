@@ -46,7 +46,7 @@ static void many_events_are_counted(void **state)
     assert_true(iso_event_limit_take(&limit, 1995 * ms_ns)); /* the limit is over */
 }
 
-static void what_goes_on_is_reported_every_ten_seconds(void **state)
+static void lasting_events_are_reported_every_ten_seconds(void **state)
 {
     struct iso_event_limit limit = {.passed = 0};
     struct iso_event_report report;
@@ -103,7 +103,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_few_events_pass),
         cmocka_unit_test(many_events_are_counted),
-        cmocka_unit_test(what_goes_on_is_reported_every_ten_seconds),
+        cmocka_unit_test(lasting_events_are_reported_every_ten_seconds),
         cmocka_unit_test(each_input_is_limited_for_itself),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -291,8 +291,8 @@ static bool is_as(const struct stores *stores, int person, int templates)
     return own.n_entries == templates;
 }
 
-/* Compares the people in the gallery with the expected people. The change under way may have taken
- * effect or not. If it has, it is noted. */
+/* Compares the people in the gallery with the expected people. Notes the change under way if it has
+ * taken effect. */
 static void check_people(const struct stores *stores, const struct message *under_way,
                          struct tally *tally)
 {

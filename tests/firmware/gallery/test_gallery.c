@@ -31,7 +31,8 @@ static void begins_empty_and_private(void **state)
     iso_gallery_close(NULL);
 }
 
-/* Everything is equal before and after a restart. */
+/* Checks the people and templates of keeps_people_over_a_restart(), which calls this before and
+ * after the restart. */
 static void check_three(struct iso_gallery *gallery)
 {
     size_t n_people = 0;

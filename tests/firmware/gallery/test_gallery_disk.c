@@ -63,7 +63,7 @@ static int open_obediently(const char *directory)
     return strstr(fault.text, "cannot be written") ? -error : 98;
 }
 
-static void read_only_it_is_refused(void **state)
+static void a_read_only_gallery_is_refused(void **state)
 {
     gallery_rig_make(*state, 1);
     assert_int_equal(chmod(*state, 0555), 0);
@@ -199,7 +199,7 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(read_only_it_is_refused),
+        TEST(a_read_only_gallery_is_refused),
         TEST(a_full_disk_changes_nothing),
         TEST(survives_kills),
     };

@@ -1,4 +1,4 @@
-/* The gallery when its file is damaged or is no gallery, and when its process is killed. */
+/* The gallery when its file is damaged, is no gallery, or is changed while the gallery is open. */
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/capability.h>
@@ -80,7 +80,7 @@ static void a_newer_gallery_is_left_alone(void **state)
     expect_refusal(*state, -EPROTONOSUPPORT, "of version 3, this program knows version 2");
 }
 
-static void wants_its_directory(void **state)
+static void needs_its_directory(void **state)
 {
     struct iso_gallery *gallery = NULL;
     struct iso_fault fault = {.text = ""};
@@ -92,7 +92,7 @@ static void wants_its_directory(void **state)
 
 /* ---- damage ---- */
 
-static void cut_short_anywhere_it_is_refused(void **state)
+static void a_file_that_is_cut_short_anywhere_is_refused(void **state)
 {
     size_t size = 0;
     gallery_rig_make(*state, 12);
@@ -111,10 +111,10 @@ static void cut_short_anywhere_it_is_refused(void **state)
     free(whole);
 }
 
-/* A checksum protects every byte of every template, and the integrity check or the schema protects
+/* The seal protects every byte of every template, and the integrity check or the schema protects
  * every page. A change is either found, or it was in free space. It never causes a crash or another
  * template. */
-static void changed_anywhere_it_lies_never(void **state)
+static void a_changed_file_never_yields_another_template(void **state)
 {
     size_t size = 0;
     int refused = 0;
@@ -156,7 +156,7 @@ static void a_template_without_a_person_is_refused(void **state)
     expect_refusal(*state, -EBADMSG, "damaged (a template belongs to nobody)");
 }
 
-/* ---- other processes, rights, space ---- */
+/* ---- other processes ---- */
 
 static void one_process_has_it(void **state)
 {
@@ -169,7 +169,8 @@ static void one_process_has_it(void **state)
 
 /* ---- a record that changes while the gallery is open ---- */
 
-/* More people than SQLite keeps of the file in memory, so that it reads the first record again. */
+/* So many people that SQLite does not keep the whole file in memory, and reads the first record
+ * again. */
 enum { MORE_THAN_KEPT = 900, PART = 64 };
 
 static void add_whole_faces(const char *directory)
@@ -203,7 +204,7 @@ static void add_whole_faces(const char *directory)
     iso_gallery_close(gallery);
 }
 
-/* Part of the first person's record, and its position in the file. */
+/* Copies a part of the first person's record. Returns the position of this part in the file. */
 static size_t find_record(const char *directory, uint8_t part[PART])
 {
     sqlite3 *db = NULL;
@@ -236,7 +237,7 @@ static void write_at(const char *directory, size_t offset, const void *bytes, si
     assert_int_equal(close(file), 0);
 }
 
-static void what_changed_behind_it_is_not_handed_out(void **state)
+static void a_record_that_changes_meanwhile_is_not_returned(void **state)
 {
     static struct iso_template found[2], untouched[2];
     struct iso_fault fault = {.text = ""};
@@ -280,7 +281,7 @@ static void take_out(const char *directory, int64_t person)
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
 }
 
-static void what_is_missing_behind_it_is_noticed(void **state)
+static void a_record_that_is_removed_meanwhile_is_noticed(void **state)
 {
     static struct iso_template found[2], untouched[2];
     struct iso_fault fault = {.text = ""};
@@ -308,15 +309,15 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
     const struct CMUnitTest tests[] = {
         TEST(an_empty_file_is_a_lost_gallery),
-        TEST(what_changed_behind_it_is_not_handed_out),
-        TEST(what_is_missing_behind_it_is_noticed),
+        TEST(a_record_that_changes_meanwhile_is_not_returned),
+        TEST(a_record_that_is_removed_meanwhile_is_noticed),
         TEST(text_is_no_gallery),
         TEST(a_directory_is_no_gallery),
         TEST(a_database_of_others_is_no_gallery),
         TEST(a_newer_gallery_is_left_alone),
-        TEST(wants_its_directory),
-        TEST(cut_short_anywhere_it_is_refused),
-        TEST(changed_anywhere_it_lies_never),
+        TEST(needs_its_directory),
+        TEST(a_file_that_is_cut_short_anywhere_is_refused),
+        TEST(a_changed_file_never_yields_another_template),
         TEST(a_damaged_template_is_refused),
         TEST(a_template_without_a_person_is_refused),
         TEST(one_process_has_it),

@@ -39,7 +39,7 @@ static struct iso_metric *new_metric(void)
     return metric;
 }
 
-/* The expected vector in the index for a person with templates of these faces. */
+/* Expects the vector in the index of a person with templates of these faces. */
 static void expect_vector(struct iso_gallery *gallery, const struct iso_metric *metric,
                           const char *name, const int *faces, int n)
 {
@@ -125,7 +125,7 @@ static void each_number_of_people_is_read_whole(void **state)
     iso_metric_free(metric);
 }
 
-/* These people are enrolled, but no face resembles them. */
+/* A person with such a template is enrolled, but no search finds the person. */
 static void a_template_without_points_is_in_no_index(void **state)
 {
     struct iso_metric *metric = new_metric();

@@ -38,7 +38,8 @@ static void a_name_is_one_whatever_its_case(void **state)
     struct iso_gallery *gallery = gallery_rig_open(*state);
     size_t n = 0;
     assert_int_equal(gallery_rig_add(gallery, "Ada", 20, NULL), 0);
-    assert_int_equal(gallery_rig_add(gallery, "aDA", 22, NULL), 0); /* it is hers, too */
+    assert_int_equal(gallery_rig_add(gallery, "aDA", 22, NULL),
+                     0); /* a template of the same person */
     for (int i = 0; i < 2; i++) {
         (void)iso_gallery_people(gallery, &n);
         assert_int_equal(n, 1);
@@ -133,7 +134,7 @@ static struct iso_gallery *open_with_both(const char *directory)
     return gallery_rig_open(directory);
 }
 
-static void two_spellings_of_before_stay_two_people(void **state)
+static void two_spellings_of_an_earlier_version_stay_two_people(void **state)
 {
     struct iso_gallery *gallery = open_with_both(*state);
     assert_int_equal(iso_gallery_same_names(gallery), 1);
@@ -152,7 +153,7 @@ static void two_spellings_of_before_stay_two_people(void **state)
 }
 
 /* A gallery with a name that has an invisible character. An earlier version allowed this. */
-static void an_unseen_character_of_before_stays(void **state)
+static void an_invisible_character_of_an_earlier_version_stays(void **state)
 {
     struct iso_gallery_db *db = NULL;
     const struct iso_gallery_options options = stores_gallery(*state);
@@ -182,7 +183,7 @@ static void an_unseen_character_of_before_stays(void **state)
     iso_gallery_close(gallery);
 }
 
-static void unseen_characters_do_not_come_by_an_import(void **state)
+static void invisible_characters_are_not_imported(void **state)
 {
     struct iso_gallery *gallery = gallery_rig_open(*state);
     struct iso_fault fault = {.text = ""};
@@ -200,7 +201,7 @@ static void unseen_characters_do_not_come_by_an_import(void **state)
     iso_gallery_close(gallery);
 }
 
-/* The lines have no names, because the log with them is not sealed. */
+/* The lines have no names, because the system's log is not sealed. */
 static void the_daemon_warns_of_two_spellings(void **state)
 {
     struct rig *rig = *state;
@@ -214,8 +215,8 @@ static void the_daemon_warns_of_two_spellings(void **state)
     assert_null(strcasestr(rig->warned, "ada"));
 }
 
-/* To forget learned templates, the gallery imports all people in their own place. */
-static void two_spellings_of_before_forget_what_they_learned(void **state)
+/* To forget learned templates, the gallery replaces each person by an import of the same person. */
+static void two_spellings_forget_learned_templates(void **state)
 {
     struct iso_gallery *gallery = open_with_both(*state);
     size_t n = 0;
@@ -231,7 +232,7 @@ static void two_spellings_of_before_forget_what_they_learned(void **state)
     iso_gallery_close(gallery);
 }
 
-static void two_spellings_do_not_come_by_an_import(void **state)
+static void two_spellings_are_not_imported(void **state)
 {
     struct iso_gallery *gallery = gallery_rig_open(*state);
     struct iso_fault fault = {.text = ""};
@@ -277,7 +278,7 @@ static void limits_are_changed_for_good(void **state)
     iso_gallery_close(gallery);
 }
 
-static void refuses_limits_that_make_no_sense(void **state)
+static void refuses_limits_that_are_impossible(void **state)
 {
     const struct iso_validity empty = {9, 9}, before = {-1, 0}, fine = {1, 2};
     struct iso_gallery *gallery = gallery_rig_open(*state);
@@ -316,14 +317,14 @@ int main(void)
         TEST(a_person_is_renamed_for_good),
         TEST(the_spelling_can_be_changed),
         TEST(refuses_names_that_cannot_be_given),
-        TEST(an_unseen_character_of_before_stays),
-        TEST(unseen_characters_do_not_come_by_an_import),
-        TEST(two_spellings_of_before_stay_two_people),
+        TEST(an_invisible_character_of_an_earlier_version_stays),
+        TEST(invisible_characters_are_not_imported),
+        TEST(two_spellings_of_an_earlier_version_stay_two_people),
         cmocka_unit_test_setup_teardown(the_daemon_warns_of_two_spellings, rig_setup, rig_teardown),
-        TEST(two_spellings_of_before_forget_what_they_learned),
-        TEST(two_spellings_do_not_come_by_an_import),
+        TEST(two_spellings_forget_learned_templates),
+        TEST(two_spellings_are_not_imported),
         TEST(limits_are_changed_for_good),
-        TEST(refuses_limits_that_make_no_sense),
+        TEST(refuses_limits_that_are_impossible),
         TEST(nothing_changes_on_a_full_disk),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

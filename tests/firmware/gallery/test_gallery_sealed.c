@@ -55,14 +55,14 @@ static void expect_absent(const char *directory, const char *file, const void *b
     size_t length = 0;
     char *whole = scratch_read(scratch_path(directory, file), &length);
     if (memmem(whole, length, bytes, size)) {
-        fail_msg("%s tells something", file);
+        fail_msg("%s contains plain text", file);
     }
     free(whole);
 }
 
 /* Searches for names, dates, and any eight bytes of any template, in every file except the file of
  * the key. */
-static void stolen_files_tell_no_name_and_no_template(void **state)
+static void stolen_files_have_no_name_and_no_template(void **state)
 {
     static const char *const files[] = {"g.db", "g.db.anchor", "g.db.keys", "a.log",
                                         "a.log.anchor"};
@@ -94,8 +94,8 @@ static void stolen_files_tell_no_name_and_no_template(void **state)
     }
 }
 
-/* The same search finds them in a file that is not sealed. So the search can succeed. */
-static void the_search_finds_what_is_there(void **state)
+/* The same search finds a name in a file that is not sealed. */
+static void the_search_finds_a_name_in_plain_text(void **state)
 {
     size_t size = 0;
     scratch_write_text(scratch_path(*state, "plain"), "here is Wilhelmina");
@@ -146,7 +146,7 @@ static void exchanged_records_are_found(void **state)
         "CREATE TABLE t AS SELECT record FROM person WHERE id = 1;"
         "UPDATE person SET record = (SELECT record FROM person WHERE id = 4) WHERE id = 1;"
         "UPDATE person SET record = (SELECT record FROM t) WHERE id = 4; DROP TABLE t",
-        /* to whom a template belongs, its algorithm, its number */
+        /* the person of a template, its algorithm, its number */
         "UPDATE template SET person_id = 4 WHERE id = 2",
         "UPDATE template SET algorithm = algorithm + 1 WHERE id = 2",
         "UPDATE template SET id = 50 WHERE id = 2",
@@ -258,8 +258,8 @@ static void anchors_can_be_sealed_anew(void **state)
 
 /* ---- the previous version ---- */
 
-/* A gallery in the format of version 1: one person, one template, and one template from a newer
- * version. */
+/* Makes a gallery in the format of version 1. It has one person with one template, and one template
+ * from a newer version. */
 static void make_version_1(const char *directory)
 {
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
@@ -362,8 +362,8 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(stolen_files_tell_no_name_and_no_template),
-        TEST(the_search_finds_what_is_there),
+        TEST(stolen_files_have_no_name_and_no_template),
+        TEST(the_search_finds_a_name_in_plain_text),
         TEST(the_length_of_a_name_does_not_show),
         TEST(another_key_opens_nothing),
         TEST(exchanged_records_are_found),

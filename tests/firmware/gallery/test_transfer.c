@@ -1,5 +1,5 @@
-/* People are transferred from one gallery to another, with a passphrase or for an address; and
- * which files are refused. */
+/* People are transferred from one gallery to another, with a passphrase or for an address. Changed
+ * files and wrong keys are refused. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/support/scratch.h"
 
-/* Two doors. */
+/* One of the two doors. */
 struct door {
     struct iso_key_ring *ring;
     struct iso_gallery *gallery;
@@ -176,7 +176,7 @@ static void carries_one_person_to_one_appliance(void **state)
     iso_transfer_free(file, size);
 }
 
-static void replaces_people_if_it_is_told_to(void **state)
+static void replaces_people_on_request(void **state)
 {
     struct doors *doors = *state;
     size_t size = 0, added = 0;
@@ -213,7 +213,7 @@ static void takes_all_or_none(void **state)
     iso_transfer_free(file, size);
 }
 
-static void refuses_what_was_changed(void **state)
+static void refuses_changed_files(void **state)
 {
     struct doors *doors = *state;
     size_t size = 0, added = 0;
@@ -244,7 +244,7 @@ static void refuses_what_was_changed(void **state)
     iso_transfer_free(file, size);
 }
 
-static void refuses_what_is_no_address(void **state)
+static void refuses_wrong_addresses(void **state)
 {
     static const char *const bad[] = {"", "12", "not an address"};
     struct doors *doors = *state;
@@ -263,9 +263,9 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
     const struct CMUnitTest tests[] = {
-        TEST(carries_people_by_passphrase),     TEST(carries_one_person_to_one_appliance),
-        TEST(replaces_people_if_it_is_told_to), TEST(takes_all_or_none),
-        TEST(refuses_what_was_changed),         TEST(refuses_what_is_no_address),
+        TEST(carries_people_by_passphrase), TEST(carries_one_person_to_one_appliance),
+        TEST(replaces_people_on_request),   TEST(takes_all_or_none),
+        TEST(refuses_changed_files),        TEST(refuses_wrong_addresses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,7 +17,7 @@ extern bool counter_rig_killed;
 struct world {
     char *state; /* the directory of the stores */
     void *scratch;
-    struct mix_state before;
+    struct mix_state before; /* the files of the state directory after the set-up */
 };
 
 /* cmocka set-up and tear-down: *state is a struct world. */

@@ -15,7 +15,7 @@
 
 /* ---- sealing ---- */
 
-static void opens_what_was_sealed_and_nothing_else(void **state)
+static void opens_unchanged_seals_only(void **state)
 {
     static const char plain[] = "twelve isotherms";
     uint8_t sealed[sizeof plain + ISO_SEAL_OVERHEAD];
@@ -117,7 +117,7 @@ static void expect_ring(const char *directory, const char *credentials, int erro
     }
 }
 
-/* Copies a key that a ring holds. */
+/* Returns a copy of the ring's newest key for this use. */
 static struct iso_seal_key key_of(const struct iso_key_ring *ring, enum iso_key_use use)
 {
     const struct iso_seal_key *key = iso_key_ring_find(ring, use, iso_key_ring_newest(ring, use));
@@ -153,7 +153,7 @@ static void keeps_its_keys(void **state)
     iso_key_ring_close(NULL);
 }
 
-static void no_key_stands_in_the_ring_as_it_is(void **state)
+static void the_ring_has_no_key_in_plain_text(void **state)
 {
     struct iso_key_ring *ring = ring_of(*state, NULL);
     size_t size = 0;
@@ -164,7 +164,7 @@ static void no_key_stands_in_the_ring_as_it_is(void **state)
     iso_key_ring_close(ring);
 }
 
-static void holds_so_many_keys(void **state)
+static void holds_at_most_64_keys(void **state)
 {
     struct iso_key_ring *ring = ring_of(*state, NULL);
     struct iso_fault fault = {.text = ""};
@@ -179,7 +179,7 @@ static void holds_so_many_keys(void **state)
     iso_key_ring_close(ring);
 }
 
-static void refuses_what_is_not_its_key(void **state)
+static void refuses_wrong_keys(void **state)
 {
     iso_key_ring_close(ring_of(*state, NULL));
     const char *file = scratch_path(*state, "key"), *ring = scratch_path(*state, "ring");
@@ -258,7 +258,7 @@ static void takes_its_key_from_the_service_manager(void **state)
     assert_false(scratch_exists(scratch_path(*state, "key")));
     assert_int_equal(iso_key_ring_change_key(ring, NULL), -EPERM);
     iso_key_ring_close(ring);
-    /* Another ring, with the old one beside it for one start. */
+    /* Another key, with the old one beside it for one start. */
     scratch_write(given, b, sizeof b);
     expect_ring(*state, *state, -EKEYREJECTED, "sealed with another key");
     scratch_write(before, a, sizeof a);
@@ -308,8 +308,8 @@ static void an_anchor_holds_its_value(void **state)
     iso_key_ring_close(ring);
 }
 
-/* A slot that was cut short leaves the previous value, and never another one. */
-static void an_anchor_that_was_cut_short_is_one_behind(void **state)
+/* If one slot is damaged, the anchor has the value of the other one, and never a third value. */
+static void an_anchor_with_a_damaged_slot_is_at_most_one_behind(void **state)
 {
     struct iso_key_ring *ring = ring_of(*state, NULL);
     const char *path = scratch_path(*state, "anchor");
@@ -342,17 +342,17 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, scratch_setup, scratch_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(opens_what_was_sealed_and_nothing_else),
+        TEST(opens_unchanged_seals_only),
         TEST(is_xchacha20_poly1305_as_published),
         TEST(two_seals_of_one_thing_differ),
         TEST(keeps_its_keys),
-        TEST(no_key_stands_in_the_ring_as_it_is),
-        TEST(holds_so_many_keys),
-        TEST(refuses_what_is_not_its_key),
+        TEST(the_ring_has_no_key_in_plain_text),
+        TEST(holds_at_most_64_keys),
+        TEST(refuses_wrong_keys),
         TEST(a_change_of_key_survives_kills),
         TEST(takes_its_key_from_the_service_manager),
         TEST(an_anchor_holds_its_value),
-        TEST(an_anchor_that_was_cut_short_is_one_behind),
+        TEST(an_anchor_with_a_damaged_slot_is_at_most_one_behind),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -110,7 +110,7 @@ static void an_administrator_accepts_an_earlier_directory(void **state)
     assert_int_equal(n, 2);
     state_rig_close(components);
     counter_rig_expect_open(world);
-    mix_put_back(world->state, &after); /* the other files become earlier ones */
+    mix_put_back(world->state, &after); /* since the acceptance, these are the earlier files */
     counter_rig_expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "is of an earlier time");
     mix_let_go(&after);
 }
@@ -141,7 +141,7 @@ static void a_kill_before_the_increment_is_caught_up(void **state)
     counter_rig_killed = false;
     mix_take(world->state, &ahead);
     assert_int_equal(counter_rig_value(), value + 1); /* from the start alone */
-    counter_rig_expect_open(world);                   /* the counter is one ahead */
+    counter_rig_expect_open(world);                   /* the files are one ahead */
     state_rig_close(state_rig_open(world->state));    /* the end counts, too */
     assert_int_equal(counter_rig_value(), value + 3);
     counter_rig_expect_open(world);

@@ -52,7 +52,7 @@ static void changes_raise_it_at_once(void **state)
     state_rig_close(components);
 }
 
-/* Provoked lock-outs do not wear out the TPM. */
+/* An attacker who provokes lock-outs cannot wear out the TPM. */
 static void a_lock_out_raises_it_once_in_half_an_hour(void **state)
 {
     const struct world *world = *state;
@@ -61,7 +61,7 @@ static void a_lock_out_raises_it_once_in_half_an_hour(void **state)
     state_rig_append(components, "lockout");
     state_rig_now_ns += 1799 * ISO_NS_PER_S;
     assert_false(iso_state_counter_is_due(components->counter));
-    state_rig_append(components, "visit"); /* it might wait for longer */
+    state_rig_append(components, "visit"); /* does not make the increment due */
     assert_int_equal(counter_rig_puppet.increments, start);
     state_rig_now_ns += ISO_NS_PER_S;
     assert_true(iso_state_counter_is_due(components->counter));
@@ -74,7 +74,7 @@ static void a_lock_out_raises_it_once_in_half_an_hour(void **state)
 
 /* The increment fails. The number does not change until an increment succeeds, and then rises
  * again. */
-static void a_failure_is_told_and_tried_again(void **state)
+static void a_failure_is_reported_and_tried_again(void **state)
 {
     const struct world *world = *state;
     struct iso_fault fault = {.text = ""};
@@ -91,7 +91,7 @@ static void a_failure_is_told_and_tried_again(void **state)
     assert_false(iso_state_counter_take_news(components->counter, &error, &fault)); /* once */
     assert_int_equal(counter_rig_puppet.value, value);
     counter_rig_puppet.error = 0;
-    state_rig_append(components, "visit"); /* with any anchor */
+    state_rig_append(components, "visit"); /* every write of the anchor tries again */
     assert_int_equal(counter_rig_puppet.value, value + 1);
     assert_true(iso_state_counter_take_news(components->counter, &error, &fault));
     assert_int_equal(error, 0);
@@ -109,7 +109,7 @@ static void an_answer_that_is_lost_does_not_count_twice(void **state)
     counter_rig_puppet.loses_answer = true;
     state_rig_append(components, "lockdown");
     assert_int_equal(counter_rig_puppet.value, value + 1);
-    state_rig_append(components, "visit"); /* asks again */
+    state_rig_append(components, "visit"); /* reads the counter again */
     assert_int_equal(counter_rig_puppet.value, value + 1);
     counter_rig_puppet.loses_answer = false;
     state_rig_append(components, "lockdown");
@@ -120,7 +120,7 @@ static void an_answer_that_is_lost_does_not_count_twice(void **state)
 
 /* Anyone who may use the TPM can increment the counter. This must not lock the appliance out for
  * ever. */
-static void somebody_else_who_counts_is_followed(void **state)
+static void increments_by_others_are_followed(void **state)
 {
     const struct world *world = *state;
     struct iso_components *components = state_rig_open(world->state);
@@ -147,9 +147,9 @@ int main(void)
         TEST(records_alone_raise_it_once_an_hour),
         TEST(changes_raise_it_at_once),
         TEST(a_lock_out_raises_it_once_in_half_an_hour),
-        TEST(a_failure_is_told_and_tried_again),
+        TEST(a_failure_is_reported_and_tried_again),
         TEST(an_answer_that_is_lost_does_not_count_twice),
-        TEST(somebody_else_who_counts_is_followed),
+        TEST(increments_by_others_are_followed),
         TEST(a_counter_that_is_too_large_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

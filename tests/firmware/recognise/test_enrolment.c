@@ -107,7 +107,7 @@ static void a_duplicate_may_be_allowed(void **state)
     assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
 }
 
-static void somebody_less_alike_is_no_duplicate(void **state)
+static void a_less_similar_person_is_no_duplicate(void **state)
 {
     const struct iso_template known = puppet_template(55, PUPPET_ALGORITHM);
     const struct iso_search_entry entries[] = {{.person = 9, .tmpl = &known}};
@@ -119,8 +119,8 @@ static void somebody_less_alike_is_no_duplicate(void **state)
     assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
 }
 
-/* More templates for an enrolled person. The person's own templates are no duplicates, but a worse
- * hit may still be another person. */
+/* An enrolled person gets another template. The person's own templates are no duplicates, but a hit
+ * with a lower score may still be another person. */
 static void adds_to_a_person(void **state)
 {
     const struct iso_template known = puppet_template(51, PUPPET_ALGORITHM);
@@ -180,7 +180,7 @@ static void a_frame_without_enough_points_agrees_with_none(void **state)
     assert_int_equal(enrolment.state, ISO_ENROLMENT_ACTIVE);
 }
 
-static void hands_up_an_error_of_the_search(void **state)
+static void returns_an_error_of_the_search(void **state)
 {
     const struct iso_template tmpl = puppet_template(50, PUPPET_ALGORITHM);
     bool passed = true;
@@ -212,13 +212,13 @@ int main(void)
         cmocka_unit_test_setup(fails_when_nothing_agrees, setup),
         cmocka_unit_test_setup(finds_a_duplicate, setup),
         cmocka_unit_test_setup(a_duplicate_may_be_allowed, setup),
-        cmocka_unit_test_setup(somebody_less_alike_is_no_duplicate, setup),
+        cmocka_unit_test_setup(a_less_similar_person_is_no_duplicate, setup),
         cmocka_unit_test_setup(adds_to_a_person, setup),
         cmocka_unit_test_setup(does_not_add_somebody_else_to_a_person, setup),
         cmocka_unit_test_setup(ends_in_time, setup),
         cmocka_unit_test_setup(ends_without_a_sensor, setup),
         cmocka_unit_test_setup(a_frame_without_enough_points_agrees_with_none, setup),
-        cmocka_unit_test_setup(hands_up_an_error_of_the_search, setup),
+        cmocka_unit_test_setup(returns_an_error_of_the_search, setup),
         cmocka_unit_test_setup(wipes_its_templates, setup),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

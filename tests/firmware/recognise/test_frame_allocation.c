@@ -70,7 +70,9 @@ static int open_template(void *context, int64_t person, struct iso_template *out
     return 0;
 }
 
-/* People with invented numbers, and number 1, who is on the first frame. */
+/* Puts people into the index: number 1, who is on the first frame, and others with invented
+ * vectors.
+ */
 static void enrol(struct rig *rig)
 {
     const struct iso_metric *metric = rig->pipeline.ops->metric(rig->pipeline.self);
@@ -188,7 +190,7 @@ static void a_warm_frame_allocates_nothing(void **state)
     iso_pipeline_close(&rig.pipeline);
 }
 
-/* Otherwise the tests above would show nothing. */
+/* If the counter did not count, the test of the frames would show nothing. */
 static void the_counter_counts(void **state)
 {
     (void)state;

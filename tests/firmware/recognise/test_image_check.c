@@ -17,7 +17,7 @@
 
 /* ---- counting ---- */
 
-static void counts_what_images_say(void **state)
+static void counts_the_results_of_images(void **state)
 {
     struct iso_image_tally tally = {0};
     char text[ISO_IMAGE_TALLY_TEXT_SIZE] = "untouched";
@@ -36,7 +36,7 @@ static void counts_what_images_say(void **state)
     assert_string_equal(text, "image: 4 confirmed, 2 contradicted, 1 unsure");
 }
 
-static void a_visit_is_logged_with_what_its_images_said(void **state)
+static void a_visit_is_logged_with_the_results_of_its_images(void **state)
 {
     struct rig *rig = *state;
     rig_enrol(rig, "anna", 50);
@@ -137,8 +137,9 @@ static void off_looks_at_no_image(void **state)
     iso_pipeline_close(&pipeline);
 }
 
-/* Returns the outcome for a face: one whose image shows it, one whose image is evenly bright, or
- * one without an image. */
+/* Checks the outcome and the result of the image check for a face without an image, for one whose
+ * image shows it, for one whose image is evenly bright (outcome of_blank), and for an empty frame.
+ */
 static void look(enum iso_image_check image, enum iso_capture of_blank)
 {
     struct iso_pipeline pipeline = open_with(image);
@@ -171,7 +172,7 @@ static void look(enum iso_image_check image, enum iso_capture of_blank)
     iso_pipeline_close(&pipeline);
 }
 
-static void flag_says_so(void **state)
+static void flag_keeps_the_frame(void **state)
 {
     (void)state;
     if (!*iso_face_detector_engine()) {
@@ -180,7 +181,7 @@ static void flag_says_so(void **state)
     look(ISO_IMAGE_FLAG, ISO_CAPTURE_OK);
 }
 
-static void veto_costs_the_frame(void **state)
+static void veto_rejects_the_frame(void **state)
 {
     (void)state;
     if (!*iso_face_detector_engine()) {
@@ -189,8 +190,8 @@ static void veto_costs_the_frame(void **state)
     look(ISO_IMAGE_VETO, ISO_CAPTURE_NO_FACE_IN_IMAGE);
 }
 
-/* If the configuration asks for the check, the check is there, or the log says that it is missing,
- * and why. Its absence does not keep an appliance from starting. */
+/* If the configuration asks for the check and the module is missing, the pipeline opens all the
+ * same, and says why there is no check. */
 static void a_machine_without_the_module_runs(void **state)
 {
     struct iso_pipeline pipeline = open_with(ISO_IMAGE_VETO);
@@ -224,14 +225,14 @@ static void a_cascade_that_is_named_must_be_good(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(counts_what_images_say),
-        cmocka_unit_test_setup_teardown(a_visit_is_logged_with_what_its_images_said, rig_setup,
+        cmocka_unit_test(counts_the_results_of_images),
+        cmocka_unit_test_setup_teardown(a_visit_is_logged_with_the_results_of_its_images, rig_setup,
                                         rig_teardown),
         cmocka_unit_test_setup_teardown(a_visit_without_images_has_no_note, rig_setup,
                                         rig_teardown),
         cmocka_unit_test(off_looks_at_no_image),
-        cmocka_unit_test(flag_says_so),
-        cmocka_unit_test(veto_costs_the_frame),
+        cmocka_unit_test(flag_keeps_the_frame),
+        cmocka_unit_test(veto_rejects_the_frame),
         cmocka_unit_test(a_machine_without_the_module_runs),
         cmocka_unit_test(a_cascade_that_is_named_must_be_good),
     };

@@ -86,7 +86,7 @@ static void setup_learning(struct rig *rig, int templates)
     rig_start(rig);
 }
 
-static void learns_nothing_unless_it_is_asked_to(void **state)
+static void learns_nothing_by_default(void **state)
 {
     struct rig *rig = *state;
     assert_int_equal(rig->config.update.templates, 0);
@@ -98,7 +98,7 @@ static void learns_nothing_unless_it_is_asked_to(void **state)
     assert_string_equal(rig_record(rig, "learn"), "");
 }
 
-static void learns_from_a_sure_visit_and_says_so(void **state)
+static void learns_from_a_sure_visit_and_records_it(void **state)
 {
     struct rig *rig = *state;
     setup_learning(rig, 2);
@@ -118,8 +118,9 @@ static void learns_from_a_sure_visit_and_says_so(void **state)
     assert_int_equal(puppet_face_of(&own[1]), 52);
 }
 
-/* A visit that is allowed with a low score. */
-static void does_not_learn_from_others(void **state)
+/* Visits that are allowed, but with a low score, an attack frame, an expression, or a turned head.
+ */
+static void does_not_learn_from_other_visits(void **state)
 {
     struct rig *rig = *state;
     setup_learning(rig, 2);
@@ -149,7 +150,7 @@ static void does_not_drift(void **state)
     assert_int_equal(templates_of(rig, "anna"), 2);
 }
 
-static void learns_so_many_and_no_more(void **state)
+static void learns_at_most_the_configured_number(void **state)
 {
     struct rig *rig = *state;
     setup_learning(rig, 2);
@@ -159,7 +160,7 @@ static void learns_so_many_and_no_more(void **state)
     assert_int_equal(templates_of(rig, "anna"), 3);
 }
 
-static void what_cannot_be_logged_is_not_learned(void **state)
+static void a_template_that_cannot_be_logged_is_not_learned(void **state)
 {
     struct rig *rig = *state;
     setup_learning(rig, 2);
@@ -207,8 +208,8 @@ static void nothing_to_forget(void **state)
     assert_int_equal(iso_gallery_version(rig->gallery).changes, changes);
 }
 
-/* Many people: the copies move in memory as their number grows. */
-static void forgets_of_everybody(void **state)
+/* Several people: the copies move in memory as their number grows. */
+static void forgets_the_templates_of_all_people(void **state)
 {
     enum { MANY = 3 };
     struct rig *rig = *state;
@@ -238,18 +239,19 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sure_visit),
-        cmocka_unit_test_setup_teardown(learns_nothing_unless_it_is_asked_to, rig_setup,
+        cmocka_unit_test_setup_teardown(learns_nothing_by_default, rig_setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(learns_from_a_sure_visit_and_records_it, rig_setup,
                                         rig_teardown),
-        cmocka_unit_test_setup_teardown(learns_from_a_sure_visit_and_says_so, rig_setup,
-                                        rig_teardown),
-        cmocka_unit_test_setup_teardown(does_not_learn_from_others, rig_setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(does_not_learn_from_other_visits, rig_setup, rig_teardown),
         cmocka_unit_test_setup_teardown(does_not_drift, rig_setup, rig_teardown),
-        cmocka_unit_test_setup_teardown(learns_so_many_and_no_more, rig_setup, rig_teardown),
-        cmocka_unit_test_setup_teardown(what_cannot_be_logged_is_not_learned, rig_setup,
+        cmocka_unit_test_setup_teardown(learns_at_most_the_configured_number, rig_setup,
+                                        rig_teardown),
+        cmocka_unit_test_setup_teardown(a_template_that_cannot_be_logged_is_not_learned, rig_setup,
                                         rig_teardown),
         cmocka_unit_test_setup_teardown(forgets_when_it_is_switched_off, rig_setup, rig_teardown),
         cmocka_unit_test_setup_teardown(nothing_to_forget, rig_setup, rig_teardown),
-        cmocka_unit_test_setup_teardown(forgets_of_everybody, rig_setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(forgets_the_templates_of_all_people, rig_setup,
+                                        rig_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -43,7 +43,7 @@ static struct iso_pipeline open_pipeline(enum iso_method method)
     return pipeline;
 }
 
-/* Returns the template of the first usable frame of a recording. */
+/* Reads the template of the first usable frame of a recording. */
 static void read_template(const struct iso_pipeline *pipeline, const char *name,
                           struct iso_template *out)
 {

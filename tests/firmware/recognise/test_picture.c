@@ -62,7 +62,7 @@ static void a_surface_is_lit_from_the_upper_left(void **state)
     assert_true(middle(9000, 0, 0) > 20);         /* but no measured pixel is black */
 }
 
-static void what_is_not_measured_is_black_and_stays_in_its_place(void **state)
+static void unmeasured_pixels_are_black_and_stay_in_their_place(void **state)
 {
     (void)state;
     struct iso_image image = {.width_px = 0};
@@ -182,7 +182,7 @@ static void expect_error(const struct answer *answer, const char *error)
     assert_string_equal(answer->error, error);
 }
 
-static void who_has_the_claim_gets_the_next_frame(void **state)
+static void the_claimant_gets_the_next_frame(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     struct answer answer;
@@ -232,7 +232,7 @@ static void one_at_a_time_and_none_during_an_action(void **state)
 }
 
 /* The daemon also answers if the camera delivers no frame, and if the claim has ended. */
-static void it_is_said_when_there_is_none(void **state)
+static void a_missing_picture_is_answered_with_a_fault(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     struct answer answer;
@@ -251,7 +251,7 @@ static void it_is_said_when_there_is_none(void **state)
 }
 
 /* A client asks for a picture and leaves. The next client does not get this picture. */
-static void who_leaves_the_bus_takes_the_request_along(void **state)
+static void a_client_that_leaves_the_bus_withdraws_its_request(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     struct answer answer;
@@ -295,14 +295,14 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, bus_rig_setup, bus_rig_teardown)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_surface_is_lit_from_the_upper_left),
-        cmocka_unit_test(what_is_not_measured_is_black_and_stays_in_its_place),
+        cmocka_unit_test(unmeasured_pixels_are_black_and_stay_in_their_place),
         cmocka_unit_test(the_file_is_a_png_that_nobody_can_change),
         cmocka_unit_test(a_frame_that_is_too_large_is_refused),
-        TEST(who_has_the_claim_gets_the_next_frame),
+        TEST(the_claimant_gets_the_next_frame),
         TEST(nobody_else_gets_one),
         TEST(one_at_a_time_and_none_during_an_action),
-        TEST(it_is_said_when_there_is_none),
-        TEST(who_leaves_the_bus_takes_the_request_along),
+        TEST(a_missing_picture_is_answered_with_a_fault),
+        TEST(a_client_that_leaves_the_bus_withdraws_its_request),
         TEST(without_a_record_there_is_no_picture),
     };
     return cmocka_run_group_tests(tests, bus_rig_group_setup, bus_rig_group_teardown);

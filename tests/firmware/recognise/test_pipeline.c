@@ -40,7 +40,7 @@ static void expect_refusal(const struct iso_pipeline_options *wanted, int error,
     iso_pipeline_close(&pipeline);
 }
 
-static void names_files_that_are_not_there(void **state)
+static void names_files_that_do_not_exist(void **state)
 {
     struct iso_pipeline_options wanted = options();
     (void)state;
@@ -226,7 +226,7 @@ static void recognises_a_stored_face_by_distance(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(names_files_that_are_not_there),
+        cmocka_unit_test(names_files_that_do_not_exist),
         cmocka_unit_test_setup_teardown(refuses_damaged_files, scratch_setup, scratch_teardown),
         cmocka_unit_test(refuses_a_cohort_of_other_options),
         cmocka_unit_test(refuses_options_out_of_range),

@@ -10,7 +10,7 @@
 
 enum { PEOPLE = 30 };
 
-/* Data that the functions under test use. */
+/* Working memory of iso_rerank(), which computes the expected scores. */
 static struct iso_rerank_workspace work;
 
 /* A slope with a wave that depends on the person. */
@@ -76,7 +76,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* So many hits from a person on, with falling scores. */
+/* Reranks n hits, from the person `first` on, with falling scores. Returns the reranker's error. */
 static int look_at(struct rig *rig, int first, int n)
 {
     for (int i = 0; i < n; i++) {
@@ -138,7 +138,7 @@ static void a_gallery_that_changed_is_asked_again(void **state)
     assert_int_equal(other.opened, 3);
 }
 
-static void what_cannot_be_opened_is_an_error(void **state)
+static void a_template_that_cannot_be_opened_is_an_error(void **state)
 {
     struct rig *rig = *state;
     rig->owner.error = -EBADMSG;
@@ -156,7 +156,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(scores_are_fused_and_fall, set_up, tear_down),
         cmocka_unit_test_setup_teardown(asks_for_nobody_twice, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_gallery_that_changed_is_asked_again, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_cannot_be_opened_is_an_error, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_template_that_cannot_be_opened_is_an_error, set_up,
+                                        tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

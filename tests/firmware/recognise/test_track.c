@@ -24,7 +24,8 @@ static int setup(void **state)
     return 0;
 }
 
-/* A face at a place, turned by these angles about the vertical and about its line of sight. */
+/* Shows a face at this place in mm, turned by these angles about the vertical and about its line of
+ * sight. Returns its motion. */
 static struct iso_track_motion pose(int64_t t_ms, double x, double y, double z, double yaw_deg,
                                     double roll_deg)
 {
@@ -36,7 +37,7 @@ static struct iso_track_motion pose(int64_t t_ms, double x, double y, double z, 
     return iso_track_pose(&track, t_ms * MS, &at);
 }
 
-static void the_first_pose_says_nothing_of_speed(void **state)
+static void the_first_pose_has_no_speed(void **state)
 {
     const struct iso_track_motion motion = pose(100, 10, 20, 700, 5, 0);
     (void)state;
@@ -71,7 +72,7 @@ static void measures_turning(void **state)
     assert_int_equal(motion.track, 1);
 }
 
-static void what_a_head_cannot_do_is_another_face(void **state)
+static void an_impossible_motion_is_another_face(void **state)
 {
     /* The face was at (0, 0, 700) at 100 ms. Its reach in 30 ms is 20 + 60 = 80 mm and 15 + 24 = 39
      * degrees. */
@@ -107,7 +108,7 @@ static void a_track_that_was_left_does_not_come_back(void **state)
     assert_int_equal(pose(200, 1, 0, 700, 0, 0).track, 3);
 }
 
-static void walks_along_with_who_walks(void **state)
+static void follows_a_person_who_walks(void **state)
 {
     (void)state;
     for (int i = 0; i < 30; i++) { /* 1.4 m/s towards the camera */
@@ -117,7 +118,7 @@ static void walks_along_with_who_walks(void **state)
     }
 }
 
-static void two_frames_of_one_time_say_nothing_of_speed(void **state)
+static void two_frames_of_one_time_have_no_speed(void **state)
 {
     (void)state;
     (void)pose(100, 0, 0, 700, 0, 0);
@@ -141,13 +142,13 @@ static void begins_anew_on_reset(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(the_first_pose_says_nothing_of_speed, setup),
+        cmocka_unit_test_setup(the_first_pose_has_no_speed, setup),
         cmocka_unit_test_setup(measures_speed, setup),
         cmocka_unit_test_setup(measures_turning, setup),
-        cmocka_unit_test_setup(what_a_head_cannot_do_is_another_face, setup),
+        cmocka_unit_test_setup(an_impossible_motion_is_another_face, setup),
         cmocka_unit_test_setup(a_track_that_was_left_does_not_come_back, setup),
-        cmocka_unit_test_setup(walks_along_with_who_walks, setup),
-        cmocka_unit_test_setup(two_frames_of_one_time_say_nothing_of_speed, setup),
+        cmocka_unit_test_setup(follows_a_person_who_walks, setup),
+        cmocka_unit_test_setup(two_frames_of_one_time_have_no_speed, setup),
         cmocka_unit_test_setup(begins_anew_on_reset, setup),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
