@@ -272,8 +272,7 @@ static bool run_writer(struct tally *tally, struct message *under_way)
     return begun;
 }
 
-/* Whether a person has this number of templates (0: is not in the gallery). A template of another
- * person is always an error. */
+/* Whether a person has this number of templates. A face of another person is always an error. */
 static bool is_as(const struct stores *stores, int person, int templates)
 {
     char name[32];

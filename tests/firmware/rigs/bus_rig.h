@@ -9,6 +9,7 @@
 #include "firmware/bus/bus.h"
 #include "tests/firmware/rigs/rig.h"
 
+/* A wait for an event fails after this number of rounds. */
 enum { BUS_RIG_ROUNDS = 20000 };
 
 struct bus_rig {
@@ -43,9 +44,11 @@ struct bus_answer {
     sd_bus_message *reply;
 };
 
-/* Makes a call of a client, whose arguments the test appends; sends it and waits for the answer.
- * The answer is valid until the next call. */
+/* Makes a call of a client. The test appends the arguments and passes it to bus_rig_send. */
 sd_bus_message *bus_rig_new_call(struct bus_rig *rig, int client, const char *method);
+
+/* Sends the call, releases it, and waits for the answer, which is valid until the next
+ * bus_rig_send. */
 struct bus_answer *bus_rig_send(struct bus_rig *rig, int client, sd_bus_message *message);
 
 /* Calls a method without arguments, or with one string. Returns "" or the last word of the error's
@@ -55,7 +58,8 @@ const char *bus_rig_call(struct bus_rig *rig, int client, const char *method, co
 /* Runs the appliance for this time, then delivers its signals. */
 void bus_rig_run(struct bus_rig *rig, int64_t ms);
 
-/* Returns the signals that a client has received since the last call. */
+/* Returns the signals that a client has received since the last call of this function. The text is
+ * valid until the next one. */
 const char *bus_rig_news(struct bus_rig *rig, int client);
 
 /* Disconnects the clients, if they are connected, and connects them to the present bus. */

@@ -10,9 +10,9 @@
 struct puppet_counter {
     bool defined;
     uint64_t value;
-    int error;         /* if not 0, every call returns it */
-    bool loses_answer; /* it counts, but returns -EIO */
-    int increments;
+    int error;                 /* if not 0, every call returns it */
+    bool loses_answer;         /* it counts, but returns -EIO */
+    int increments;            /* number of increments that were answered */
     void (*incremented)(void); /* called after each increment; NULL: no call */
 };
 

@@ -21,7 +21,8 @@ int puppet_face_of(const struct iso_template *tmpl);
 
 struct puppet_sensor {
     struct iso_clock clock;
-    /* The frames to come. A frame is available from its time on. */
+    /* All frames, in the order of their times. A frame is available from its time on. frames[next]
+     * is the next one that is fetched. */
     struct {
         int64_t t_ns;
         enum iso_capture capture;
@@ -31,12 +32,12 @@ struct puppet_sensor {
     int n_frames, next;
     uint64_t forgotten; /* number of frames before these; all of them were fetched */
     int open_error, start_error, wait_error; /* error of every next call of each operation */
-    const char *text;                        /* text of that error; NULL: any text */
-    double rate_hz;                          /* nominal rate; 0: unknown */
-    bool scene_moves;                        /* the scene around the face moves every second */
-    bool streams;                            /* it has no next_due_ns; silence is a fault */
-    int descriptor;                          /* if it streams: its poll_fd; 0: it has none */
-    int opened, closed;                      /* how often it was opened and closed */
+    const char *text;   /* text of an open_error or a wait_error; NULL: a text of the puppet */
+    double rate_hz;     /* nominal rate; 0: unknown */
+    bool scene_moves;   /* the scene around the face moves every second */
+    bool streams;       /* it has no next_due_ns; silence is a fault */
+    int descriptor;     /* if it streams: its poll_fd; 0: it has none */
+    int opened, closed; /* how often it was opened and closed */
 };
 
 /* A source that opens this sensor at every request. `sensor` must outlive it. */
@@ -55,7 +56,7 @@ void puppet_sensor_add_at(struct puppet_sensor *sensor, int64_t t_ns, int face,
  * here. */
 struct puppet_pipeline {
     int extract_error, search_error;
-    bool raving; /* searches find people who do not exist, with scores that are not numbers */
+    bool raving; /* searches find people who do not exist, with an infinite score */
     double yaw_rad, expression, uncovered;
     char sensor[32];         /* name of the sensor, as the last extraction got it */
     enum iso_face_seen seen; /* result of the image check for every frame */

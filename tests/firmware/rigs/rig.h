@@ -20,7 +20,7 @@ struct rig {
     struct iso_appliance_borrowed borrowed;
     struct iso_appliance *appliance;
     char warned[256]; /* last line for the system's log that was a warning or worse */
-    char told[4096];  /* reports: "door locked start; visit allow anna 2; ..." */
+    char told[4096];  /* reports: "door locked start; visit allow anna match 2; ..." */
 };
 
 /* The capacity, in people, of the galleries of rigs that are set up from now on; 0: as in stores.h.
@@ -38,7 +38,8 @@ extern struct rig_log {
  * its date is 2026-11-21T08:33:20Z. */
 int rig_setup(void **state);
 
-/* Like rig_setup, in a directory of the caller. The tear-down removes all its files. */
+/* Like rig_setup, in a directory of the caller, whose name is from malloc. The tear-down removes
+ * the directory with all its files, and frees the name. */
 int rig_setup_in(void **state, char *directory);
 int rig_teardown(void **state);
 
@@ -48,7 +49,7 @@ void rig_start(struct rig *rig);
 /* Like rig_start; afterwards a client has the claim. */
 void rig_start_claimed(struct rig *rig);
 
-/* Adds a face to the gallery. */
+/* Adds a person to the gallery, with one template of this face. */
 void rig_enrol(struct rig *rig, const char *person, int face);
 
 /* Shows n usable frames of a face, 33 ms apart, the first one in 33 ms. */
@@ -63,7 +64,7 @@ void rig_show_unusable(struct rig *rig, enum iso_capture capture, int n);
 /* Steps the appliance until this time has passed. */
 void rig_run(struct rig *rig, int64_t ms);
 
-/* Returns the reports since the last call. */
+/* Returns the reports since the last call. The text is valid until the next call. */
 const char *rig_news(struct rig *rig);
 
 bool rig_relay(const struct rig *rig);
@@ -72,8 +73,10 @@ bool rig_relay(const struct rig *rig);
  * valid until the next call. */
 const char *rig_record(struct rig *rig, const char *event);
 
-/* From now on the audit log's file cannot grow. */
+/* From now on no file of this process can grow. */
 void rig_fill_disk(void);
+
+/* Ends the effect of rig_fill_disk. */
 void rig_free_disk(void);
 
 #endif

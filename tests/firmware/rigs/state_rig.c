@@ -159,7 +159,8 @@ static void segments(struct iso_components *components)
     }
 }
 
-/* The earlier keys stay in the ring, so that the old ring, with its key, opens every store. */
+/* Changes only the key that seals the ring. The keys in the ring stay, so that the earlier ring
+ * with its earlier key opens every store. */
 static void new_key(struct iso_components *components)
 {
     state_rig_append(components, "rotate-keys");

@@ -14,7 +14,8 @@ extern int state_rig_faces;
 /* Opens the counter of the state. Returns 0 or an error. NULL: there is no counter. */
 extern int (*state_rig_counter)(struct iso_counter *out, struct iso_fault *fault);
 
-/* Makes the components. None of them is open yet. */
+/* Makes the components. None of them is open yet. Returns NULL, with a fault, if the counter cannot
+ * be opened. */
 struct iso_components *state_rig_new(const char *directory, struct iso_fault *fault);
 void state_rig_close(struct iso_components *components);
 
@@ -33,14 +34,14 @@ struct state_history {
     void (*play)(struct iso_components *components);
 };
 
-/* Histories, one for each kind of change of the stores. The last one consists of all others. */
+/* Histories, one for each kind of change of the stores. The last one mixes several others. */
 extern const struct state_history state_histories[];
 extern const size_t state_n_histories;
 
 /* Plays the history of this name on the stores. out: the files of the directory afterwards. */
 void state_rig_play(const char *directory, const char *name, struct mix_state *out);
 
-/* Prepares the stores: each of them is written more than once. */
+/* Prepares the stores: each of them is written more than once. out: the files afterwards. */
 void state_rig_begin(const char *directory, struct mix_state *out);
 
 /* Makes every kind of change on open stores, and closes segments. */

@@ -92,7 +92,7 @@ static void a_sensor_that_does_not_start_is_closed(void **state)
     assert_null(supervisor.sensor);
 }
 
-static void opens_again_what_was_lost(void **state)
+static void opens_a_lost_sensor_again(void **state)
 {
     (void)state;
     assert_int_equal(look(), ISO_SENSOR_BACK);
@@ -171,7 +171,7 @@ static void a_silent_stream_is_broken(void **state)
     assert_int_equal(supervisor.fault.code, ISO_FAULT_SENSOR_SILENT);
 }
 
-static void a_pause_is_told_before_the_silence_is_over(void **state)
+static void a_pause_is_reported_before_the_silence_is_over(void **state)
 {
     (void)state;
     sensor.streams = true;
@@ -223,7 +223,7 @@ static void damaged_frames_are_no_sight(void **state)
     assert_string_equal(supervisor.fault.text, "puppet: will not wait");
 }
 
-static void opening_again_what_was_lost_is_no_sight_yet(void **state)
+static void a_sensor_that_was_opened_again_sees_nothing_yet(void **state)
 {
     (void)state;
     sensor.streams = true;
@@ -334,7 +334,7 @@ static void frames_behind_a_frame_are_not_waited_for(void **state)
 }
 
 /* The end of a pause or of a silence is found, although no descriptor signals it. */
-static void what_a_descriptor_does_not_tell_is_due(void **state)
+static void pauses_without_a_descriptor_event_are_due(void **state)
 {
     (void)state;
     sensor.streams = true;
@@ -361,19 +361,19 @@ int main(void)
         TEST(opens_and_hands_out_frames),
         TEST(waits_longer_after_each_failure),
         TEST(a_sensor_that_does_not_start_is_closed),
-        TEST(opens_again_what_was_lost),
+        TEST(opens_a_lost_sensor_again),
         TEST(a_sign_of_life_shortens_the_wait),
         TEST(goes_on_after_a_damaged_frame),
         TEST(an_idle_sensor_may_be_idle_for_good),
         TEST(a_silent_stream_is_broken),
-        TEST(a_pause_is_told_before_the_silence_is_over),
+        TEST(a_pause_is_reported_before_the_silence_is_over),
         TEST(frames_that_come_late_are_no_sight),
         TEST(damaged_frames_are_no_sight),
-        TEST(opening_again_what_was_lost_is_no_sight_yet),
+        TEST(a_sensor_that_was_opened_again_sees_nothing_yet),
         TEST(a_stream_without_a_descriptor_is_asked_every_5_ms),
         TEST(a_descriptor_is_waited_for),
         TEST(frames_behind_a_frame_are_not_waited_for),
-        TEST(what_a_descriptor_does_not_tell_is_due),
+        TEST(pauses_without_a_descriptor_event_are_due),
         cmocka_unit_test_setup_teardown(a_caller_that_was_held_up_does_not_blame_the_sensor, setup,
                                         teardown),
         cmocka_unit_test_setup_teardown(a_dead_sensor_is_found_behind_a_stall, setup, teardown),

@@ -48,7 +48,7 @@ static void an_attempt_ends_in_quiet(void **state)
     assert_int_equal(iso_attack_tally_due_ns(&tally), ISO_NEVER_NS);
 }
 
-static void of_two_cues_as_many_the_first_is_told(void **state)
+static void of_two_equal_cues_the_first_is_reported(void **state)
 {
     (void)state;
     frame(100, ISO_CAPTURE_STILL);
@@ -65,7 +65,7 @@ static void of_two_cues_as_many_the_first_is_told(void **state)
 
 /* A picture that hangs there for an hour gives a record from time to time, and not one for each
  * frame. */
-static void a_long_one_is_told_in_parts(void **state)
+static void a_long_attempt_is_reported_in_parts(void **state)
 {
     int told = 0, frames = 0;
     (void)state;
@@ -87,8 +87,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(nothing_is_no_attempt, setup),
         cmocka_unit_test_setup(an_attempt_ends_in_quiet, setup),
-        cmocka_unit_test_setup(of_two_cues_as_many_the_first_is_told, setup),
-        cmocka_unit_test_setup(a_long_one_is_told_in_parts, setup),
+        cmocka_unit_test_setup(of_two_equal_cues_the_first_is_reported, setup),
+        cmocka_unit_test_setup(a_long_attempt_is_reported_in_parts, setup),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -116,7 +116,7 @@ static void denies_out_of_time(void **state)
     assert_int_equal(verdict.person, ANNA);
 }
 
-static void wants_a_lead_over_the_second(void **state)
+static void needs_a_lead_over_the_second(void **state)
 {
     (void)state;
     assert_false(face(100, ANNA, 6, 5.6, true));
@@ -127,7 +127,7 @@ static void wants_a_lead_over_the_second(void **state)
     assert_int_equal(verdict.frames, 4);
 }
 
-static void nothing_counts_that_is_not_a_number(void **state)
+static void a_score_that_is_no_number_does_not_count(void **state)
 {
     (void)state;
     for (int i = 0; i < 4; i++) {
@@ -138,7 +138,7 @@ static void nothing_counts_that_is_not_a_number(void **state)
     assert_true(isnan(verdict.score));
 }
 
-static void nothing_counts_that_is_infinite(void **state)
+static void an_infinite_score_does_not_count(void **state)
 {
     (void)state;
     for (int i = 0; i < 4; i++) {
@@ -161,7 +161,7 @@ static void an_empty_gallery_denies(void **state)
     assert_true(isnan(verdict.score));
 }
 
-static void denies_who_leaves(void **state)
+static void denies_a_person_who_leaves(void **state)
 {
     (void)state;
     assert_false(face(100, ANNA, 6, 1, true));
@@ -177,7 +177,7 @@ static void denies_who_leaves(void **state)
     assert_false(face(5000, ANNA, 6, 1, true)); /* the previous frame does not count any more */
 }
 
-static void says_nothing_twice(void **state)
+static void gives_one_verdict_only(void **state)
 {
     (void)state;
     (void)face(100, ANNA, 6, 1, true);
@@ -188,7 +188,7 @@ static void says_nothing_twice(void **state)
     assert_int_equal(iso_decision_due_ns(&decision), 8133 * MS);
 }
 
-static void looks_again_at_who_stays(void **state)
+static void decides_again_on_a_person_who_stays(void **state)
 {
     (void)state;
     (void)face(100, ANNA, 6, 1, true);
@@ -225,7 +225,7 @@ static void forgets_on_reset(void **state)
     assert_int_equal(verdict.frames, -1);
 }
 
-/* ---- tracks ---- */
+/* ---- the longest visit ---- */
 
 static void holds_the_longest_visit(void **state)
 {
@@ -251,13 +251,13 @@ int main(void)
         cmocka_unit_test_setup(a_new_threshold_holds_from_the_next_frame_on, decision_rig_setup),
         cmocka_unit_test_setup(denies_without_agreement, decision_rig_setup),
         cmocka_unit_test_setup(denies_out_of_time, decision_rig_setup),
-        cmocka_unit_test_setup(wants_a_lead_over_the_second, decision_rig_setup),
-        cmocka_unit_test_setup(nothing_counts_that_is_not_a_number, decision_rig_setup),
-        cmocka_unit_test_setup(nothing_counts_that_is_infinite, decision_rig_setup),
+        cmocka_unit_test_setup(needs_a_lead_over_the_second, decision_rig_setup),
+        cmocka_unit_test_setup(a_score_that_is_no_number_does_not_count, decision_rig_setup),
+        cmocka_unit_test_setup(an_infinite_score_does_not_count, decision_rig_setup),
         cmocka_unit_test_setup(an_empty_gallery_denies, decision_rig_setup),
-        cmocka_unit_test_setup(denies_who_leaves, decision_rig_setup),
-        cmocka_unit_test_setup(says_nothing_twice, decision_rig_setup),
-        cmocka_unit_test_setup(looks_again_at_who_stays, decision_rig_setup),
+        cmocka_unit_test_setup(denies_a_person_who_leaves, decision_rig_setup),
+        cmocka_unit_test_setup(gives_one_verdict_only, decision_rig_setup),
+        cmocka_unit_test_setup(decides_again_on_a_person_who_stays, decision_rig_setup),
         cmocka_unit_test_setup(is_ready_for_the_next_when_one_has_left, decision_rig_setup),
         cmocka_unit_test_setup(forgets_on_reset, decision_rig_setup),
         cmocka_unit_test_setup(holds_the_longest_visit, decision_rig_setup),

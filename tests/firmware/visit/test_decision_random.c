@@ -23,12 +23,13 @@ struct event {
 
 struct oracle {
     struct iso_decision_options options;
-    struct event seen[EVENTS]; /* of the present visit, used or not; 0: nobody is there */
-    int n;
-    int spent_at; /* a verdict has used seen[] up to here; 0: none */
+    struct event seen[EVENTS]; /* events of the present visit, used or not */
+    int n;                     /* their number; 0: nobody is there */
+    int spent_at;              /* a verdict has used seen[] up to here; 0: none */
 };
 
-/* Returns the first of the frames in a row whose face is on the same track as the last one. */
+/* Returns the index of the first event of the last face: all later faces are on the same track.
+ * o->n: there is no face. */
 static int first_of_face(const struct oracle *o)
 {
     int first = o->n;
@@ -82,7 +83,7 @@ static struct iso_verdict describe(const struct oracle *o, enum iso_reason reaso
     return verdict;
 }
 
-/* Whether the person has left by this time, and with which verdict. */
+/* Advances the time. Returns whether the person has left with a verdict. */
 static bool oracle_time(struct oracle *o, int64_t t_ns, struct iso_verdict *verdict)
 {
     if (o->n == 0) {
@@ -102,8 +103,8 @@ static bool oracle_time(struct oracle *o, int64_t t_ns, struct iso_verdict *verd
     return told;
 }
 
-/* Another face appears: returns the verdict on the previous face. Faces that left stay forgotten,
- * attacks do not. */
+/* Handles the track of the next face. Returns whether another face has left with a verdict. Then
+ * the frames with faces are forgotten, and those with attacks are kept. */
 static bool oracle_track(struct oracle *o, uint64_t track, struct iso_verdict *verdict)
 {
     const int first = first_of_face(o);

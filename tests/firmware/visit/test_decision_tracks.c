@@ -13,7 +13,7 @@ static void a_stale_frame_agrees_with_nobody(void **state)
     assert_false(face(100, ANNA, 6, 1, true));
     assert_false(face(600, ANNA, 1, 0, true)); /* the face is hidden for a while */
     assert_false(face(1101, ANNA, 5, 1, true));
-    assert_true(face(2101, ANNA, 5.5, 1, true)); /* the first frame has exactly the greatest age */
+    assert_true(face(2101, ANNA, 5.5, 1, true)); /* that of 1101 ms has exactly the greatest age */
     assert_true(verdict.allow);
     assert_int_equal(verdict.since_ns, 1101 * MS);
     assert_true(verdict.score == 5.5);
@@ -95,7 +95,8 @@ static void an_attack_that_stays_is_denied_once(void **state)
 
 /* ---- tracks ---- */
 
-/* Adds a usable face of a track. The verdict on the previous face is in `verdict`. */
+/* Adds a usable face of a track. Returns whether there was a verdict on the previous face, which is
+ * then in `verdict`. */
 static bool face_of(uint64_t track, int64_t t_ms, int64_t person)
 {
     const struct iso_decision_frame frame = {t_ms * MS, person, 6, 1, true, track};
@@ -123,8 +124,8 @@ static void two_faces_do_not_agree(void **state)
     assert_int_equal(verdict.frames, 2);
 }
 
-/* If a caller gives no track, two faces never agree. */
-static void two_faces_do_not_agree_untold(void **state)
+/* Even if the caller does not report the new track, two faces do not agree. */
+static void two_faces_do_not_agree_without_a_report(void **state)
 {
     const struct iso_decision_frame one = {100 * MS, ANNA, 6, 1, true, 1};
     const struct iso_decision_frame other = {133 * MS, ANNA, 6, 1, true, 2};
@@ -146,7 +147,7 @@ static void another_face_does_not_wash_off_an_attack(void **state)
     assert_int_equal(verdict.frames, 1);
 }
 
-static void who_jumps_does_not_shorten_the_wait(void **state)
+static void a_jump_does_not_shorten_the_wait(void **state)
 {
     (void)state;
     (void)face_of(1, 100, ANNA);
@@ -165,9 +166,9 @@ int main(void)
         cmocka_unit_test_setup(a_cue_alone_is_no_visit, decision_rig_setup),
         cmocka_unit_test_setup(an_attack_that_stays_is_denied_once, decision_rig_setup),
         cmocka_unit_test_setup(two_faces_do_not_agree, decision_rig_setup),
-        cmocka_unit_test_setup(two_faces_do_not_agree_untold, decision_rig_setup),
+        cmocka_unit_test_setup(two_faces_do_not_agree_without_a_report, decision_rig_setup),
         cmocka_unit_test_setup(another_face_does_not_wash_off_an_attack, decision_rig_setup),
-        cmocka_unit_test_setup(who_jumps_does_not_shorten_the_wait, decision_rig_setup),
+        cmocka_unit_test_setup(a_jump_does_not_shorten_the_wait, decision_rig_setup),
         cmocka_unit_test_setup(a_stale_frame_agrees_with_nobody, decision_rig_setup),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

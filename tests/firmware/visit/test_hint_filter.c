@@ -65,7 +65,7 @@ static void does_not_flicker(void **state)
     assert_int_equal(hints, 2); /* in 2 s */
 }
 
-static void the_reason_that_holds_most_is_told(void **state)
+static void the_most_frequent_reason_is_given(void **state)
 {
     (void)state;
     filter.options.interval_ns = 0;
@@ -77,7 +77,7 @@ static void the_reason_that_holds_most_is_told(void **state)
     assert_string_equal(show(ISO_CAPTURE_LOOK_UP, 1), "look-up ");
 }
 
-static void while_frames_can_be_used_nothing_is_told(void **state)
+static void usable_frames_give_no_hint(void **state)
 {
     (void)state;
     assert_string_equal(show(ISO_CAPTURE_OK, 5), "");
@@ -94,7 +94,7 @@ static void old_frames_do_not_vote(void **state)
     assert_string_equal(show(ISO_CAPTURE_TOO_FAR, 1), "too-far ");
 }
 
-static void what_is_new_need_not_wait(void **state)
+static void after_a_reset_a_hint_need_not_wait(void **state)
 {
     (void)state;
     assert_string_equal(show(ISO_CAPTURE_TOO_FAR, 3), "too-far ");
@@ -104,7 +104,7 @@ static void what_is_new_need_not_wait(void **state)
     assert_string_equal(show(ISO_CAPTURE_TOO_FAR, 3), "");
 }
 
-/* For all inputs, hints keep their distance in time, and each of them has lasted. */
+/* For random inputs, hints keep their distance in time, and each of them has lasted. */
 static void any_sequence(void **state)
 {
     (void)state;
@@ -140,10 +140,10 @@ int main(void)
         cmocka_unit_test_setup(a_word_must_hold, setup),
         cmocka_unit_test_setup(a_hint_that_goes_on_is_repeated, setup),
         cmocka_unit_test_setup(does_not_flicker, setup),
-        cmocka_unit_test_setup(the_reason_that_holds_most_is_told, setup),
-        cmocka_unit_test_setup(while_frames_can_be_used_nothing_is_told, setup),
+        cmocka_unit_test_setup(the_most_frequent_reason_is_given, setup),
+        cmocka_unit_test_setup(usable_frames_give_no_hint, setup),
         cmocka_unit_test_setup(old_frames_do_not_vote, setup),
-        cmocka_unit_test_setup(what_is_new_need_not_wait, setup),
+        cmocka_unit_test_setup(after_a_reset_a_hint_need_not_wait, setup),
         cmocka_unit_test_setup(any_sequence, setup),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

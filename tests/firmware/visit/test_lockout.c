@@ -64,7 +64,7 @@ static void locks_after_failures_in_a_row(void **state)
     expect(ISO_REASON_NONE, 0, 15);
 }
 
-static void locks_after_attacks_whoever_is_admitted_meanwhile(void **state)
+static void locks_after_attacks_although_people_are_admitted(void **state)
 {
     (void)state;
     assert_false(verdict(ISO_REASON_ATTACK, 0, 1));
@@ -73,7 +73,7 @@ static void locks_after_attacks_whoever_is_admitted_meanwhile(void **state)
     expect(ISO_REASON_LOCKED_OUT, 10, 3);
 }
 
-static void counts_who_could_have_been_recognised(void **state)
+static void counts_visits_that_could_have_been_recognised(void **state)
 {
     static const struct {
         enum iso_reason reason;
@@ -115,7 +115,7 @@ static void each_lock_is_twice_as_long_up_to_the_longest(void **state)
         t_s += lengths_s[i];
         assert_true(iso_lockout_time(&lockout, t_s * S));
     }
-    /* A lock ends at t_s. Its memory ends forget_ns later. */
+    /* The last lock ends at t_s and is forgotten forget_ns later. */
     assert_int_equal(iso_lockout_due_ns(&lockout), (t_s + 100) * S);
     assert_int_equal(lock_at(t_s + 100), 10);
 }
@@ -199,7 +199,7 @@ static void outlasts_a_restart_with_a_clock_of_its_own(void **state)
     assert_int_equal(access(scratch_path(*state, "lockout.new"), F_OK), -1);
 }
 
-static void odd_numbers_are_taken_for_the_worst(void **state)
+static void impossible_numbers_count_as_the_worst(void **state)
 {
     const struct iso_lockout_record record = {
         .failures = -4, .attacks = 0, .locks = 1 << 30, .remaining_ns = INT64_MAX};
@@ -249,7 +249,7 @@ static void every_damage_of_the_file_is_found(void **state)
     free(bad);
 }
 
-static void nobody_without_the_key_writes_one(void **state)
+static void a_file_written_with_another_key_is_refused(void **state)
 {
     const struct iso_lockout_record record = {.failures = 4, .locks = 2};
     const char *path = scratch_path(*state, "lockout");
@@ -265,7 +265,7 @@ static void nobody_without_the_key_writes_one(void **state)
 
 static const char text_1[] = "isotherm-lockout 1 5 2 3 119500 open 9286bdc4\n";
 
-static void the_file_of_the_version_before_is_read_until_there_is_a_sealed_one(void **state)
+static void the_file_of_the_previous_version_is_read_until_there_is_a_sealed_one(void **state)
 {
     const char *path = scratch_path(*state, "lockout");
     struct iso_lockout_file file;
@@ -293,7 +293,7 @@ static void the_file_of_the_version_before_is_read_until_there_is_a_sealed_one(v
     expect_refused(*state, -ESTALE, "earlier time");
 }
 
-static void damage_of_the_version_before_is_found(void **state)
+static void damage_of_the_previous_version_is_found(void **state)
 {
     char bad[sizeof text_1];
     struct iso_lockout_record read = {.failures = 77};
@@ -314,7 +314,7 @@ static void damage_of_the_version_before_is_found(void **state)
     expect_refused(*state, -EBADMSG, "damaged");
 }
 
-static void a_file_that_is_gone_or_old_is_missed(void **state)
+static void a_missing_or_old_file_is_noticed(void **state)
 {
     struct iso_lockout_record record = {.failures = 1};
     const char *path = scratch_path(*state, "lockout");
@@ -324,7 +324,8 @@ static void a_file_that_is_gone_or_old_is_missed(void **state)
     char *old = scratch_read(path, &size);
     record.failures = 2;
     assert_int_equal(iso_lockout_save(path, stores_ring(*state), &record, &fault), 0);
-    assert_int_equal(iso_key_ring_renew(stores_ring(*state), &fault), 0); /* it knows both keys */
+    /* The ring on the disk now has the number of the second file. */
+    assert_int_equal(iso_key_ring_renew(stores_ring(*state), &fault), 0);
     stores_forget();
     scratch_write(path, old, size);
     expect_refused(*state, -ESTALE, "earlier time");
@@ -361,8 +362,8 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, stores_teardown)
     const struct CMUnitTest tests[] = {
         TEST(locks_after_failures_in_a_row),
-        TEST(locks_after_attacks_whoever_is_admitted_meanwhile),
-        TEST(counts_who_could_have_been_recognised),
+        TEST(locks_after_attacks_although_people_are_admitted),
+        TEST(counts_visits_that_could_have_been_recognised),
         TEST(each_lock_is_twice_as_long_up_to_the_longest),
         TEST(nothing_counts_while_it_lasts),
         TEST(forgets_failures_in_time),
@@ -370,12 +371,12 @@ int main(void)
         TEST(zero_never_locks),
         TEST(lockdown_goes_before_all_and_outlasts_a_clear),
         TEST(outlasts_a_restart_with_a_clock_of_its_own),
-        TEST(odd_numbers_are_taken_for_the_worst),
+        TEST(impossible_numbers_count_as_the_worst),
         TEST(every_damage_of_the_file_is_found),
-        TEST(nobody_without_the_key_writes_one),
-        TEST(the_file_of_the_version_before_is_read_until_there_is_a_sealed_one),
-        TEST(damage_of_the_version_before_is_found),
-        TEST(a_file_that_is_gone_or_old_is_missed),
+        TEST(a_file_written_with_another_key_is_refused),
+        TEST(the_file_of_the_previous_version_is_read_until_there_is_a_sealed_one),
+        TEST(damage_of_the_previous_version_is_found),
+        TEST(a_missing_or_old_file_is_noticed),
         TEST(a_file_that_cannot_be_written_stays_as_it_was),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -109,7 +109,7 @@ static void the_exit_button_works_meanwhile(void **state)
     assert_true(rig_relay(rig));
 }
 
-static void what_the_file_says_holds_when_it_can_be_read(void **state)
+static void the_state_of_the_file_holds_when_it_can_be_read(void **state)
 {
     struct rig *rig = *state;
     rig_start(rig);
@@ -137,7 +137,7 @@ static void a_lockdown_that_begins_meanwhile_goes_on(void **state)
     assert_true(iso_appliance_status(rig->appliance).lockdown);
 }
 
-static void an_administrator_replaces_what_can_never_be_read(void **state)
+static void an_administrator_replaces_a_file_that_can_never_be_read(void **state)
 {
     struct rig *rig = *state;
     rig_start(rig);
@@ -151,7 +151,7 @@ static void an_administrator_replaces_what_can_never_be_read(void **state)
     assert_non_null(strstr(visit(rig), "visit allow anna"));
 }
 
-static void a_file_that_turns_out_to_be_damaged_is_a_lockdown(void **state)
+static void a_file_that_turns_out_to_be_damaged_begins_a_lockdown(void **state)
 {
     struct rig *rig = *state;
     rig_start(rig);
@@ -170,10 +170,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(the_door_opens_when_the_file_can_be_read),
         TEST(the_exit_button_works_meanwhile),
-        TEST(what_the_file_says_holds_when_it_can_be_read),
+        TEST(the_state_of_the_file_holds_when_it_can_be_read),
         TEST(a_lockdown_that_begins_meanwhile_goes_on),
-        TEST(an_administrator_replaces_what_can_never_be_read),
-        TEST(a_file_that_turns_out_to_be_damaged_is_a_lockdown),
+        TEST(an_administrator_replaces_a_file_that_can_never_be_read),
+        TEST(a_file_that_turns_out_to_be_damaged_begins_a_lockdown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -34,7 +34,7 @@ static void a_usual_camera_has_enough(void **state)
     assert_string_equal(fault.text, "");
 }
 
-static void a_slow_camera_has_not(void **state)
+static void a_slow_camera_has_not_enough_time(void **state)
 {
     struct iso_stale_budget budget = budget_of(5, 0);
     struct iso_fault fault = {.text = ""};
@@ -66,7 +66,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_parts_are_added),
         cmocka_unit_test(a_usual_camera_has_enough),
-        cmocka_unit_test(a_slow_camera_has_not),
+        cmocka_unit_test(a_slow_camera_has_not_enough_time),
         cmocka_unit_test(the_working_time_is_a_mean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
