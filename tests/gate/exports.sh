@@ -1,6 +1,6 @@
 #!/bin/sh
-# Gate: what libisotherm.so exports is what its public headers declare, and what the symbols file of its package has: no name more, no
-# name less.
+# Gate: libisotherm.so exports exactly the names that its public headers declare, and exactly the names in the symbols file of its
+# package.
 # usage: exports.sh LIBRARY CC [ROOT]
 set -eu
 library=$1
@@ -30,8 +30,8 @@ headers=$(cd "$root/core/include" && find isotherm -name '*.h' | sort)
 nm --dynamic --defined-only "$library" | awk '{ print $NF }' | sort -u >"$work/exported"
 sed -n 's/^ \([a-z_0-9]*\)@.*/\1/p' "$root/board/debian/libisotherm0.symbols" | sort -u >"$work/packaged"
 
-differ "$library exports what no public header declares" "$work/exported" "$work/declared"
-differ "$library does not export what a public header declares" "$work/declared" "$work/exported"
-differ "$library exports what board/debian/libisotherm0.symbols has not" "$work/exported" "$work/packaged"
-differ "board/debian/libisotherm0.symbols has what $library does not export" "$work/packaged" "$work/exported"
+differ "$library exports names that no public header declares" "$work/exported" "$work/declared"
+differ "$library does not export names that a public header declares" "$work/declared" "$work/exported"
+differ "$library exports names that board/debian/libisotherm0.symbols does not have" "$work/exported" "$work/packaged"
+differ "board/debian/libisotherm0.symbols has names that $library does not export" "$work/packaged" "$work/exported"
 exit "$faults"

@@ -116,7 +116,7 @@ journal_tells() {
     for story_word in "$@"; do
         grep -q -- "$story_word" "$story_scratch/journal" || {
             cat "$story_scratch/journal"
-            die "the journal does not tell: $story_word"
+            die "the journal does not contain: $story_word"
         }
     done
     say 'the journal tells what happened'

@@ -47,7 +47,7 @@ awk -v blocks="$blocks" '
 # ---- follow the blocks
 write_file() {
     path=$(cat "${1%.c}.path") || fail "a block of C has no path"
-    [ ! -e "$path" ] || fail "$path is there already"
+    [ ! -e "$path" ] || fail "$path exists already"
     mkdir -p "$(dirname "$path")"
     cp "$1" "$path"
     echo "$path" >>"$work/changed"
@@ -95,5 +95,5 @@ for block in "$blocks"/*; do
     esac
     done_blocks=$((done_blocks + 1))
 done
-[ "$compared" -gt 0 ] || fail "nothing that the page says is compared"
+[ "$compared" -gt 0 ] || fail "the page has no output to compare"
 echo "$page: $done_blocks blocks, $compared compared"
