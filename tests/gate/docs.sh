@@ -45,7 +45,7 @@ if [ -f README.md ]; then
     # shellcheck disable=SC2016 # backticks of the document
     numbers=$(grep -vE '^    |^\| `(convenient|balanced|strict)` ' README.md | sed 's/](\([^)]*\))/]/g; s/`[^`]*`//g' |
         grep -oE '(^|[^A-Za-z0-9_./-])[0-9][0-9.,]*' | wc -l)
-    [ "$numbers" -le 40 ] || fault "README.md: $numbers numbers, at most 40: measurements belong into sim/results"
+    [ "$numbers" -le 40 ] || fault "README.md: $numbers numbers, at most 40: measurements belong in sim/results"
 fi
 
 # named_paths DOCUMENT: prints the paths that it names, one a line: every word that begins with a top-level folder, and every word in

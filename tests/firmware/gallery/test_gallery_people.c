@@ -38,8 +38,7 @@ static void a_name_is_one_whatever_its_case(void **state)
     struct iso_gallery *gallery = gallery_rig_open(*state);
     size_t n = 0;
     assert_int_equal(gallery_rig_add(gallery, "Ada", 20, NULL), 0);
-    assert_int_equal(gallery_rig_add(gallery, "aDA", 22, NULL),
-                     0); /* a template of the same person */
+    assert_int_equal(gallery_rig_add(gallery, "aDA", 22, NULL), 0); /* the same person */
     for (int i = 0; i < 2; i++) {
         (void)iso_gallery_people(gallery, &n);
         assert_int_equal(n, 1);
