@@ -3,7 +3,7 @@
 #   make demo     builds, then plays stored frames to a running daemon: an enrolled face opens the door
 #   make check    builds and runs every test
 #   make vm-check runs the tests that need devices of a kernel, in virtual machines
-#   make arm64-check  cross-builds everything for arm64 boards and runs tests and the daemon under an emulator
+#   make arm64-check  cross-builds daemon, client and tests for arm64 boards, and runs them under an emulator
 #   make arm64-bench  counts the instructions of a frame, stage by stage, on arm64 and on x86-64, by an emulator: some minutes
 #   make bench    measures the time of each stage from frame to verdict; compares heat, search and registration with other libraries;
 #                 measures memory

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "core/base/solve.h"
+#include "core/base/wipe.h"
 
 /* Sizes of a head, mm. */
 static const double part_jump_mm = 40.0;    /* a larger step of depth separates two parts */
@@ -55,7 +56,7 @@ void iso_candidate_finder_free(struct iso_candidate_finder *finder)
     if (finder) {
         free(finder->part);
         free(finder->queue);
-        free(finder->height_mm);
+        iso_wipe_free(finder->height_mm);
         free(finder);
     }
 }

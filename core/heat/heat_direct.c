@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/wipe.h"
 #include "core/heat/block.h"
 #include "core/heat/factor.h"
 #include "core/heat/permuted.h"
@@ -99,7 +100,7 @@ void iso_heat_direct_free(struct iso_heat_direct *solver)
     if (solver) {
         iso_factor_free(solver->factor);
         iso_permuted_free(solver->mass);
-        free(solver->u);
+        iso_wipe_free(solver->u);
         free(solver);
     }
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/wipe.h"
 #include "core/isotherm/tracer_store.h"
 
 /* What is being traced. */
@@ -42,7 +43,7 @@ int iso_tracer_new(int32_t triangle_capacity, struct iso_tracer **out)
 void iso_tracer_free(struct iso_tracer *tracer)
 {
     if (tracer) {
-        free(tracer->points);
+        iso_wipe_free(tracer->points);
         free(tracer->start);
         free(tracer->closed);
         free(tracer->passed);

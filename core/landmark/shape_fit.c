@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "core/base/gram.h"
+#include "core/base/wipe.h"
 #include "core/landmark/shape_fitter.h"
 #include "core/landmark/spread.h"
 
@@ -116,28 +117,19 @@ int iso_shape_fitter_new(const struct iso_head_model *model,
     return 0;
 }
 
-static void wipe_points(struct iso_vec3 *points, size_t n)
-{
-    if (points) {
-        explicit_bzero(points, n * sizeof *points);
-    }
-}
-
 void iso_shape_fitter_free(struct iso_shape_fitter *fitter)
 {
     if (fitter) { /* the shape of the last face is biometric data */
-        wipe_points(fitter->shape, fitter->model->n_vertices);
-        wipe_points(fitter->fitted, fitter->model->n_vertices);
         free(fitter->modes);
-        free(fitter->rows);
+        iso_wipe_free(fitter->rows);
         free(fitter->face);
-        free(fitter->shape);
-        free(fitter->normal);
-        free(fitter->fitted);
-        free(fitter->residual_mm);
-        free(fitter->meeting);
-        free(fitter->gram);
-        free(fitter->h);
+        iso_wipe_free(fitter->shape);
+        iso_wipe_free(fitter->normal);
+        iso_wipe_free(fitter->fitted);
+        iso_wipe_free(fitter->residual_mm);
+        iso_wipe_free(fitter->meeting);
+        iso_wipe_free(fitter->gram);
+        iso_wipe_free(fitter->h);
         free(fitter);
     }
 }

@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
+#include "core/base/wipe.h"
+
 static const double area_min_mm2 = 6000.0;
 /* A step of depth between neighbours ends a part if it exceeds both 12 mm and a slope of 70
  * degrees. */
@@ -58,7 +60,7 @@ void iso_sheet_finder_free(struct iso_sheet_finder *finder)
         free(finder->queue);
         free(finder->first_row);
         free(finder->last_row);
-        free(finder);
+        iso_wipe_free(finder);
     }
 }
 

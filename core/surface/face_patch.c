@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/wipe.h"
 #include "core/surface/fill.h"
 #include "core/surface/raster.h"
 
@@ -182,19 +183,12 @@ int iso_face_patch_new(const struct iso_head_model *model,
 void iso_face_patch_free(struct iso_face_patch *patch)
 {
     if (patch) {
-        if (patch->residual) { /* biometric data, unlike the planes of the mean face */
-            explicit_bzero(patch->residual, count_pixels(patch) * sizeof *patch->residual);
-        }
-        if (patch->frame.depth_mm) {
-            explicit_bzero(patch->frame.depth_mm,
-                           count_pixels(patch) * sizeof *patch->frame.depth_mm);
-        }
         iso_fill_free(patch->fill);
-        free(patch->frame.depth_mm);
-        free(patch->mean_depth);
-        free(patch->residual);
+        iso_wipe_free(patch->frame.depth_mm);
+        free(patch->mean_depth); /* of the model */
+        iso_wipe_free(patch->residual);
         free(patch->domain);
-        free(patch->measured);
+        iso_wipe_free(patch->measured);
         free(patch);
     }
 }

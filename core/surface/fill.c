@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/base/wipe.h"
+
 enum { LEVELS_MAX = 11, RELAXATIONS = 40, KERNEL_MAX = 120, SIDE_MAX = 1024 };
 
 /* One level of the pyramid: each cell has the average of the known pixels under it. */
@@ -51,10 +53,10 @@ void iso_fill_free(struct iso_fill *fill)
 {
     if (fill) {
         for (int i = 0; i < fill->n_levels; i++) {
-            free(fill->level[i].value);
-            free(fill->level[i].weight);
+            iso_wipe_free(fill->level[i].value);
+            iso_wipe_free(fill->level[i].weight);
         }
-        free(fill->scratch);
+        iso_wipe_free(fill->scratch);
         free(fill);
     }
 }

@@ -29,9 +29,6 @@ int sim_recording_ini_print(FILE *stream, const struct iso_recording_meta *meta)
     const bool pinhole = camera->projection == ISO_PINHOLE;
     (void)fprintf(stream, "[recording]\nformat = 1\nsensor = %s\n\n[depth]\n", meta->sensor);
     (void)fprintf(stream, "projection = %s\n", pinhole ? "pinhole" : "orthographic");
-    if (meta->nominal) {
-        (void)fprintf(stream, "nominal = yes\n");
-    }
     (void)fprintf(stream, "width_px = %d\nheight_px = %d\n", camera->width_px, camera->height_px);
     if (pinhole) {
         print_pinhole(stream, camera);

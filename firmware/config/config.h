@@ -220,8 +220,8 @@ size_t iso_config_door_options(const struct iso_config *config,
 /* The value of an option of a back end, or "" if it is not set. */
 const char *iso_config_option(const struct iso_config_options *options, const char *name);
 
-/* Adds an option for the back end that `config->sensor.backend` names, as a line of a file would.
- * An empty value adds nothing. If the option is set already, its first value stays in use. -EINVAL
+/* Sets an option for the back end that `config->sensor.backend` names, as a line of a file would.
+ * An empty value changes nothing. -EINVAL
  * with a fault that names the option: there is no such option, its value is bad or too long, or
  * there are too many. */
 int iso_config_set_sensor_option(struct iso_config *config, const char *name, const char *value,

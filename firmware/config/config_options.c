@@ -101,11 +101,16 @@ static int set_option(const struct iso__config_class *class, const char *back_en
     if (error || !*given->value) {
         return error;
     }
-    if (out->n == ISO_CONFIG_OPTIONS_MAX) {
+    size_t place = 0;
+    while (place < out->n && out->list[place].spec != spec) {
+        place++;
+    }
+    if (place == ISO_CONFIG_OPTIONS_MAX) {
         return iso_fault_set(fault, -EINVAL, "'%s' is one of more than %d options", given->name,
                              ISO_CONFIG_OPTIONS_MAX);
     }
-    struct iso_config_option *option = &out->list[out->n++];
+    struct iso_config_option *option = &out->list[place];
+    out->n = place < out->n ? out->n : place + 1;
     *option = (struct iso_config_option){.spec = spec, .line = given->line};
     (void)strcpy(option->value, given->value);
     return 0;

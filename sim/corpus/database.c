@@ -93,10 +93,12 @@ static int read_texas(const char *path, const struct sim_database_options *optio
     if (!error) {
         error = sim_scan_of_range(&range, found ? &portrait : NULL, options->level_mm, out);
         if (error) {
-            (void)iso_fault_set(fault, error == -EINVAL ? -EBADMSG : error,
-                                "%s: range and portrait are not 8-bit pictures of the same size",
-                                path);
-            error = error == -EINVAL ? -EBADMSG : error;
+            error = error == -EINVAL
+                        ? iso_fault_set(fault, -EBADMSG,
+                                        "%s: range and portrait are not 8-bit pictures of the same "
+                                        "size",
+                                        path)
+                        : iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
         }
     }
     iso_image_done(&range);

@@ -10,6 +10,7 @@
 static void note_frame(struct sim_trace *trace, const struct iso_frame *frame,
                        const struct iso_extraction *extraction)
 {
+    trace->noted = false;
     if (!trace->on || trace->decided || trace->n_frames == SIM_TRACE_FRAMES) {
         return;
     }
@@ -27,6 +28,7 @@ static void note_frame(struct sim_trace *trace, const struct iso_frame *frame,
     memcpy(note->landmark_mm, extraction->landmark_mm, sizeof note->landmark_mm);
     memcpy(note->ibug_mm, extraction->ibug_mm, sizeof note->ibug_mm);
     trace->n_frames++;
+    trace->noted = true;
 }
 
 static int extract(void *self, const struct iso_frame *frame, const char *sensor,
@@ -47,12 +49,13 @@ static int search(void *self, const struct iso_candidate_list *among,
     struct sim_trace *trace = self;
     const int error = trace->inner.ops->search(trace->inner.self, among, probe, hits, capacity,
                                                n_hits);
-    if (!error && trace->on && !trace->decided && trace->n_frames > 0) {
+    if (!error && trace->noted) {
         struct sim_trace_frame *note = &trace->frames[trace->n_frames - 1];
         note->compared = *n_hits > 0;
         note->person = note->compared ? hits[0].person : 0;
         note->score = note->compared ? hits[0].score : 0.0;
     }
+    trace->noted = false;
     return error;
 }
 

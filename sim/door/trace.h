@@ -29,6 +29,7 @@ struct sim_trace {
     int64_t start_ns;   /* when recording began */
     int64_t verdict_ns; /* when the verdict was given */
     int64_t end_ns;     /* when recording ended */
+    bool noted;         /* the last extracted frame was kept and waits for its search */
     int n_frames;       /* at most SIM_TRACE_FRAMES are kept */
     struct sim_trace_frame frames[SIM_TRACE_FRAMES];
     int n_switches;

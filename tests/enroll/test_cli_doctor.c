@@ -30,7 +30,8 @@ static void doctor_finds_nothing_wrong(void **state)
         assert_string_equal(json_string_value(json_object_get(check, "state")), "ok");
     }
     json_decref(document);
-    assert_non_null(strstr(result.calls, "GetStatus;Release")); /* and no claim */
+    assert_non_null(strstr(result.calls, "GetStatus;Release"));
+    assert_null(strstr(result.calls, "Claim"));
 }
 
 static void doctor_lists_the_devices_that_the_driver_sees(void **state)

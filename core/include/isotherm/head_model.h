@@ -39,7 +39,7 @@ enum {
 
 /** What part of the head a vertex belongs to; bits. */
 enum iso_head_region {
-    ISO_HEAD_FACE = 1,  /**< The face proper, in front of the ears, from brow to chin. */
+    ISO_HEAD_FACE = 1, /**< The face proper, in front of the ears, from the forehead to the chin. */
     ISO_HEAD_RIGID = 2, /**< Moves least with expression: brow, nose, eye sockets, upper cheeks. */
 };
 

@@ -3,6 +3,7 @@
 #ifndef ISO_DRIVERS_SENSOR_LIBCAMERA_LIBCAMERA_EYE_HH
 #define ISO_DRIVERS_SENSOR_LIBCAMERA_LIBCAMERA_EYE_HH
 
+#include <atomic>
 #include <deque>
 #include <map>
 #include <memory>
@@ -79,9 +80,10 @@ class Eye
     std::vector<slot> slots_; /* the requests' cookies are indices */
     std::map<const libcamera::FrameBuffer *, mapping> maps_;
     libcamera::ControlList controls_;
-    std::mutex mutex_;          /* protects filled_, lost_, broken_ and the flags of the slots */
+    std::mutex mutex_;          /* protects filled_, broken_ and the flags of the slots */
     std::deque<slot *> filled_; /* oldest first */
-    bool lost_ = false, broken_ = false;
+    bool broken_ = false;
+    std::atomic<bool> lost_{false}; /* the camera is unplugged; set by the thread of libcamera */
     slot *taken_ = nullptr;
     bool streaming_ = false;
     int fd_;

@@ -131,7 +131,7 @@ int iso__openni2_find_file(const char *path, OniDeviceInfo *out, struct iso_faul
     char full[PATH_MAX];
     const int error = iso_file_check(path, ISO_FILE_ANY_SIZE, fault);
     if (error && error != -ENOENT && error != -EACCES) {
-        return error;
+        return error == -ENOMEM ? error : -EINVAL; /* not a regular file, or a wrong name */
     }
     if (!realpath(path, full)) {
         return iso_fault_set_code(fault,

@@ -318,7 +318,7 @@ enum sim_score_kind sim_eval_score_kind(const struct sim_eval *eval)
     if (sim_method_pairwise(sim_eval_first(eval))) {
         return SIM_SCORE_PAIRWISE;
     }
-    if (eval->metric) {
+    if (eval->metric && sim_eval_first(eval) != &sim_method_hfpc_upper) {
         return SIM_SCORE_METRIC;
     }
     return eval->cohort ? SIM_SCORE_COHORT : SIM_SCORE_DISTANCE;

@@ -52,6 +52,9 @@ static void discard_face(void *description)
             explicit_bzero(s->cells, (size_t)s->side * (size_t)s->side * sizeof *s->cells);
         }
         free(s->cells);
+        if (s->points_mm) {
+            explicit_bzero(s->points_mm, s->n_points * sizeof *s->points_mm);
+        }
         free(s->points_mm);
         free(s);
     }

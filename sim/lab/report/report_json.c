@@ -183,7 +183,7 @@ int sim_report_json(const struct sim_eval *eval, const char *directory, struct i
         (json_int_t)a->none_matched, "growth", growth_json(&eval->growth), "conditions",
         conditions_json(a), "landmarks", sim_json_landmarks(eval->landmarks), "latency_ms",
         latencies_json(a));
-    if (summary && eval->metric && !sim_method_pairwise(sim_eval_first(eval))) {
+    if (summary && sim_eval_score_kind(eval) == SIM_SCORE_METRIC) {
         json_object_set_new(summary, "calibration", promises_json(&a->verification.scores));
     }
     return sim_json_file(summary, path, fault);

@@ -63,7 +63,7 @@ static void print_verification(const struct sim_verification *v, FILE *out)
 static void print_promises(const struct sim_eval *eval, FILE *out)
 {
     const struct sim_verification *v = &eval->analysis->verification;
-    if (!eval->metric || sim_method_pairwise(sim_eval_first(eval)) || v->n_det == 0) {
+    if (sim_eval_score_kind(eval) != SIM_SCORE_METRIC || v->n_det == 0) {
         return;
     }
     struct sim_promise promises[SIM_PROMISES];

@@ -122,7 +122,9 @@ static int read_landmarks(struct source *source, struct sim_ict *ict)
                                   source->path, i);
         }
     }
-    (void)fclose(stream);
+    if (stream) {
+        (void)fclose(stream);
+    }
     return error;
 }
 

@@ -69,14 +69,22 @@ static void arc_samples_are_equally_spaced(void **state)
         /* The samples start at the point closest to the +y direction and go on towards -x, in
          * either direction of the traced curve. */
         assert_true(s.points_mm[0].y > 24.9);
+        /* Two neighbours are a step apart along the curve. A straight line between them is as long,
+         * except around the four corners, where it is shorter. */
+        const double step_mm =
+            2.0 * (iso_norm(iso_sub(box[1], box[0])) + iso_norm(iso_sub(box[2], box[1]))) / N;
+        int straight = 0;
         for (int i = 0; i < N; i++) {
             assert_true(s.weight[i] == 1.0f);
             struct iso_vec3 a = s.points_mm[i], b = s.points_mm[(i + 1) % N];
             struct iso_vec3 u = iso_sub(a, box_centre), v = iso_sub(b, box_centre);
             assert_true(u.x * v.y - u.y * v.x > 0.0);
+            assert_true(iso_norm(iso_sub(b, a)) < step_mm + 1e-9);
+            straight += iso_norm(iso_sub(b, a)) > step_mm - 1e-9;
             /* The samples are in the plane z = x + 2 y of the curve. */
             assert_true(fabs(a.z - (a.x + 2 * a.y)) < 1e-9);
         }
+        assert_true(straight >= N - 4);
     }
     const struct iso_vec3 line[] = {{0, 0, 0}, {3, 0, 4}, {6, 0, 8}}; /* open, 10 mm long */
     const struct iso_curve open = {3, false, line};

@@ -227,6 +227,9 @@ static void sets_an_option_as_a_line_does(void **state)
     assert_int_equal(iso_config_set_sensor_option(&config, "path", "/p", &fault), 0);
     assert_int_equal(iso_config_sensor_options(&config, options), 1);
     assert_string_equal(options[0].value, "/p");
+    assert_int_equal(iso_config_set_sensor_option(&config, "path", "/q", &fault), 0);
+    assert_int_equal(iso_config_sensor_options(&config, options), 1);
+    assert_string_equal(options[0].value, "/q");
     assert_int_equal(iso_config_set_sensor_option(&config, "pace", "slow", &fault), -EINVAL);
     assert_string_equal(fault.text, "bad value 'slow' for 'pace' (realtime|asap)");
     assert_int_equal(iso_config_set_sensor_option(&config, "colour", "1", &fault), -EINVAL);
