@@ -20,16 +20,17 @@ fail() {
     exit 1
 }
 
-# ---- the copy: it keeps the times of files, so that only the changes of a page are compiled anew
+# ---- the copy: it keeps the times of files, so that only the changes of a page are compiled anew. The files that any page has changed so
+# far are touched in every run: a run that failed may have left objects of them.
 mkdir -p "$tree"
 find "$tree" -mindepth 1 -maxdepth 1 ! -name build -exec rm -rf {} +
 find "$root" -mindepth 1 -maxdepth 1 ! -name build ! -name out ! -name .git -exec cp -a {} "$tree" \;
 cd "$tree"
 touch "$work/changed"
+sort -u -o "$work/changed" "$work/changed"
 while read -r file; do
     [ ! -e "$file" ] || touch "$file"
 done <"$work/changed"
-: >"$work/changed"
 
 # ---- the blocks of the page, one file each: NUMBER.KIND, and NUMBER.path
 rm -rf "$blocks"
