@@ -6,8 +6,9 @@
  * registers. (With one vector after another, reading the matrix takes most of the time.) The
  * vectors do not affect each other: each has the same operations in the same order at every width.
  *
- * The same source is compiled for every processor of the architecture and, on x86-64, for AVX2
- * (without FMA), like the steps of the grid. The results are the same to the bit. */
+ * The same source is compiled for the instructions that every processor of the architecture has
+ * and, on x86-64, once more for AVX2 (without FMA), like the steps of the grid. The results are the
+ * same to the bit. */
 #ifndef ISO_CORE_HEAT_BLOCK_H
 #define ISO_CORE_HEAT_BLOCK_H
 

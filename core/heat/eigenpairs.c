@@ -78,8 +78,8 @@ static int diagonalise_basis(struct attempt *a)
     return info == LAPACK_WORK_MEMORY_ERROR ? -ENOMEM : -ENOTRECOVERABLE;
 }
 
-/* Whether the part of A V outside of V is small for each of the k vectors with the largest
- * eigenvalues. */
+/* Whether A times each of the k approximate eigenvectors with the largest eigenvalues lies in V,
+ * except for a small remainder. */
 static bool has_converged(const struct attempt *a)
 {
     const struct iso_lanczos *l = &a->lanczos;

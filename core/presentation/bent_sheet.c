@@ -28,8 +28,8 @@ struct sheet {
     double cosine, sine;    /* of the direction across the rulings */
     double x[UNKNOWNS_MAX]; /* heights of the knots, then the slope along the rulings */
     uint8_t below[ISO_SHEET_POINTS_MAX]; /* [n]: the knot before each point */
-    double
-        part[ISO_SHEET_POINTS_MAX]; /* [n]: how far the point lies on the way to the next, 0..1 */
+    /* [n]: how far the point lies on the way to the next, 0..1. */
+    double part[ISO_SHEET_POINTS_MAX];
 };
 
 /* The coordinate of a point along the rulings. */

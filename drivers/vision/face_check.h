@@ -53,8 +53,8 @@ bool iso_face_seen_disagrees(enum iso_face_seen seen);
 
 struct iso_face_checked {
     enum iso_face_seen seen;
-    double
-        offset_mm;  /* distance of the face that is seen from the expected place; 0: none is seen */
+    /* Distance of the face that is seen from the expected place; 0: none is seen. */
+    double offset_mm;
     double side_mm; /* of the square in which it is seen; 0 if none is seen */
     int votes;      /* windows of the cascade that agreed */
 };

@@ -158,8 +158,8 @@ void iso_appliance_release(struct iso_appliance *appliance);
 
 struct iso_enroll_request {
     const char *person;
-    struct iso_validity_change
-        validity; /* a limit that is not named stays as it is stored; a new person has none */
+    /* A limit that is not named stays as it is stored; a new person has none. */
+    struct iso_validity_change validity;
     bool allow_duplicate;
 };
 

@@ -162,7 +162,7 @@ static enum iso_capture take_face(struct iso_appliance *appliance, int64_t t_ns,
     return recognise_face(appliance, t_ns, arrival_ns);
 }
 
-/* Handles a frame that shows a picture, a screen or a mask. */
+/* Handles a frame that has a cue of a presentation attack (iso_capture_is_attack). */
 static void take_attack(struct iso_appliance *appliance, enum iso_capture cue, int64_t t_ns,
                         int64_t arrival_ns)
 {

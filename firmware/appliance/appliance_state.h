@@ -78,8 +78,8 @@ struct iso_appliance_door_news {
 /* Refusals of everybody, whatever the face. (appliance_refusal.c) */
 struct iso_appliance_lockout {
     struct iso_lockout state;
-    int64_t save_ns;        /* the next attempt to write the file; ISO_NEVER_NS: it is written */
-    int64_t read_ns;        /* the next attempt to read the file; ISO_NEVER_NS: it was read */
+    int64_t save_ns;        /* when to try again to write the file; ISO_NEVER_NS: never */
+    int64_t read_ns;        /* when to try again to read the file; ISO_NEVER_NS: never */
     struct iso_fault fault; /* why the file could not be read */
 };
 

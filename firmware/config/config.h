@@ -112,7 +112,8 @@ struct iso_config_seal {
     char key[ISO_CONFIG_TEXT_SIZE]; /* "": next to the gallery */
     enum iso_counter_kind counter;
     char counter_tcti[ISO_CONFIG_TEXT_SIZE], counter_index[ISO_CONFIG_TEXT_SIZE];
-    char credentials[ISO_CONFIG_TEXT_SIZE]; /* directory of the service manager; not in the file */
+    /* The directory in which the service manager puts the keys. It is not a key of the file. */
+    char credentials[ISO_CONFIG_TEXT_SIZE];
     bool migrate;
 };
 

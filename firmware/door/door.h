@@ -2,8 +2,8 @@
  *
  * A lock is fail-secure (a strike: power unlocks it) or fail-safe (a magnet: power locks it). In
  * STOPPED and FAULT the relay is without power, as it is when the appliance has none: fail-secure
- * is then locked, fail-safe is unlocked. So anybody who can cause a fault of a fail-safe door (by
- * its sensor cable, for example) opens it; that is what fail-safe means.
+ * is then locked, fail-safe is unlocked. So anybody who can cause FAULT (by unplugging
+ * the depth sensor, for example) opens a fail-safe door; that is what fail-safe means.
  *
  * REST below is FAULT while a fault lasts, else LOCKED. Legal transitions; every other event
  * leaves the state as it is:
@@ -71,11 +71,13 @@ enum iso_door_event {
     ISO_DOOR_EVENTS
 };
 
-/* "stopped", "locked", "unlocked", "opened", "held-open", "forced", "fault"; NULL outside. */
+/* "stopped", "locked", "unlocked", "opened", "held-open", "forced", "fault"; NULL for another
+ * value. */
 const char *iso_door_state_name(enum iso_door_state state);
 
 /* "start", "start-open", "stop", "grant", "refuse", "test", "exit-button", "opened", "closed",
- * "tamper", "tamper-ended", "fault", "recovered", "not-switched", "time"; NULL outside. */
+ * "tamper", "tamper-ended", "fault", "recovered", "not-switched", "time"; NULL for another
+ * value. */
 const char *iso_door_event_name(enum iso_door_event event);
 
 /* How long a test unlocks the door. */

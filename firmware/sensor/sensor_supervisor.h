@@ -36,7 +36,7 @@ struct iso_sensor_source {
 struct iso_sensor_supervisor_options {
     int64_t silence_ns, retry_ns, retry_max_ns;
     int64_t pause_ns; /* how old the last usable frame may be until `sees` becomes false */
-    int64_t stale_ns; /* a frame that arrives so long after its exposure cannot be used */
+    int64_t stale_ns; /* a frame that arrives this long after its exposure, or later, is not used */
 };
 
 struct iso_sensor_supervisor {

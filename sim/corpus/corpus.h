@@ -28,11 +28,11 @@ enum sim_role {
 const char *sim_role_name(enum sim_role role);
 
 struct sim_corpus_row {
-    char
-        recording[SIM_CORPUS_NAME_MAX]; /* a directory of the corpus: no '/', no '.' at the start */
-    size_t first, count;                /* count >= 1 */
-    char subject[SIM_CORPUS_NAME_MAX];  /* required */
-    char session[SIM_CORPUS_NAME_MAX];  /* this and the following words may be empty */
+    /* A directory of the corpus: no '/', no '.' at the start. */
+    char recording[SIM_CORPUS_NAME_MAX];
+    size_t first, count;               /* count >= 1 */
+    char subject[SIM_CORPUS_NAME_MAX]; /* required */
+    char session[SIM_CORPUS_NAME_MAX]; /* this and the following words may be empty */
     enum sim_role role;
     char pose[SIM_CORPUS_NAME_MAX];
     char expression[SIM_CORPUS_NAME_MAX];

@@ -17,8 +17,8 @@ enum sim_level_crowd {
 
 /* Counted visits of one level. */
 struct sim_level_counts {
-    struct sim_rate
-        refused; /* enrolled people who are not admitted, or admitted under another name */
+    /* Enrolled people who are not admitted, or admitted under another name. */
+    struct sim_rate refused;
     struct sim_rate strangers; /* admitted strangers */
     struct sim_rate alike;     /* admitted strangers who look like enrolled people */
 };

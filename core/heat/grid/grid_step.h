@@ -6,7 +6,8 @@
  * same operations as if one step were taken after the other, so that results are the same to the
  * bit.
  *
- * The same source is compiled for every processor of the architecture and, on x86-64, for AVX2.
+ * The same source is compiled for the instructions that every processor of the architecture has
+ * and, on x86-64, once more for AVX2.
  * iso_grid_stepper chooses the fastest that the machine has. Both do the same operations in the
  * same order (AVX2 without FMA), so that their results are the same to the bit. (On arm64 the
  * compiler may join a product and a sum into one instruction; the tests show whether it did so

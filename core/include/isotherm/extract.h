@@ -55,12 +55,9 @@ enum iso_stage {
  * @return A constant; NULL outside the range. */
 const char *iso_stage_name(enum iso_stage stage);
 
-/** The threads of the appliance. Its definition is not public: users of the installed library have
- * no use for it. */
-struct iso_tasks;
-
 /** Options of an extractor. Start from iso_extract_options_default(): templates of other options
- * than the default ones do not fit the trained metric. */
+ * than the default ones do not fit the trained metric. Where a description ends with a colon and a
+ * value, this is the default. */
 struct iso_extract_options {
     double t_mm2;                             /**< Time of the heat (heat_kernel.h), mm^2: 100. */
     int n_radii;                              /**< Radii that count, 1..ISO_TEMPLATE_RADII_MAX. */
@@ -71,14 +68,13 @@ struct iso_extract_options {
     double smoothing_mm;              /**< Sigma of the filter of the residual: 3 mm. */
     double outlier_mm;                /**< Larger residuals are filled in: 20 mm. */
     struct iso_shape_fit_options fit; /**< The fit of the head model. */
-    double distance_min_mm;        /**< Least distance of the nose tip from the sensor: 300 mm. */
-    double distance_max_mm;        /**< Largest distance of the nose tip: 1500 mm. */
-    double yaw_max_rad;            /**< Beyond it: "turn-left" and so on: 40 degrees. */
-    double pitch_max_rad;          /**< Beyond it: "look-up" and so on: 40 degrees. */
-    bool track;                    /**< Look for the face where it was just before: false. */
-    enum iso_heat_method heat;     /**< How the heat equation is solved: ISO_HEAT_GRID. */
-    const struct iso_tasks *tasks; /**< NULL. (The appliance passes its threads here; they outlive
-                                        the extractor. Templates are the same without.) */
+    double distance_min_mm;    /**< Least distance of the nose tip from the sensor: 300 mm. */
+    double distance_max_mm;    /**< Largest distance of the nose tip: 1500 mm. */
+    double yaw_max_rad;        /**< Beyond it: "turn-left" and so on: 40 degrees. */
+    double pitch_max_rad;      /**< Beyond it: "look-up" and so on: 40 degrees. */
+    bool track;                /**< Start from the face of the previous frame, and search the
+                                    whole frame only if it is lost: false. */
+    enum iso_heat_method heat; /**< How the heat equation is solved: ISO_HEAT_GRID. */
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /**< Kind of sensor, written into templates: "". */
     int64_t (*now_ns)(void *context);     /**< Monotonic clock, nanoseconds, for the times of the
                                                stages; NULL: no times are taken. */

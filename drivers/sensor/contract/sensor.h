@@ -31,9 +31,9 @@ struct iso_sensor_description {
     double unit_mm;          /* depths are whole multiples of this; 0 if they are not */
     double rate_hz;          /* the regular frames a second; 0 if the rate is not fixed */
     char calibration[96];    /* the calibration, in words; "" if the device has its own */
-    enum iso_fault_code
-        calibration_code; /* why the calibration is not reliable; ISO_FAULT_NONE: it is reliable */
-    bool repeats;         /* it is a replay whose option lets stored frames count more than once */
+    /* Why the calibration is not reliable; ISO_FAULT_NONE: it is reliable. */
+    enum iso_fault_code calibration_code;
+    bool repeats; /* it is a replay whose option lets stored frames count more than once */
 };
 
 /* A device that a back end could open. */

@@ -23,8 +23,9 @@ struct iso_camera iso__openni2_camera(int width_px, int height_px, double view_x
 int iso__openni2_read_depth(const OniFrame *in, bool mirrored, struct iso_frame *out,
                             struct iso_fault *fault);
 
-/* The same for the intensity, of a frame that read_depth has filled: `full_scale` counts are 1,
- * colours are weighed by Rec. 709 luma. -EBADMSG also if it does not cover the same pixels. */
+/* Writes the intensity into a frame that read_depth has filled. A value of `full_scale` and every
+ * larger one becomes 1; a colour becomes grey by its Rec. 709 luma. The errors of read_depth, and
+ * -EBADMSG if the image does not cover the same pixels. */
 int iso__openni2_read_intensity(const OniFrame *in, bool mirrored, double full_scale,
                                 struct iso_frame *out, struct iso_fault *fault);
 

@@ -194,7 +194,7 @@ static enum cli_exit choose_sensor(const struct cli_setup_places *places,
     return CLI_EXIT_OK;
 }
 
-/* ---- the description of a depth camera of the kernel ---- */
+/* ---- the file that describes a depth camera with a kernel driver ---- */
 
 static enum cli_exit ask_camera(const struct cli_cameras *cameras,
                                 const struct cli_dialogue *dialogue, char out[CLI_ANSWER_SIZE])

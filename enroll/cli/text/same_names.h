@@ -13,7 +13,7 @@ struct cli_same_names {
 /* Adds a copy of a name. A name that is not UTF-8, or for which there is no memory, is left out. */
 void cli_same_names_add(struct cli_same_names *names, const char *name);
 
-/* Prints a line for each pair of names that look the same, with a remedy. */
+/* Sorts the names and prints a line for each two neighbours that look the same, with a remedy. */
 void cli_same_names_print(struct cli_same_names *names, FILE *out);
 
 /* Releases what it holds. */

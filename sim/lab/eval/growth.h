@@ -20,8 +20,8 @@ struct sim_growth_point {
 struct sim_growth {
     double target_fpir, threshold;
     size_t n; /* 0: no searches, no strangers, or nobody enrolled */
-    struct sim_growth_point
-        points[SIM_GROWTH_MAX]; /* 10, 20, 50, 100, ... people, and all people */
+    /* 10, 20, 50, 100, ... people, and all people. */
+    struct sim_growth_point points[SIM_GROWTH_MAX];
 };
 
 /* Computes the error rates for galleries of rising size. -ENOMEM. */

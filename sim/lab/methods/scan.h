@@ -22,8 +22,8 @@ struct sim_scan {
     float *z_mm; /* [side * side], row 0 at the top (+y); NAN outside the domain, which is equal for
                     all faces of one extractor */
     uint8_t *measured; /* the same shape: 1 measured, 0 filled in or outside */
-    float
-        *reflectance; /* the same shape, or NULL without infrared: sim/lab/methods/reflectance.h */
+    /* The same shape, or NULL without infrared (sim/lab/methods/reflectance.h). */
+    float *reflectance;
     struct iso_vec3 source_mm[ISO_LANDMARKS];   /* where the appliance releases heat */
     struct iso_vec3 landmark_mm[ISO_LANDMARKS]; /* on the fitted head, expression included */
     bool mark_known[SIM_MARKS];                 /* only few corpora have marks */

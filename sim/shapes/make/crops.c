@@ -25,8 +25,8 @@ struct cutter {
     struct iso_coloured_mesh crop;
     struct sim_shape_row *rows;
     int32_t n, n_empty;
-    int32_t
-        *pixels_at; /* [DEPTH_MAX_MM] number of the frame's pixels for each millimetre of depth */
+    /* [DEPTH_MAX_MM] number of the frame's pixels for each millimetre of depth. */
+    int32_t *pixels_at;
 };
 
 /* The depth, in whole millimetres, below which a hundredth of the measured depths are; 0 if no

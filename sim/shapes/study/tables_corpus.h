@@ -11,8 +11,8 @@ enum { SIM_TABLES_METHODS_MAX = 16, SIM_TABLES_CACHE_MAX = 32 };
 struct sim_tables_corpus {
     const char *directory;
     struct sim_shape_manifest *manifest;
-    const struct iso_shape_method
-        *method[SIM_TABLES_METHODS_MAX]; /* the methods that its tables need */
+    /* The methods that its tables need. */
+    const struct iso_shape_method *method[SIM_TABLES_METHODS_MAX];
     int n_methods;
     struct sim_bank_options how;
     struct sim_bank *items, *distorted[SIM_DISTORTIONS][SIM_DISTORTION_LEVELS];

@@ -10,8 +10,8 @@
 struct sim_obj {
     uint32_t n_points, n_triangles;
     double (*points)[3]; /* as written */
-    uint32_t (
-        *triangles)[3]; /* polygons are cut into fans about their first corner; vertices from 0 */
+    /* A polygon is split into triangles that share its first corner. Vertex numbers begin at 0. */
+    uint32_t (*triangles)[3];
 };
 
 /* Reads a file. -EBADMSG: a vertex (line "v") does not have three numbers, a face (line "f") does

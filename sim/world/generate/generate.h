@@ -19,8 +19,8 @@ struct sim_generate_options {
     int n_sessions; /* for each person of "landmarks" and "training"; the preset's own if < 0 */
     int n_per_kind; /* rows for each kind of "attacks" and "not-faces"; the preset's own if < 0 */
     double pose_limit_rad; /* of "landmarks" and "training" */
-    double near_mm,
-        far_mm; /* distance of the nose tip, except in gallery sessions; both 0: the preset's own */
+    /* Distance of the nose tip, except in gallery sessions; both 0: the preset's own. */
+    double near_mm, far_mm;
     double noise_scale;       /* factor on the sensor's random errors; the preset's own if < 0 */
     double identity_variance; /* 1: the head model's; 0.36: people who look alike; the preset's own
                                  if < 0 */

@@ -10,9 +10,9 @@
 struct sim_group {
     size_t n_solids, capacity;
     struct sim_solid **solids;
-    struct iso_rigid
-        placed; /* moves all parts that are added from now on; initially the identity */
-    int error;  /* error of the first addition that failed; nothing is added after it */
+    /* Moves all parts that are added from now on; initially the identity. */
+    struct iso_rigid placed;
+    int error; /* error of the first addition that failed; nothing is added after it */
     struct iso_vec3 *scratch_mm;
     size_t scratch_size;
 };

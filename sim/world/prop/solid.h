@@ -45,9 +45,9 @@ struct sim_joint {
     double radius_mm;
 };
 
-/* A tube along a polyline of 2 to 16 joints at different places: a finger, an arm, a pole. The
- * radius changes evenly from joint to joint; each end is half a sphere. -EINVAL for another number
- * of joints or a radius that is not positive, -ENOMEM. */
+/* A tube along a polyline of 2 to 16 joints, of which neighbours are at different places: a finger,
+ * an arm, a pole. The radius changes evenly from joint to joint; each end is half a sphere. -EINVAL
+ * for another number of joints or a radius that is not positive, -ENOMEM. */
 int sim_solid_tube(const struct sim_joint *joints, size_t n_joints, enum sim_material material,
                    struct sim_solid **out) __attribute__((warn_unused_result));
 

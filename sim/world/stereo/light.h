@@ -9,9 +9,9 @@
 
 struct sim_light {
     const struct sim_stereo_rig *rig;
-    const struct sim_view
-        *view;          /* finished view from the projector: the surface that its light reaches */
-    const float *shade; /* [view's pixels]: cosine of incidence, smoothed */
+    /* Finished view from the projector: the surface that its light reaches. */
+    const struct sim_view *view;
+    const float *shade;               /* [view's pixels]: cosine of incidence, smoothed */
     struct iso_rigid view_from_scene; /* from the frame of the points to that of the projector */
     uint64_t key;                     /* of the textures */
 };

@@ -44,11 +44,11 @@ struct sim_companion {
 };
 
 struct sim_view {
-    struct iso_camera
-        camera;      /* of the view, with `supersample` times the sensor's pixels along each axis */
-    int supersample; /* view pixels per sensor pixel, along each axis */
-    float *depth_mm; /* [height_px * width_px]; 0: no surface */
-    float *cosine;   /* between the surface's normal and the line of sight, 0..1 */
+    /* Of the view, with `supersample` times the sensor's pixels along each axis. */
+    struct iso_camera camera;
+    int supersample;   /* view pixels per sensor pixel, along each axis */
+    float *depth_mm;   /* [height_px * width_px]; 0: no surface */
+    float *cosine;     /* between the surface's normal and the line of sight, 0..1 */
     uint8_t *material; /* enum sim_material */
     int32_t *facet;    /* the visible facet: index into facets, or -1 */
     struct sim_facet *facets;

@@ -16,8 +16,8 @@ struct fake_status {
     bool done;
     unsigned stage, stages; /* of an enrolment */
     double value;           /* the quality, or the score */
-    const char
-        *person; /* the person verified or identified, or the duplicate of an enrolment; NULL: "" */
+    /* The person verified or identified, or the duplicate of an enrolment; NULL: "". */
+    const char *person;
     double threshold;
 };
 
