@@ -1,0 +1,284 @@
+#include "core/match/site.h"
+
+#include <errno.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/base/wipe.h"
+
+/* Sums are of numbers that are rounded to 2^-12 of the rendered standard deviation within a person.
+ */
+static const double unit = 4096.0;
+
+/* Limits of what one person and one capture can do, in multiples of what is expected of a rendered
+ * one. The longest of 362 real captures is 3.8 times as long (squared length, by variance within
+ * and between), and people before a coarse depth sensor vary up to 4 times as much. */
+static const double length_limit = 6.0, residual_limit = 8.0;
+
+/* The weight of a person is the number of captures less one, at most this. The share `a` reaches
+ * half of its limit with this sum of weights. */
+enum { WEIGHT_MAX = 16, WEIGHT_HALF = 16 };
+
+struct iso_site {
+    int n;                                    /* dimensions */
+    float between[ISO_METRIC_DIMENSIONS_MAX]; /* of the metric, [n] */
+    int64_t people, taught;
+    int64_t weight;   /* sum over people who taught */
+    int64_t *sum;     /* [n]: the means of the people, in units */
+    int64_t *scatter; /* [n][n], lower triangle: weighted products of residuals, in units squared */
+};
+
+int iso_site_new(const struct iso_metric *metric, struct iso_site **out)
+{
+    const size_t n = (size_t)metric->n_dimensions;
+    struct iso_site *site = calloc(1, sizeof *site);
+    if (!site) {
+        return -ENOMEM;
+    }
+    site->n = metric->n_dimensions;
+    memcpy(site->between, metric->between, n * sizeof *site->between);
+    site->sum = calloc(n, sizeof *site->sum);
+    site->scatter = calloc(n * n, sizeof *site->scatter);
+    if (!site->sum || !site->scatter) {
+        iso_site_free(site);
+        return -ENOMEM;
+    }
+    *out = site;
+    return 0;
+}
+
+void iso_site_free(struct iso_site *site)
+{
+    if (!site) {
+        return;
+    }
+    iso_wipe_free(site->sum);
+    iso_wipe_free(site->scatter);
+    iso_wipe_free(site);
+}
+
+/* The sum of the numbers of all captures, by dimension, divided by their number. -EINVAL if one is
+ * not finite. */
+static int mean_of(const struct iso_site *site, const struct iso_metric_vector *captures, int n,
+                   double *mean)
+{
+    for (int d = 0; d < site->n; d++) {
+        mean[d] = 0.0;
+        for (int i = 0; i < n; i++) {
+            mean[d] += (double)captures[i].mean[d];
+        }
+        mean[d] /= n;
+        if (!isfinite(mean[d])) {
+            return -EINVAL;
+        }
+    }
+    return 0;
+}
+
+/* Adds the mean of a person, shortened to its limit. */
+static void add_mean(struct iso_site *site, const double *mean, int sign)
+{
+    double length = 0.0;
+    for (int d = 0; d < site->n; d++) {
+        length += mean[d] * mean[d] / (1.0 + (double)site->between[d]);
+    }
+    const double scale = fmin(1.0, sqrt(length_limit * site->n / fmax(length, 1e-9)));
+    for (int d = 0; d < site->n; d++) {
+        site->sum[d] += sign * (int64_t)llrint(unit * scale * mean[d]);
+    }
+}
+
+/* What is left of a capture when its person's mean is subtracted, shortened to its limit. */
+static void residual_of(const struct iso_site *site, const struct iso_metric_vector *capture,
+                        const double *mean, int64_t *out)
+{
+    double length = 0.0;
+    for (int d = 0; d < site->n; d++) {
+        const double x = (double)capture->mean[d] - mean[d];
+        length += x * x;
+    }
+    const double scale = fmin(1.0, sqrt(residual_limit * site->n / fmax(length, 1e-9)));
+    for (int d = 0; d < site->n; d++) {
+        out[d] = llrint(unit * scale * ((double)capture->mean[d] - mean[d]));
+    }
+}
+
+/* Adds the products of the residuals of a person, as an estimate of the covariance times the weight
+ * of the person. */
+static int add_scatter(struct iso_site *site, const struct iso_metric_vector *captures, int n,
+                       const double *mean, int sign)
+{
+    const int weight = n - 1 < WEIGHT_MAX ? n - 1 : WEIGHT_MAX;
+    int64_t residual[ISO_METRIC_DIMENSIONS_MAX];
+    int64_t *own = calloc((size_t)site->n * (size_t)site->n, sizeof *own);
+    if (!own) {
+        return -ENOMEM;
+    }
+    for (int i = 0; i < n; i++) {
+        residual_of(site, &captures[i], mean, residual);
+        for (int r = 0; r < site->n; r++) {
+            for (int c = 0; c <= r; c++) {
+                own[r * site->n + c] += residual[r] * residual[c];
+            }
+        }
+    }
+    for (int i = 0; i < site->n * site->n; i++) {
+        site->scatter[i] += sign * (own[i] * weight / (n - 1));
+    }
+    explicit_bzero(residual, sizeof residual);
+    iso_wipe_free(own);
+    site->weight += sign * weight;
+    site->taught += sign;
+    return 0;
+}
+
+static int change(struct iso_site *site, const struct iso_metric_vector *captures, int n, int sign)
+{
+    double mean[ISO_METRIC_DIMENSIONS_MAX];
+    const int used = n < ISO_SITE_CAPTURES ? n : ISO_SITE_CAPTURES;
+    if (n < 1 || mean_of(site, captures, used, mean)) {
+        return -EINVAL;
+    }
+    const int error = used > 1 ? add_scatter(site, captures, used, mean, sign) : 0;
+    if (!error) {
+        add_mean(site, mean, sign);
+        site->people += sign;
+    }
+    explicit_bzero(mean, sizeof mean);
+    return error;
+}
+
+int iso_site_add(struct iso_site *site, const struct iso_metric_vector *captures, int n)
+{
+    return change(site, captures, n, 1);
+}
+
+int iso_site_remove(struct iso_site *site, const struct iso_metric_vector *captures, int n)
+{
+    return site->people > 0 ? change(site, captures, n, -1) : -EINVAL;
+}
+
+/* The offset shrinks to zero for few people: the mean of n people is taken n / (n + 1) times. */
+static double offset_at(const struct iso_site *site, int d)
+{
+    return (double)site->sum[d] / unit / (double)(site->people + 1);
+}
+
+static double share_of(const struct iso_site *site)
+{
+    return 0.5 * (double)site->weight / (double)(site->weight + WEIGHT_HALF);
+}
+
+struct iso_site_summary iso_site_summary(const struct iso_site *site)
+{
+    struct iso_site_summary s = {
+        .people = (int)site->people, .taught = (int)site->taught, .share = share_of(site)};
+    double square = 0.0, trace = 0.0;
+    for (int d = 0; d < site->n; d++) {
+        const double x = offset_at(site, d);
+        square += x * x / (1.0 + (double)site->between[d]);
+        trace += (double)site->scatter[d * site->n + d];
+    }
+    s.offset = sqrt(square);
+    s.expected = sqrt(site->n * (double)site->people) / (double)(site->people + 1);
+    s.growth = site->weight > 0 ? trace / unit / unit / (double)site->weight / site->n : 0.0;
+    return s;
+}
+
+/* The covariance within a person, [n][n], lower triangle. */
+static void within_of(const struct iso_site *site, double *within)
+{
+    const double a = share_of(site);
+    const double scale = site->weight > 0 ? a / unit / unit / (double)site->weight : 0.0;
+    for (int r = 0; r < site->n; r++) {
+        for (int c = 0; c <= r; c++) {
+            within[r * site->n + c] = (r == c ? 1.0 - a : 0.0) +
+                                      scale * (double)site->scatter[r * site->n + c] +
+                                      offset_at(site, r) * offset_at(site, c);
+        }
+    }
+}
+
+/* Column k of the result is the direction of the k-th largest variance between people, of variance
+ * 1 within a person; value[k] is that variance. The sign of a direction makes its largest number
+ * positive, so that it does not depend on the library. */
+static int directions_of(const struct iso_site *site, double *directions, double *value)
+{
+    const size_t n = (size_t)site->n;
+    double *within = calloc(n * n, sizeof *within);
+    if (!within) {
+        return -ENOMEM;
+    }
+    within_of(site, within);
+    memset(directions, 0, n * n * sizeof *directions);
+    for (size_t d = 0; d < n; d++) {
+        directions[d * n + d] = (double)site->between[d];
+    }
+    const lapack_int failed = LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'L', site->n, directions,
+                                            site->n, within, site->n, value);
+    iso_wipe_free(within);
+    if (failed == LAPACK_WORK_MEMORY_ERROR || failed == LAPACK_TRANSPOSE_MEMORY_ERROR) {
+        return -ENOMEM;
+    }
+    return failed ? -EDOM : 0;
+}
+
+static double sign_of(const double *directions, int n, int k)
+{
+    double largest = 0.0;
+    for (int d = 0; d < n; d++) {
+        const double x = directions[d * n + k];
+        largest = fabs(x) > fabs(largest) ? x : largest;
+    }
+    return largest < 0.0 ? -1.0 : 1.0;
+}
+
+/* One row in the new coordinates: number k of `out` is the product of the row and direction k,
+ * which is column n - 1 - k because LAPACK sorts by rising value. */
+static void turn_row(const double *directions, const double *sign, int n, const float *row,
+                     float *out)
+{
+    for (int k = 0; k < n; k++) {
+        double sum = 0.0;
+        for (int d = 0; d < n; d++) {
+            sum += (double)row[d] * directions[d * n + n - 1 - k];
+        }
+        out[k] = (float)(sign[k] * sum);
+    }
+}
+
+int iso_site_adapt(const struct iso_site *site, const struct iso_metric *metric,
+                   struct iso_metric **out)
+{
+    const int n = site->n;
+    double value[ISO_METRIC_DIMENSIONS_MAX], sign[ISO_METRIC_DIMENSIONS_MAX];
+    if (metric->n_dimensions != n ||
+        memcmp(metric->between, site->between, (size_t)n * sizeof *site->between) != 0) {
+        return -EINVAL;
+    }
+    struct iso_metric *adapted = NULL;
+    double *directions = calloc((size_t)n * (size_t)n, sizeof *directions);
+    int error = directions ? iso_metric_new(metric, &adapted) : -ENOMEM;
+    if (!error) {
+        error = directions_of(site, directions, value);
+    }
+    if (error) {
+        iso_metric_free(adapted);
+        free(directions);
+        return error;
+    }
+    for (int k = 0; k < n; k++) {
+        sign[k] = sign_of(directions, n, n - 1 - k);
+        adapted->between[k] = (float)fmax(value[n - 1 - k], 0.0);
+    }
+    memcpy(adapted->curve_mm, metric->curve_mm, (size_t)metric->n_values * sizeof(float));
+    turn_row(directions, sign, n, metric->centre, adapted->centre);
+    for (size_t v = 0; v < (size_t)metric->n_values; v++) {
+        turn_row(directions, sign, n, &metric->axis[v * (size_t)n], &adapted->axis[v * (size_t)n]);
+    }
+    iso_wipe_free(directions);
+    *out = adapted;
+    return 0;
+}
