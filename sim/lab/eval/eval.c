@@ -201,6 +201,9 @@ static int compare_methods(struct sim_eval *eval, struct iso_fault *fault)
 {
     int error = sim_gallery_new(eval->corpus, eval->acquisition, eval->options.gallery_limit,
                                 &eval->gallery);
+    if (!error && eval->metric && eval->options.site == SIM_SITE_GALLERY) {
+        error = sim_site_adapt(eval->gallery, &eval->metric);
+    }
     error = out_of_range(error, fault);
     for (int own = 0; own < 2; own++) {
         for (size_t i = 0; !error && i < eval->n_methods; i++) {
@@ -303,6 +306,19 @@ static int look_closer(struct sim_eval *eval, struct iso_fault *fault)
     return error;
 }
 
+static int split_people(struct sim_eval *eval, struct iso_fault *fault)
+{
+    const struct sim_scoring scoring = {eval->metric, eval->cohort, eval->options.match, true};
+    if (!eval->metric || eval->options.site != SIM_SITE_SPLIT) {
+        return 0;
+    }
+    const int error = sim_site_split(eval->corpus, eval->acquisition, eval->gallery, &scoring,
+                                     eval->options.threads, &eval->site);
+    return error ? iso_fault_set(fault, error, "%s: --site split: %s", eval->options.corpus,
+                                 error == -EINVAL ? "needs four enrolled people" : strerror(-error))
+                 : 0;
+}
+
 static void choose_methods(struct sim_eval *eval)
 {
     const struct sim_eval_options *o = &eval->options;
@@ -351,6 +367,9 @@ int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
     }
     if (!error) {
         error = look_closer(eval, fault);
+    }
+    if (!error) {
+        error = split_people(eval, fault);
     }
     if (error) {
         sim_eval_free(eval);

@@ -7,6 +7,8 @@
 #include "sim/lab/eval/curve.h"
 #include "sim/lab/eval/growth.h"
 #include "sim/lab/eval/landmark_error.h"
+#include "sim/lab/eval/site_gallery.h"
+#include "sim/lab/eval/site_split.h"
 #include "sim/lab/match/training_set.h"
 
 struct sim_eval_options {
@@ -25,6 +27,7 @@ struct sim_eval_options {
     size_t n_methods;
     const struct sim_method *methods[SIM_METHODS];
     bool lenient; /* skip a pairwise method that cannot work on the corpus, and keep the reason */
+    enum sim_site site;                /* with a metric: where the site statistics come from */
     struct sim_training_set *training; /* for methods that learn, or NULL */
 };
 
@@ -53,6 +56,7 @@ struct sim_eval {
     struct sim_matches *matches;                 /* of the first method that was not skipped */
     struct sim_analysis *analysis;               /* of the same method */
     struct sim_growth growth;                    /* at an FPIR of 1e-2 */
+    struct sim_site_split site;                  /* splits is 0 if they were not requested */
     struct sim_curve curves[SIM_FACTORS];        /* at the threshold of the third FMR */
     struct sim_landmark_error landmarks[ISO_LANDMARKS + 1]; /* of usable frames */
     int64_t wall_ns;                                        /* duration of the whole evaluation */

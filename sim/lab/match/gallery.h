@@ -2,6 +2,7 @@
 #ifndef SIM_LAB_MATCH_GALLERY_H
 #define SIM_LAB_MATCH_GALLERY_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "sim/lab/match/acquire.h"
@@ -20,6 +21,11 @@ struct sim_gallery {
  * -ENOMEM. */
 int sim_gallery_new(const struct sim_corpus *corpus, const struct sim_acquisition *acquisition,
                     size_t limit, struct sim_gallery **out) __attribute__((warn_unused_result));
+
+/* A gallery of those people whose place in `keep` [n_people] is true, in the same order.
+ * -ENOMEM. */
+int sim_gallery_part(const struct sim_gallery *gallery, const bool *keep, struct sim_gallery **out)
+    __attribute__((warn_unused_result));
 
 /* Frees it and what it holds. NULL is accepted. */
 void sim_gallery_free(struct sim_gallery *gallery);

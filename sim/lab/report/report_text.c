@@ -78,6 +78,32 @@ static void print_promises(const struct sim_eval *eval, FILE *out)
     }
 }
 
+static void print_site(const struct sim_site_split *site, FILE *out)
+{
+    if (site->splits == 0) {
+        return;
+    }
+    fprintf(out,
+            "Site: learned from %zu or %zu of %zu people, judged on the others, %zu splits\n"
+            "  offset %.1f standard deviations (%.1f expected), variance within people %.2f times "
+            "the rendered one, taken with the weight %.2f\n",
+            site->learned, site->people - site->learned, site->people, site->splits, site->offset,
+            site->expected, site->growth, site->share);
+    print_rate(out, "refused", site->refused);
+    fprintf(out, "  %-24s %7.2f %%  (%.2f %% with refused searches)\n", "EER", 100.0 * site->eer,
+            100.0 * site->eer_with_refused);
+    for (int i = 0; i < SIM_SITE_SCORES; i++) {
+        const struct sim_site_rate *at = &site->at[i];
+        fprintf(out,
+                "  score %.0f: FMR %.3f %% [%.3f, %.3f] (promised %.2f), FNMR %.2f %% [%.2f, "
+                "%.2f]\n",
+                at->score, 100.0 * at->fmr, 100.0 * at->fmr_interval.low,
+                100.0 * at->fmr_interval.high, 100.0 * pow(10.0, -at->score), 100.0 * at->fnmr,
+                100.0 * at->fnmr_interval.low, 100.0 * at->fnmr_interval.high);
+    }
+    print_rate(out, "rank 1", site->rank_1);
+}
+
 static void print_identification(const struct sim_eval *eval, FILE *out)
 {
     const struct sim_identification *id = &eval->analysis->identification;
@@ -209,6 +235,7 @@ void sim_report_text(const struct sim_eval *eval, FILE *out)
     print_acquisition(eval, out);
     print_verification(&a->verification, out);
     print_promises(eval, out);
+    print_site(&eval->site, out);
     print_identification(eval, out);
     if (a->n_kind[SIM_PROBE_NONE] > 0) {
         fprintf(out, "Not faces: %zu of %zu taken for a face, %zu would match at FMR %.0e\n",

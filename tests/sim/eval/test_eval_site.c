@@ -1,0 +1,163 @@
+/* Site statistics in an evaluation: who is learned from, who is judged, and the rates. */
+#include <errno.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "sim/lab/eval/eval.h"
+#include "sim/lab/eval/site_rates.h"
+#include "tests/support/near.h"
+#include "tests/support/scratch.h"
+#include "tests/support/stored_corpus.h"
+
+static const char four_people[] = STORED_CORPUS_HEADER "p01-enrol,0,2,p01,e,gallery,,,\n"
+                                                       "p02-enrol,0,2,p02,e,gallery,,,\n"
+                                                       "p03-enrol,0,2,p03,e,gallery,,,\n"
+                                                       "p04-enrol,0,2,p04,e,gallery,,,\n"
+                                                       "p01-v1,0,2,p01,v1,probe,,mild,\n"
+                                                       "p02-v1,0,1,p02,v1,probe,,mild,\n"
+                                                       "p03-v1,0,1,p03,v1,probe,,mild,\n"
+                                                       "x01-v1,0,1,x01,v1,impostor,,,\n";
+static const char three_people[] = STORED_CORPUS_HEADER "p01-enrol,0,2,p01,e,gallery,,,\n"
+                                                        "p02-enrol,0,2,p02,e,gallery,,,\n"
+                                                        "p03-enrol,0,2,p03,e,gallery,,,\n"
+                                                        "p01-v1,0,2,p01,v1,probe,,mild,\n"
+                                                        "p02-v1,0,1,p02,v1,probe,,mild,\n";
+
+static int evaluate(void **state, const char *manifest, enum sim_site site, struct sim_eval **out,
+                    struct iso_fault *fault)
+{
+    stored_corpus_make(*state, manifest);
+    const struct sim_eval_options options = {
+        .corpus = *state,
+        .model = ISOTHERM_SOURCE_DIR "/core/data/head.model",
+        .metric = ISOTHERM_SOURCE_DIR "/core/data/face.metric",
+        .fuse = 1,
+        .threads = 2,
+        .extract = iso_extract_options_default(),
+        .match = iso_match_options_default(),
+        .site = site,
+    };
+    return sim_eval_run(&options, out, fault);
+}
+
+static struct sim_eval *evaluated(void **state, enum sim_site site)
+{
+    struct sim_eval *eval = NULL;
+    struct iso_fault fault = {.text = ""};
+    if (evaluate(state, four_people, site, &eval, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    return eval;
+}
+
+/* Four people have six choices of two, and each counts both ways. A person is judged in six of the
+ * twelve, beside one other person. */
+static void every_split_counts_both_ways(void **state)
+{
+    struct sim_eval *eval = evaluated(state, SIM_SITE_SPLIT);
+    const struct sim_site_split *site = &eval->site;
+    assert_int_equal(site->people, 4);
+    assert_int_equal(site->learned, 2);
+    assert_int_equal(site->splits, 12);
+    assert_int_equal(site->refused.trials, 4); /* searches of p01 to p03, but not of x01 */
+    const size_t acquired = site->refused.trials - site->refused.events;
+    assert_int_equal(site->rank_1.trials, 6 * acquired);
+    assert_int_equal(site->rank_1.events, site->rank_1.trials); /* stored people are told apart */
+    assert_true(site->offset > 0.0 && site->growth > 0.0);
+    assert_true(site->share > 0.0 && site->share < 0.5);
+    assert_near(site->eer, 0.0, 1e-12);
+    for (int i = 0; i < SIM_SITE_SCORES; i++) {
+        const struct sim_site_rate *at = &site->at[i];
+        assert_near(at->score, 2.0 + i, 0.0);
+        assert_true(at->fmr_interval.low <= at->fmr && at->fmr <= at->fmr_interval.high);
+        assert_true(at->fnmr_interval.low <= at->fnmr && at->fnmr <= at->fnmr_interval.high);
+    }
+    sim_eval_free(eval);
+}
+
+static void fewer_than_four_people_are_not_split(void **state)
+{
+    struct sim_eval *eval = NULL;
+    struct iso_fault fault = {.text = ""};
+    assert_int_equal(evaluate(state, three_people, SIM_SITE_SPLIT, &eval, &fault), -EINVAL);
+    assert_non_null(strstr(fault.text, "--site split: needs four enrolled people"));
+    assert_null(eval);
+}
+
+/* Without site statistics the metric is the shipped one; with those of the gallery it differs, and
+ * so do the scores, but everybody is still found. */
+static void the_gallery_adapts_the_metric(void **state)
+{
+    struct sim_eval *none = evaluated(state, SIM_SITE_NONE);
+    struct sim_eval *site = evaluated(state, SIM_SITE_GALLERY);
+    assert_int_equal(none->site.splits, 0);
+    assert_int_equal(site->site.splits, 0);
+    assert_true(none->metric->between[0] != site->metric->between[0]);
+    const struct sim_matches *a = none->matches, *b = site->matches;
+    assert_int_equal(a->n_probes, b->n_probes);
+    for (size_t i = 0; i < b->n_probes; i++) {
+        const size_t mate = site->analysis->mate[i];
+        const double *score = &b->score[i * b->n_people];
+        for (size_t p = 0; mate != SIM_NOBODY && p < b->n_people; p++) {
+            assert_true(score[p] != a->score[i * a->n_people + p]);
+            assert_true(p == mate || score[p] < score[mate]);
+        }
+    }
+    sim_eval_free(none);
+    sim_eval_free(site);
+}
+
+static void options_name_the_source(void **state)
+{
+    enum sim_site site = SIM_SITE_NONE;
+    (void)state;
+    assert_int_equal(sim_option_site("gallery", &site), 0);
+    assert_int_equal(site, SIM_SITE_GALLERY);
+    assert_int_equal(sim_option_site("split", &site), 0);
+    assert_int_equal(site, SIM_SITE_SPLIT);
+    assert_int_equal(sim_option_site("none", &site), 0);
+    assert_int_equal(site, SIM_SITE_NONE);
+    assert_int_equal(sim_option_site("halves", &site), -EINVAL);
+}
+
+/* Two people with two mated and two non-mated comparisons each, counted by hand. */
+static void rates_are_counted_at_each_score(void **state)
+{
+    struct sim_score mated[] = {{5.0, 0}, {3.5, 0}, {2.5, 1}, {6.0, 1}};
+    struct sim_score non_mated[] = {{-1.0, 0}, {2.0, 0}, {3.1, 1}, {0.0, 1}};
+    struct sim_scores scores = {mated, non_mated, 4, 4};
+    struct sim_site_split out = {.refused = {3, 7}};
+    (void)state;
+    assert_int_equal(sim_site_rates(&scores, 2, &out), 0);
+    assert_near(out.at[0].fmr, 0.5, 1e-12);  /* 2.0 and 3.1 reach 2 */
+    assert_near(out.at[1].fmr, 0.25, 1e-12); /* 3.1 reaches 3 */
+    assert_near(out.at[2].fmr, 0.0, 1e-12);
+    assert_near(out.at[0].fnmr, 0.0, 1e-12);
+    assert_near(out.at[1].fnmr, 0.25, 1e-12); /* 2.5 */
+    assert_near(out.at[2].fnmr, 0.5, 1e-12);
+    assert_near(out.eer, 0.25, 1e-12);
+    /* Three more failures beside the four comparisons: at the score 2.5, 3 of 7 fail. */
+    assert_near(out.eer_with_refused, 3.0 / 7.0, 1e-12);
+    assert_true(out.at[2].fmr_interval.high > 0.2); /* none of four does not mean none at all */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(every_split_counts_both_ways, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(fewer_than_four_people_are_not_split, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(the_gallery_adapts_the_metric, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test(options_name_the_source),
+        cmocka_unit_test(rates_are_counted_at_each_score),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
