@@ -5,6 +5,7 @@
  * T_MM2 is the time that the heat flows: it spreads over about sqrt(T_MM2) millimetres. The
  * isotherm of radius r is the curve of equal temperature that encloses the area of a disc of radius
  * r. The curve's points go to standard output, one "x y z" a line. */
+#include <errno.h>
 #include <isotherm/heat_kernel.h>
 #include <isotherm/isotherm_curve.h>
 #include <isotherm/mesh.h>
@@ -74,13 +75,19 @@ static int solve(const struct iso_mesh *mesh, const struct iso_surface_point *so
     struct iso_heat_direct *solver = NULL;
     double *heat = calloc((size_t)n, sizeof *heat); /* of each vertex: mass times temperature */
 
-    int error = heat ? iso_symmetric_new(n, nnz, &stiffness) : -1;
-    error = error ? error : iso_symmetric_new(n, nnz, &mass);
-    error = error ? error : iso_stiffness_mass(mesh, ISO_MASS_LUMPED, stiffness, mass);
-    error = error ? error : iso_heat_direct_new(&options, &solver);
-    error = error
-                ? error
-                : iso_heat_direct(solver, mesh, stiffness, mass, source, 1, &t_mm2, 1, temperature);
+    int error = heat ? iso_symmetric_new(n, nnz, &stiffness) : -ENOMEM;
+    if (!error) {
+        error = iso_symmetric_new(n, nnz, &mass);
+    }
+    if (!error) {
+        error = iso_stiffness_mass(mesh, ISO_MASS_LUMPED, stiffness, mass);
+    }
+    if (!error) {
+        error = iso_heat_direct_new(&options, &solver);
+    }
+    if (!error) {
+        error = iso_heat_direct(solver, mesh, stiffness, mass, source, 1, &t_mm2, 1, temperature);
+    }
     if (!error) {
         iso_symmetric_multiply(mass, temperature, heat);
         *total = 0.0;
@@ -104,9 +111,13 @@ static int trace(const struct iso_mesh *mesh, const double *temperature, struct 
     double level = 0.0, sum_mm = 0.0;
     int n_curves = 0, n_points = 0;
 
-    int error = adjacent ? iso_mesh_adjacency(mesh, adjacent) : -1;
-    error = error ? error : iso_tracer_new(mesh->n_triangles, &tracer);
-    error = error ? error : iso_isotherm_level(mesh, temperature, radius_mm, &level);
+    int error = adjacent ? iso_mesh_adjacency(mesh, adjacent) : -ENOMEM;
+    if (!error) {
+        error = iso_tracer_new(mesh->n_triangles, &tracer);
+    }
+    if (!error) {
+        error = iso_isotherm_level(mesh, temperature, radius_mm, &level);
+    }
     if (!error) {
         n_curves = iso_tracer_run(tracer, mesh, (const int32_t(*)[3])adjacent, temperature, level);
         error = n_curves < 0 ? n_curves : 0;
@@ -142,14 +153,20 @@ int main(int argc, char **argv)
     struct iso_surface_point source;
     double *temperature = calloc((size_t)mesh->n_vertices, sizeof *temperature);
     double total = 0.0;
-    int error = temperature && find_vertex(mesh, atoi(argv[2]), &source) ? 0 : -1;
-    error = error ? error : solve(mesh, &source, atof(argv[3]), temperature, &total);
+    int error = temperature ? 0 : -ENOMEM;
+    if (!error && !find_vertex(mesh, atoi(argv[2]), &source)) {
+        fprintf(stderr, "%s: no triangle has the vertex %s\n", argv[1], argv[2]);
+        error = -EINVAL;
+    }
+    if (!error) {
+        error = solve(mesh, &source, atof(argv[3]), temperature, &total);
+    }
     if (!error) {
         fprintf(stderr, "heat on the surface: %.6f\n", total);
         error = trace(mesh, temperature, iso_mesh_point_at(mesh, source), atof(argv[4]));
     }
     if (error) {
-        fprintf(stderr, "%s: %s\n", argv[1], error == -1 ? "no such vertex" : strerror(-error));
+        fprintf(stderr, "%s: %s\n", argv[1], strerror(-error));
     }
     free(temperature);
     iso_mesh_free(mesh);

@@ -99,7 +99,9 @@ static int each_frame(struct recogniser *recogniser, const char *directory, use_
             printf("%s, frame %d: %s\n", directory, i, iso_capture_name(extraction.outcome));
             continue; /* no usable face: the word says why, such as "too-far" */
         }
-        error = error ? error : iso_metric_project(recogniser->metric, &extraction.tmpl, &vector);
+        if (!error) {
+            error = iso_metric_project(recogniser->metric, &extraction.tmpl, &vector);
+        }
         if (error) {
             fprintf(stderr, "%s, frame %d: %s\n", directory, i, strerror(-error));
             return -1;

@@ -134,7 +134,8 @@ static int add_scatter(struct iso_site *site, const struct iso_metric_vector *ca
     return 0;
 }
 
-static int change(struct iso_site *site, const struct iso_metric_vector *captures, int n, int sign)
+static int change_people(struct iso_site *site, const struct iso_metric_vector *captures, int n,
+                         int sign)
 {
     double mean[ISO_METRIC_DIMENSIONS_MAX];
     const int used = n < ISO_SITE_CAPTURES ? n : ISO_SITE_CAPTURES;
@@ -152,12 +153,12 @@ static int change(struct iso_site *site, const struct iso_metric_vector *capture
 
 int iso_site_add(struct iso_site *site, const struct iso_metric_vector *captures, int n)
 {
-    return change(site, captures, n, 1);
+    return change_people(site, captures, n, 1);
 }
 
 int iso_site_remove(struct iso_site *site, const struct iso_metric_vector *captures, int n)
 {
-    return site->people > 0 ? change(site, captures, n, -1) : -EINVAL;
+    return site->people > 0 ? change_people(site, captures, n, -1) : -EINVAL;
 }
 
 /* The offset shrinks to zero for few people: the mean of n people is taken n / (n + 1) times. */

@@ -94,10 +94,11 @@ int iso_option_check_value(const struct iso_option_spec *spec, const char *value
         return iso_fault_set_code(fault, ISO_FAULT_OPTION_WRONG, -EINVAL,
                                   "bad value '%s' for '%s' (%s)", value, spec->name, expected);
     }
-    const int error = spec->check ? spec->check(value, &why) : 0;
-    return error ? iso_fault_set_code(fault, why.code ? why.code : ISO_FAULT_OPTION_WRONG, -EINVAL,
-                                      "%s: %s", spec->name, why.text)
-                 : 0;
+    if (!spec->check || spec->check(value, &why) == 0) {
+        return 0;
+    }
+    (void)iso_fault_code_default(&why, ISO_FAULT_OPTION_WRONG, -EINVAL);
+    return iso_fault_set_code(fault, why.code, -EINVAL, "%s: %s", spec->name, why.text);
 }
 
 static int check_given(const char *owner, const struct iso_option_set *set,

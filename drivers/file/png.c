@@ -79,7 +79,8 @@ static void on_read(png_structp png, png_bytep bytes, size_t size)
     struct codec *codec = png_get_io_ptr(png);
     errno = 0;
     if (fread(bytes, 1, size, codec->file) != size) {
-        codec->error = ferror(codec->file) ? (errno ? -errno : -EIO) : 0;
+        const int failed = errno ? -errno : -EIO;
+        codec->error = ferror(codec->file) ? failed : 0;
         png_error(png, codec->error ? strerror(-codec->error) : "truncated");
     }
 }

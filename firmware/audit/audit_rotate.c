@@ -45,7 +45,7 @@ static int drop_keys(struct iso_audit *audit, struct iso_fault *fault)
     return iso_key_ring_drop(audit->options.ring, ISO_KEY_LOG, number, fault);
 }
 
-static void forget(struct iso_audit_segments *segments)
+static void forget_old(struct iso_audit_segments *segments)
 {
     segments->n--;
     memmove(segments->first, segments->first + 1, segments->n * sizeof *segments->first);
@@ -82,7 +82,7 @@ int iso__audit_prune(struct iso_audit *audit, struct iso_fault *fault)
     while (!error && audit->closed.n > 0 && audit->closed.first[0] < audit->first) {
         error = remove_segment(audit, audit->closed.first[0], fault);
         if (!error) {
-            forget(&audit->closed);
+            forget_old(&audit->closed);
             removed = true;
         }
     }
@@ -92,8 +92,8 @@ int iso__audit_prune(struct iso_audit *audit, struct iso_fault *fault)
 /* Renames PATH to the name of a closed segment, and the new segment to PATH. A segment without a
  * record, left by a rotation that was killed, is overwritten. After an error, any of these steps
  * may have been done. */
-static int exchange(struct iso_audit *audit, const char *beside, uint64_t first, bool empty,
-                    struct iso_fault *fault)
+static int exchange_files(struct iso_audit *audit, const char *beside, uint64_t first, bool empty,
+                          struct iso_fault *fault)
 {
     char closed[PATH_MAX];
     const int error = iso_audit_segment_path(audit->path, first, closed, fault);
@@ -172,7 +172,7 @@ int iso__audit_rotate(struct iso_audit *audit, struct iso_fault *fault)
     }
     const bool begun = !error;
     if (!error) {
-        error = exchange(audit, beside, old.first, empty, fault);
+        error = exchange_files(audit, beside, old.first, empty, fault);
     }
     if (error) {
         put_back(audit, &old);

@@ -29,7 +29,7 @@ static bool keep_text(struct iso__audit_slot *slot, size_t *used, const char **t
     return true;
 }
 
-static bool fill(struct iso__audit_slot *slot, const struct iso_audit_record *record)
+static bool fill_slot(struct iso__audit_slot *slot, const struct iso_audit_record *record)
 {
     struct iso_audit_record *own = &slot->record;
     size_t used = 0;
@@ -52,8 +52,8 @@ static bool fill(struct iso__audit_slot *slot, const struct iso_audit_record *re
 enum { PLACES_TO_TELL_OUTCOME = 1, PLACES_TO_APPEND, PLACES_TO_POST };
 
 /* Fills in a slot for a record if that many places are free. */
-static int enqueue(struct iso_audit_writer *writer, const struct iso_audit_record *record,
-                   size_t places, struct iso__audit_slot **out, struct iso_fault *fault)
+static int enqueue_record(struct iso_audit_writer *writer, const struct iso_audit_record *record,
+                          size_t places, struct iso__audit_slot **out, struct iso_fault *fault)
 {
     if (ISO_AUDIT_WRITER_RECORDS - writer->n < places) {
         return iso_fault_set_code(fault, ISO_FAULT_LOG_LATE, -ENOBUFS,
@@ -61,7 +61,7 @@ static int enqueue(struct iso_audit_writer *writer, const struct iso_audit_recor
                                   writer->n);
     }
     struct iso__audit_slot *slot = iso__audit_writer_slot(writer, writer->n);
-    if (!fill(slot, record)) {
+    if (!fill_slot(slot, record)) {
         iso__audit_writer_wipe(slot);
         return iso_fault_set(fault, -EINVAL, "the log: the record is too long");
     }
@@ -93,7 +93,7 @@ static void wait_for_work(struct iso_audit_writer *writer)
     (void)pthread_mutex_lock(&writer->mutex);
 }
 
-static void *run(void *context)
+static void *run_writer(void *context)
 {
     struct iso_audit_writer *writer = context;
     iso_thread_set_name("isothermd-log");
@@ -144,7 +144,7 @@ int iso_audit_writer_new(struct iso_audit *audit, const struct iso_times *times,
     (void)sem_init(&writer->work, 0, 0);
     (void)pthread_cond_init(&writer->finished_some, &attributes);
     (void)pthread_condattr_destroy(&attributes);
-    const int error = threaded ? iso_thread_start(&writer->thread, run, writer) : 0;
+    const int error = threaded ? iso_thread_start(&writer->thread, run_writer, writer) : 0;
     if (error) {
         writer->threaded = false;
         iso_audit_writer_free(writer);
@@ -178,14 +178,14 @@ void iso_audit_writer_free(struct iso_audit_writer *writer)
 
 /* ---- posting and appending ---- */
 
-static int post(struct iso_audit_writer *writer, const struct iso_audit_record *record,
-                bool outcome, struct iso_fault *fault)
+static int post_record(struct iso_audit_writer *writer, const struct iso_audit_record *record,
+                       bool outcome, struct iso_fault *fault)
 {
     struct iso_fault own = {.text = ""};
     struct iso__audit_slot *slot = NULL;
     (void)pthread_mutex_lock(&writer->mutex);
-    int error = enqueue(writer, record, outcome ? PLACES_TO_TELL_OUTCOME : PLACES_TO_POST, &slot,
-                        &own);
+    int error = enqueue_record(writer, record, outcome ? PLACES_TO_TELL_OUTCOME : PLACES_TO_POST,
+                               &slot, &own);
     if (error) {
         iso__audit_writer_lose(writer, error, &own);
     } else {
@@ -199,13 +199,13 @@ static int post(struct iso_audit_writer *writer, const struct iso_audit_record *
 int iso_audit_writer_post(struct iso_audit_writer *writer, const struct iso_audit_record *record,
                           struct iso_fault *fault)
 {
-    return post(writer, record, false, fault);
+    return post_record(writer, record, false, fault);
 }
 
 int iso_audit_writer_post_outcome(struct iso_audit_writer *writer,
                                   const struct iso_audit_record *record, struct iso_fault *fault)
 {
-    return post(writer, record, true, fault);
+    return post_record(writer, record, true, fault);
 }
 
 /* Waits until the record with this ticket is finished, or for at most wait_ns. */
@@ -239,12 +239,12 @@ static void give_up(struct iso_audit_writer *writer, uint64_t ticket)
     }
 }
 
-static int append(struct iso_audit_writer *writer, const struct iso_audit_record *record,
-                  int64_t wait_ns, struct iso_fault *fault)
+static int append_group(struct iso_audit_writer *writer, const struct iso_audit_record *record,
+                        int64_t wait_ns, struct iso_fault *fault)
 {
     struct iso__audit_slot *slot = NULL;
     writer->appended = 0;
-    const int error = enqueue(writer, record, PLACES_TO_APPEND, &slot, fault);
+    const int error = enqueue_record(writer, record, PLACES_TO_APPEND, &slot, fault);
     if (error) {
         return error;
     }
@@ -269,7 +269,7 @@ int iso_audit_writer_append(struct iso_audit_writer *writer, const struct iso_au
                             int64_t wait_ns, uint64_t *sequence, struct iso_fault *fault)
 {
     (void)pthread_mutex_lock(&writer->mutex);
-    const int error = append(writer, record, wait_ns, fault);
+    const int error = append_group(writer, record, wait_ns, fault);
     if (!error && sequence) {
         *sequence = writer->awaited.sequence;
     }

@@ -45,7 +45,7 @@ static uint64_t rights_of(long version)
 
 /* Allows access beneath a path. A path that does not exist, or that this process cannot reach,
  * needs no rule. */
-static int allow(const struct ruleset *ruleset, const char *path, uint64_t rights)
+static int allow_path(const struct ruleset *ruleset, const char *path, uint64_t rights)
 {
     struct landlock_path_beneath_attr beneath = {0};
     const int fd = open(path, O_PATH | O_CLOEXEC);
@@ -75,10 +75,10 @@ static int allow_beside(const struct ruleset *ruleset, const char *path, uint64_
         return -ENAMETOOLONG;
     }
     if (!slash) {
-        return allow(ruleset, ".", rights);
+        return allow_path(ruleset, ".", rights);
     }
     (void)snprintf(directory, sizeof directory, "%.*s", (int)length, path);
-    return allow(ruleset, length == 0 ? "/" : directory, rights);
+    return allow_path(ruleset, length == 0 ? "/" : directory, rights);
 }
 
 static int allow_system(const struct ruleset *ruleset)
@@ -87,10 +87,10 @@ static int allow_system(const struct ruleset *ruleset)
     static const char *const write[] = {"/dev", "/tmp", "/var/tmp", "/dev/shm"};
     int error = 0;
     for (size_t i = 0; !error && i < sizeof read / sizeof *read; i++) {
-        error = allow(ruleset, read[i], reading);
+        error = allow_path(ruleset, read[i], reading);
     }
     for (size_t i = 0; !error && i < sizeof write / sizeof *write; i++) {
-        error = allow(ruleset, write[i], reading | (i == 0 ? of_files : writing));
+        error = allow_path(ruleset, write[i], reading | (i == 0 ? of_files : writing));
     }
     return error;
 }
@@ -139,12 +139,13 @@ static int allow_configured(const struct ruleset *ruleset, const struct iso_conf
     const char *const named[] = {
         config->model.head, config->model.metric, config->model.cohort, config->recognition.cascade,
         config->door.cards, ISOTHERM_DATA_DIR,    iso_shipped_model()};
-    int error = strcmp(config->sensor.backend, "replay") == 0 ? allow(ruleset, "/", reading) : 0;
+    int error = strcmp(config->sensor.backend, "replay") == 0 ? allow_path(ruleset, "/", reading)
+                                                              : 0;
     for (size_t i = 0; !error && i < sizeof stores / sizeof *stores; i++) {
         error = *stores[i] ? allow_beside(ruleset, stores[i], reading | writing) : 0;
     }
     if (!error && *config->seal.credentials) {
-        error = allow(ruleset, config->seal.credentials, reading);
+        error = allow_path(ruleset, config->seal.credentials, reading);
     }
     for (size_t i = 0; !error && i < sizeof named / sizeof *named; i++) {
         error = *named[i] ? allow_beside(ruleset, named[i], reading) : 0;

@@ -120,7 +120,7 @@ bool iso_door_guard_next(struct iso_door_guard *guard, struct iso_door_news *new
 /* ---- the thread ---- */
 
 /* Steps the door; the mutex is held. */
-static void step(struct iso_door_guard *guard)
+static void step_door(struct iso_door_guard *guard)
 {
     const int fd = iso_door_io_poll_fd(guard->options.io);
     iso_door_control_step(&guard->control, fd >= 0, now_ns(guard));
@@ -158,14 +158,14 @@ static void wait_for_something(const struct iso_door_guard *guard, int lines_fd,
     make_quiet(guard->timer_fd);
 }
 
-static void *run(void *context)
+static void *run_guard(void *context)
 {
     struct iso_door_guard *guard = context;
     iso_thread_set_name("isothermd-door");
     (void)prctl(PR_SET_TIMERSLACK, 1UL);
     (void)pthread_mutex_lock(&guard->mutex);
     while (!guard->ending) {
-        step(guard);
+        step_door(guard);
         const int64_t due_ns = iso_door_control_due_ns(&guard->control);
         const int lines_fd = guard->control.broken ? -1 : iso_door_io_poll_fd(guard->options.io);
         (void)pthread_mutex_unlock(&guard->mutex);
@@ -241,8 +241,8 @@ int iso_door_guard_start(struct iso_door_guard *guard)
         return 0;
     }
     bool realtime = false;
-    const int error = iso_thread_start_realtime(&guard->thread, run, guard, ISO_DOOR_GUARD_PRIORITY,
-                                                &realtime);
+    const int error = iso_thread_start_realtime(&guard->thread, run_guard, guard,
+                                                ISO_DOOR_GUARD_PRIORITY, &realtime);
     guard->running = error == 0;
     guard->ordinary = !realtime;
     return error;
@@ -270,7 +270,7 @@ void iso_door_guard_stop(struct iso_door_guard *guard)
 /* The time is checked again after the switching, because the process may have been stopped just
  * before it. If something else, such as the exit button, has unlocked the door, it stays
  * unlocked. */
-static int grant(struct iso_door_guard *guard, int64_t until_ns, enum iso_door_answer *answer)
+static int grant_entry(struct iso_door_guard *guard, int64_t until_ns, enum iso_door_answer *answer)
 {
     struct iso_door_control *control = &guard->control;
     const int64_t begin_ns = now_ns(guard);
@@ -292,7 +292,7 @@ int iso_door_guard_grant(struct iso_door_guard *guard, int64_t until_ns,
                          enum iso_door_answer *answer)
 {
     (void)pthread_mutex_lock(&guard->mutex);
-    const int error = grant(guard, until_ns, answer);
+    const int error = grant_entry(guard, until_ns, answer);
     unlock_and_wake(guard);
     return error;
 }
@@ -367,7 +367,7 @@ void iso_door_guard_step(struct iso_door_guard *guard)
 {
     if (!guard->options.threaded) {
         (void)pthread_mutex_lock(&guard->mutex);
-        step(guard);
+        step_door(guard);
         (void)pthread_mutex_unlock(&guard->mutex);
     }
 }

@@ -43,7 +43,7 @@ static int project_samples(const struct splitting *s)
     return 0;
 }
 
-static int teach(const struct splitting *s, struct iso_site *site)
+static int teach_site(const struct splitting *s, struct iso_site *site)
 {
     int error = 0;
     for (size_t p = 0; p < s->gallery->n_people && !error; p++) {
@@ -58,12 +58,12 @@ static int teach(const struct splitting *s, struct iso_site *site)
     return error;
 }
 
-static int learn(const struct splitting *s, struct iso_metric **out)
+static int learn_metric(const struct splitting *s, struct iso_metric **out)
 {
     struct iso_site *site = NULL;
     int error = iso_site_new(s->scoring->metric, &site);
     if (!error) {
-        error = teach(s, site);
+        error = teach_site(s, site);
     }
     if (!error) {
         error = iso_site_adapt(site, s->scoring->metric, out);
@@ -81,7 +81,7 @@ static int learn(const struct splitting *s, struct iso_metric **out)
 
 /* ---- judging ---- */
 
-static int reserve(struct splitting *s, size_t more)
+static int reserve_scores(struct splitting *s, size_t more)
 {
     const size_t used = s->scores.n_mated > s->scores.n_non_mated ? s->scores.n_mated
                                                                   : s->scores.n_non_mated;
@@ -122,7 +122,8 @@ static void pool_search(struct splitting *s, const struct sim_gallery *judged, c
     s->out->rank_1.events += score[mate] > best;
 }
 
-static int pool(struct splitting *s, const struct sim_gallery *judged, const struct sim_matches *m)
+static int pool_matches(struct splitting *s, const struct sim_gallery *judged,
+                        const struct sim_matches *m)
 {
     for (size_t i = 0; i < m->n_probes; i++) {
         const size_t sample = m->sample[i], person = s->person[sample];
@@ -130,7 +131,7 @@ static int pool(struct splitting *s, const struct sim_gallery *judged, const str
             !s->acquisition->samples[sample].acquired) {
             continue;
         }
-        const int error = reserve(s, judged->n_people);
+        const int error = reserve_scores(s, judged->n_people);
         if (error) {
             return error;
         }
@@ -149,7 +150,7 @@ static int judge_others(struct splitting *s, bool *others)
     for (size_t p = 0; p < s->gallery->n_people; p++) {
         others[p] = !s->learned[p];
     }
-    int error = learn(s, &adapted);
+    int error = learn_metric(s, &adapted);
     if (!error) {
         scoring.metric = adapted;
         error = sim_gallery_part(s->gallery, others, &judged);
@@ -158,7 +159,7 @@ static int judge_others(struct splitting *s, bool *others)
         error = sim_match(s->corpus, s->acquisition, judged, &scoring, s->threads, &matches);
     }
     if (!error) {
-        error = pool(s, judged, matches);
+        error = pool_matches(s, judged, matches);
     }
     s->out->splits++;
     sim_matches_free(matches);
@@ -179,7 +180,7 @@ static int judge_both_ways(struct splitting *s, bool *others)
 /* ---- the splits ---- */
 
 /* n over k, or a number above the limit. */
-static size_t choices(size_t n, size_t k)
+static size_t count_choices(size_t n, size_t k)
 {
     size_t c = 1;
     for (size_t i = 1; i <= k && c <= SIM_SITE_SPLITS; i++) {
@@ -218,7 +219,7 @@ static void draw_choice(struct sim_random *random, size_t *place, size_t n, size
 static int run_splits(struct splitting *s, size_t *place, bool *others)
 {
     const size_t n = s->gallery->n_people, k = n / 2;
-    const bool all = choices(n, k) <= SIM_SITE_SPLITS;
+    const bool all = count_choices(n, k) <= SIM_SITE_SPLITS;
     struct sim_random random = sim_random_seeded(1, sim_random_hash("site split"), 0);
     int error = 0;
     for (size_t i = 0; i < k; i++) {
@@ -253,7 +254,7 @@ static void count_refused(const struct splitting *s)
     }
 }
 
-static int summarise(struct splitting *s)
+static int summarise_splits(struct splitting *s)
 {
     const double splits = (double)s->out->splits;
     s->out->offset /= splits;
@@ -292,7 +293,7 @@ int sim_site_split(const struct sim_corpus *corpus, struct sim_acquisition *acqu
         error = run_splits(&s, place, others);
     }
     if (!error) {
-        error = summarise(&s);
+        error = summarise_splits(&s);
     }
     free(place);
     free(others);

@@ -62,7 +62,7 @@ static bool in_crop(struct iso_vec3 p)
 }
 
 /* Removes the triangles with a corner outside the crop. */
-static void crop(struct sim_head_surface *s)
+static void crop_surface(struct sim_head_surface *s)
 {
     uint32_t n = 0;
     for (uint32_t t = 0; t < s->n_triangles; t++) {
@@ -75,7 +75,7 @@ static void crop(struct sim_head_surface *s)
 }
 
 /* Removes the spikes along the crop's edge: triangles with a corner that no other triangle uses. */
-static int trim(struct sim_head_surface *s)
+static int trim_surface(struct sim_head_surface *s)
 {
     uint32_t *uses = calloc(s->n_vertices, sizeof *uses), n = 0;
     if (!uses) {
@@ -147,8 +147,8 @@ static int place_landmarks(const struct sim_ict *ict, struct sim_head_surface *s
 /* Keeps the visible part of the face, with its landmarks. */
 static int cut_face(const struct sim_ict *ict, struct sim_head_surface *s, struct iso_fault *fault)
 {
-    crop(s);
-    int error = trim(s);
+    crop_surface(s);
+    int error = trim_surface(s);
     if (!error) {
         error = place_landmarks(ict, s);
     }

@@ -284,8 +284,8 @@ mistake 'log: the number of lost records is not reported' firmware/audit/audit_g
 mistake 'log: a poster waits for its record' firmware/audit/audit_writer.c \
     'error = writer->threaded ? 0 : write_now(writer, &own);' \
     'error = writer->threaded ? !wait_for(writer, slot->ticket, ISO_NEVER_NS) : write_now(writer, &own);' \
-    firmware/audit/audit_writer.c 'static int post(' 'static bool wait_for(struct iso_audit_writer *writer, uint64_t ticket, int64_t wait_ns);
-static int post('
+    firmware/audit/audit_writer.c 'static int post_record(' 'static bool wait_for(struct iso_audit_writer *writer, uint64_t ticket, int64_t wait_ns);
+static int post_record('
 judges=(test_firmware_audit_priority)
 if [ "$patterns_only" ] || chrt -f 1 true 2>/dev/null; then # the test needs the right to real-time priorities
     mistake 'log: a poster waits for the thread that it wakes' firmware/audit/audit_writer.c \
