@@ -160,7 +160,9 @@ static int recognise(struct bench *bench, const struct iso_extraction *extractio
     struct iso_candidate_list among = iso_gallery_everybody(bench->gallery);
     int n = 0;
     int error = iso_metric_project(bench->metric, &extraction->tmpl, &probe);
-    error = error ? error : iso_index_search(among.index, &probe, hits, ISO_RERANK_CANDIDATES, &n);
+    if (!error) {
+        error = iso_index_search(among.index, &probe, hits, ISO_RERANK_CANDIDATES, &n);
+    }
     end_ns[SEARCH] = bench->clock(NULL);
     among.version = ++bench->version; /* the reranker drops its templates */
     for (int kept = RERANK; !error && kept <= RERANK_KEPT; kept++) {
@@ -282,7 +284,9 @@ static int run(struct bench *bench, struct iso_fault *fault)
     if (!error) {
         error = read_rows(bench, false, keep_face, fault);
     }
-    error = error ? error : make_gallery(bench, fault);
+    if (!error) {
+        error = make_gallery(bench, fault);
+    }
     return error ? error : read_rows(bench, false, time_frame, fault);
 }
 

@@ -104,7 +104,9 @@ static int open_all(struct bench *bench, int64_t least_ns[CLOCKS][PARTS + 1],
 static int fill(struct bench *bench, struct iso_fault *fault)
 {
     int error = open_ring(bench, fault);
-    error = error ? error : open_gallery(bench, fault);
+    if (!error) {
+        error = open_gallery(bench, fault);
+    }
     return error ? error
                  : bench_gallery_fill(bench->gallery, bench->people, bench->templates, template_of,
                                       bench, fault);
@@ -125,7 +127,9 @@ static int time_search(const struct bench *bench, size_t *wrong, struct iso_faul
         const int64_t begin_ns = sim_wall_ns(NULL);
         int error = iso_metric_project(bench->metric, &tmpl, &probe);
         const int64_t projected_ns = sim_wall_ns(NULL);
-        error = error ? error : iso_index_search(all.index, &probe, hits, SHORTLIST, &n);
+        if (!error) {
+            error = iso_index_search(all.index, &probe, hits, SHORTLIST, &n);
+        }
         const int64_t searched_ns = sim_wall_ns(NULL);
         for (int k = 0; !error && k < n; k++) {
             int m = 0;
@@ -232,12 +236,16 @@ int main(int argc, char **argv)
     const bool read = outcome == SIM_OPTIONS_READ && bench.directory && bench.people > 0 &&
                       bench.templates >= 1 && bench.templates <= BENCH_TEMPLATES_MAX;
     int error = read ? iso_seal_start(&fault) : -EINVAL;
-    error = error ? error : iso_metric_load(bench.metric_path, &bench.metric, &fault);
+    if (!error) {
+        error = iso_metric_load(bench.metric_path, &bench.metric, &fault);
+    }
     if (!error) {
         (void)snprintf(bench.path, sizeof bench.path, "%s/gallery.db", bench.directory);
         bench_print_machine();
         error = fill(&bench, &fault);
-        error = error ? error : measure(&bench, &fault);
+        if (!error) {
+            error = measure(&bench, &fault);
+        }
     }
     if (error) {
         (void)fprintf(stderr, "bench_gallery: %s\n", fault.text);

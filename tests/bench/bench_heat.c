@@ -59,7 +59,9 @@ static struct timing time_method(const struct heat_method *method, const struct 
         int64_t start_ns = sim_thread_cpu_ns(NULL);
         int error = method->heat(state, c);
         int64_t between_ns = sim_thread_cpu_ns(NULL);
-        error = error ? error : method->isotherms(state, c, curves);
+        if (!error) {
+            error = method->isotherms(state, c, curves);
+        }
         int64_t end_ns = sim_thread_cpu_ns(NULL);
         if (error) {
             quit(method->name, error);
@@ -150,8 +152,12 @@ static void measure_error(const struct heat_method *method, struct heat_case c,
     for (int r = 0; r < RADII; r++) {
         c.radius_mm = radii_mm[r];
         int error = method->heat(state, &c);
-        error = error ? error : method->isotherms(state, &c, found);
-        error = error ? error : heat_isotherms_on_mesh(tracer, &c, reference, exact);
+        if (!error) {
+            error = method->isotherms(state, &c, found);
+        }
+        if (!error) {
+            error = heat_isotherms_on_mesh(tracer, &c, reference, exact);
+        }
         if (error) {
             quit(method->name, error);
         }

@@ -55,9 +55,15 @@ static int time_ways(void *context, const struct iso_frame *frame, struct iso_fa
     struct bench *b = context;
     const struct iso_window all = {0, 0, frame->width_px, frame->height_px};
     int error = iso_frame_shrink(frame, all, 2, HALF_MAX, &b->half);
-    error = error ? error : time_frame(b, LOOKED_FOR, frame);
-    error = error ? error : time_frame(b, HALF_SIZE, &b->half);
-    error = error ? error : time_frame(b, FOLLOWED, frame);
+    if (!error) {
+        error = time_frame(b, LOOKED_FOR, frame);
+    }
+    if (!error) {
+        error = time_frame(b, HALF_SIZE, &b->half);
+    }
+    if (!error) {
+        error = time_frame(b, FOLLOWED, frame);
+    }
     b->width_px = frame->width_px;
     b->height_px = frame->height_px;
     return error ? iso_fault_set(fault, error, "extractor: %s", strerror(-error)) : 0;
@@ -103,8 +109,12 @@ int main(int argc, char **argv)
     struct iso_head_model *model = NULL;
     struct sim_corpus *corpus = NULL;
     int error = iso_head_model_load(argv[2], &model, &fault);
-    error = error ? error : sim_corpus_read(argv[1], &corpus, &fault);
-    error = error ? error : prepare(&bench, model, bench_frames_in(corpus));
+    if (!error) {
+        error = sim_corpus_read(argv[1], &corpus, &fault);
+    }
+    if (!error) {
+        error = prepare(&bench, model, bench_frames_in(corpus));
+    }
     for (size_t r = 0; !error && r < corpus->n_rows; r++) {
         iso_extractor_forget(bench.extractor[FOLLOWED]);
         error = bench_frames_of_row(argv[1], &corpus->rows[r], time_ways, &bench, &fault);

@@ -65,7 +65,9 @@ static int open_log(struct iso_fault *fault)
     int error = iso_key_ring_open(&place, &ring, fault);
     const struct iso_audit_options options = {.path = path, .sync = true, .ring = ring};
     times = iso_times_system();
-    error = error ? error : iso_audit_open(&options, &times, &audit, fault);
+    if (!error) {
+        error = iso_audit_open(&options, &times, &audit, fault);
+    }
     return error ? error : iso_audit_writer_new(audit, &times, true, &writer);
 }
 

@@ -179,6 +179,8 @@ int main(void)
 {
     bench_print_machine();
     int error = run(0.0);
-    error = error ? error : run(0.5);
+    if (!error) {
+        error = run(0.5);
+    }
     return error ? EXIT_FAILURE : EXIT_SUCCESS;
 }

@@ -135,7 +135,9 @@ static int time_index(struct bench *bench, int size)
     struct recall recall = {0};
     const int64_t begin_ns = sim_thread_cpu_ns(NULL);
     int error = iso_index_new(bench->metric, &index);
-    error = error ? error : iso_index_reserve(index, bench->people);
+    if (!error) {
+        error = iso_index_reserve(index, bench->people);
+    }
     for (size_t i = 0; !error && i < bench->people; i++) {
         error = iso_index_put(index, (int64_t)i, &bench->enrolled[i]);
     }

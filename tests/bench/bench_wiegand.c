@@ -133,7 +133,9 @@ static int measure(struct wire *wire, size_t codes)
     int error = iso_wiegand_out_new(&lines, &out, &fault);
     for (size_t i = 0; !error && i < codes; i++) {
         error = iso_wiegand_out_send(out, CODE, BITS);
-        error = error ? error : iso_wiegand_out_flush(out);
+        if (!error) {
+            error = iso_wiegand_out_flush(out);
+        }
     }
     if (error) {
         fprintf(stderr, "bench_wiegand: %s\n", fault.text[0] ? fault.text : strerror(-error));

@@ -20,7 +20,9 @@ int bench_frames_of_row(const char *directory, const struct sim_corpus_row *row,
     }
     for (size_t i = 0; !error && i < row->count; i++) {
         error = iso_recording_read(recording, row->first + i, frame, fault);
-        error = error ? error : each(context, frame, fault);
+        if (!error) {
+            error = each(context, frame, fault);
+        }
     }
     iso_frame_free(frame);
     iso_recording_close(recording);

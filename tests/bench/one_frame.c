@@ -49,13 +49,27 @@ static int prepare(struct bench *bench, char **argv, struct iso_fault *fault)
     options.now_ns = count_marks;
     options.now_context = bench;
     int error = iso_head_model_load(argv[2], &bench->model, fault);
-    error = error ? error : iso_metric_load(argv[3], &bench->metric, fault);
-    error = error ? error : sim_recording_open(argv[1], argv[4], &bench->recording, fault);
-    error = error ? error : iso_recording_frame_new(bench->recording, &bench->frame);
-    error = error ? error : iso_recording_read(bench->recording, 0, bench->frame, fault);
-    error = error ? error : iso_extractor_new(bench->model, &options, &bench->extractor);
-    error = error ? error : iso_index_new(bench->metric, &bench->index);
-    error = error ? error : iso_index_reserve(bench->index, PEOPLE);
+    if (!error) {
+        error = iso_metric_load(argv[3], &bench->metric, fault);
+    }
+    if (!error) {
+        error = sim_recording_open(argv[1], argv[4], &bench->recording, fault);
+    }
+    if (!error) {
+        error = iso_recording_frame_new(bench->recording, &bench->frame);
+    }
+    if (!error) {
+        error = iso_recording_read(bench->recording, 0, bench->frame, fault);
+    }
+    if (!error) {
+        error = iso_extractor_new(bench->model, &options, &bench->extractor);
+    }
+    if (!error) {
+        error = iso_index_new(bench->metric, &bench->index);
+    }
+    if (!error) {
+        error = iso_index_reserve(bench->index, PEOPLE);
+    }
     for (size_t i = 0; !error && i < PEOPLE; i++) {
         const struct iso_metric_vector vector = bench_vector(bench->metric, i, 0);
         error = iso_index_put(bench->index, (int64_t)i, &vector);
@@ -74,9 +88,13 @@ static int run(struct bench *bench)
         error = -ENODATA; /* the extractor did not run every stage once */
     }
     one_frame_mark();
-    error = error ? error : iso_metric_project(bench->metric, &extraction.tmpl, &probe);
+    if (!error) {
+        error = iso_metric_project(bench->metric, &extraction.tmpl, &probe);
+    }
     one_frame_mark();
-    error = error ? error : iso_index_search(bench->index, &probe, hits, SHORTLIST, &n);
+    if (!error) {
+        error = iso_index_search(bench->index, &probe, hits, SHORTLIST, &n);
+    }
     one_frame_mark();
     return error ? error : n == SHORTLIST ? 0 : -ENODATA;
 }
@@ -100,7 +118,9 @@ int main(int argc, char **argv)
         return 2;
     }
     int error = prepare(&bench, argv, &fault);
-    error = error ? error : run(&bench);
+    if (!error) {
+        error = run(&bench);
+    }
     if (error) {
         (void)fprintf(stderr, "one_frame: %s\n", fault.text[0] ? fault.text : strerror(-error));
     }

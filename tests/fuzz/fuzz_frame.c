@@ -21,8 +21,12 @@ static void load_face(void)
     struct iso_recording *recording = NULL;
     struct iso_frame *stored = NULL;
     int error = iso_recording_open(ISOTHERM_SOURCE_DIR "/sim/stored/p01-v1", &recording, &fault);
-    error = error ? error : iso_recording_frame_new(recording, &stored);
-    error = error ? error : iso_recording_read(recording, 0, stored, &fault);
+    if (!error) {
+        error = iso_recording_frame_new(recording, &stored);
+    }
+    if (!error) {
+        error = iso_recording_read(recording, 0, stored, &fault);
+    }
     fuzz_check(error == 0, fault.text);
     struct iso_camera camera = stored->camera;
     camera.width_px = stored->width_px / STEP;

@@ -62,8 +62,12 @@ static int read_meta(const char *bench, struct sim_virtual_camera *camera, struc
 {
     char path[PATH_MAX], *text = NULL;
     int error = iso_path_join(bench, "camera.ini", path, fault);
-    error = error ? error : iso_text_read(path, INI_MAX_BYTES, &text, fault);
-    error = error ? error : iso_recording_meta_parse(path, text, &camera->meta, fault);
+    if (!error) {
+        error = iso_text_read(path, INI_MAX_BYTES, &text, fault);
+    }
+    if (!error) {
+        error = iso_recording_meta_parse(path, text, &camera->meta, fault);
+    }
     free(text);
     if (error) {
         return error;
@@ -89,11 +93,21 @@ static int prepare(struct sim_virtual_camera *camera, const char *bench, struct 
 {
     char shutter[PATH_MAX];
     int error = read_meta(bench, camera, fault);
-    error = error ? error : iso_path_join(bench, "unplugged", camera->unplugged, fault);
-    error = error ? error : iso_path_join(bench, "slot", camera->slot, fault);
-    error = error ? error : iso_path_join(bench, "noise", camera->noise, fault);
-    error = error ? error : iso_path_join(bench, "shutter", shutter, fault);
-    error = error ? error : open_scene(camera, fault);
+    if (!error) {
+        error = iso_path_join(bench, "unplugged", camera->unplugged, fault);
+    }
+    if (!error) {
+        error = iso_path_join(bench, "slot", camera->slot, fault);
+    }
+    if (!error) {
+        error = iso_path_join(bench, "noise", camera->noise, fault);
+    }
+    if (!error) {
+        error = iso_path_join(bench, "shutter", shutter, fault);
+    }
+    if (!error) {
+        error = open_scene(camera, fault);
+    }
     if (error) {
         return error;
     }

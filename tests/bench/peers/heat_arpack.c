@@ -117,10 +117,18 @@ int peer_arpack(const struct iso_symmetric *stiffness, const struct iso_symmetri
     struct arpack arpack;
     struct iso_factor *factor = NULL;
     int error = arpack_init(&arpack, stiffness->n, k, shift, 1e-10);
-    error = error ? error : iso_factor_new(stiffness->n, stiffness->nnz, &factor);
-    error = error ? error : iso_factor_compute(factor, 1.0, stiffness, -shift, mass);
-    error = error ? error : arpack_iterate(&arpack, mass, factor);
-    error = error ? error : arpack_extract(&arpack, lambda, phi);
+    if (!error) {
+        error = iso_factor_new(stiffness->n, stiffness->nnz, &factor);
+    }
+    if (!error) {
+        error = iso_factor_compute(factor, 1.0, stiffness, -shift, mass);
+    }
+    if (!error) {
+        error = arpack_iterate(&arpack, mass, factor);
+    }
+    if (!error) {
+        error = arpack_extract(&arpack, lambda, phi);
+    }
     iso_factor_free(factor);
     arpack_done(&arpack);
     return error;

@@ -244,8 +244,9 @@ static int heat_by_arpack(void *state, const struct heat_case *c)
 {
     struct on_mesh *m = state;
     int error = assemble(m, c);
-    error = error ? error
-                  : peer_arpack(m->stiffness, m->mass, EIGENPAIRS, shift_of(c), m->lambda, m->phi);
+    if (!error) {
+        error = peer_arpack(m->stiffness, m->mass, EIGENPAIRS, shift_of(c), m->lambda, m->phi);
+    }
     if (!error) {
         columns_of(m, c);
     }

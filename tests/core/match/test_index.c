@@ -307,7 +307,9 @@ static int grow(void *context, struct iso_fault *fault)
     struct crowd *c = context;
     struct iso_index *index = NULL;
     int error = iso_index_new(c->metric, &index);
-    error = error ? error : iso_index_reserve(index, 16);
+    if (!error) {
+        error = iso_index_reserve(index, 16);
+    }
     if (!error) {
         assert_int_equal(iso_index_put(index, 1, &c->all[0]), 0);
         error = iso_index_reserve(index, 17);

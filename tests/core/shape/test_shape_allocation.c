@@ -77,7 +77,9 @@ static int classify(void *context, struct iso_fault *fault)
         error = iso_classifier_rank(classifier, c->labelled.feature, 0, distance);
     }
     iso_classifier_free(classifier);
-    error = error ? error : iso_cross_validate(c->ops, &c->labelled, SHAPES, 1, score);
+    if (!error) {
+        error = iso_cross_validate(c->ops, &c->labelled, SHAPES, 1, score);
+    }
     return said(error, fault);
 }
 
@@ -90,8 +92,9 @@ static int measure(void *context, struct iso_fault *fault)
     struct iso_retrieval retrieval;
     struct iso_confusion_rates mean;
     int error = iso_retrieval_measure(&ranked, &retrieval);
-    error = error ? error
-                  : iso_confusion_measure(distance, label, SHAPES, SHAPES, NULL, NULL, &mean);
+    if (!error) {
+        error = iso_confusion_measure(distance, label, SHAPES, SHAPES, NULL, NULL, &mean);
+    }
     return said(error, fault);
 }
 

@@ -44,8 +44,12 @@ void world_begin_appliance(struct world *w)
     }
     rig->borrowed.gallery = rig->gallery;
     rig->borrowed.audit = rig->audit;
-    error = error ? error : iso_appliance_new(&rig->borrowed, &rig->appliance);
-    error = error ? error : iso_appliance_start(rig->appliance, &fault);
+    if (!error) {
+        error = iso_appliance_new(&rig->borrowed, &rig->appliance);
+    }
+    if (!error) {
+        error = iso_appliance_start(rig->appliance, &fault);
+    }
     if (error) {
         if (error == -EBADMSG) {
             world_broken(w, "the stored files are damaged: %s", fault.text);

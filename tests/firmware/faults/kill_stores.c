@@ -108,8 +108,12 @@ static int open_stores(struct stores *stores, struct iso_fault *fault)
     const int none = error ? error
                            : iso_lockout_load(path_of("lockout"), stores->ring, &lockout, fault);
     error = none == -ENOENT ? 0 : none;
-    error = error ? error : iso_gallery_open(&gallery, &stores->gallery, fault);
-    error = error ? error : iso_audit_open(&audit, &times, &stores->audit, fault);
+    if (!error) {
+        error = iso_gallery_open(&gallery, &stores->gallery, fault);
+    }
+    if (!error) {
+        error = iso_audit_open(&audit, &times, &stores->audit, fault);
+    }
     return error ? error : iso_heads_check(iso_key_ring_board(stores->ring), fault);
 }
 

@@ -71,7 +71,9 @@ static int enrol_as(struct storage_world *w, const char *name, int face, struct 
     const struct iso_enroll_request request = {.person = name};
     struct rig *rig = w->rig;
     int error = iso_appliance_claim(rig->appliance);
-    error = error ? error : iso_appliance_enroll(rig->appliance, &request, fault);
+    if (!error) {
+        error = iso_appliance_enroll(rig->appliance, &request, fault);
+    }
     if (error) {
         return error;
     }
@@ -239,8 +241,12 @@ static int open_stores(struct storage_world *w, struct iso_fault *fault)
                                                .segments = 50,
                                                .ring = ring,
                                                .migrate = true};
-    error = error ? error : iso_gallery_open(&of_gallery, &gallery, fault);
-    error = error ? error : iso_audit_open(&of_audit, &standing, &audit, fault);
+    if (!error) {
+        error = iso_gallery_open(&of_gallery, &gallery, fault);
+    }
+    if (!error) {
+        error = iso_audit_open(&of_audit, &standing, &audit, fault);
+    }
     iso_audit_close(audit);
     iso_gallery_close(gallery);
     iso_key_ring_close(ring);

@@ -101,7 +101,9 @@ int usb_bench_new(const char *directory, bool with_intensity, struct usb_bench *
     }
     bench->n_streams = with_intensity ? 2 : 1;
     int error = sim_virtual_camera_new(directory, &events, &bench->view, fault);
-    error = error ? error : make_camera(bench, fault);
+    if (!error) {
+        error = make_camera(bench, fault);
+    }
     if (!error && sim_virtual_camera_run(bench->view)) {
         error = iso_fault_set(fault, -EAGAIN, "USB bench: no thread");
     }

@@ -89,8 +89,12 @@ static int set_up(const char *bench, struct eyes *eyes, struct iso_fault *fault)
     const struct sim_virtual_camera_events events = {on_plug, on_frame, on_fault, eyes};
     char rig[PATH_MAX];
     int error = iso_path_join(bench, "rig.ini", rig, fault);
-    error = error ? error : sim_virtual_camera_new(bench, &events, &eyes->view, fault);
-    error = error ? error : make_cameras(eyes, fault);
+    if (!error) {
+        error = sim_virtual_camera_new(bench, &events, &eyes->view, fault);
+    }
+    if (!error) {
+        error = make_cameras(eyes, fault);
+    }
     if (!error) {
         const struct iso_stereo_calibration calibration = eye_pair_calibration(eyes->pair);
         error = iso_stereo_calibration_write(rig, &calibration, fault);
