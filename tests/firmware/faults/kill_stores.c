@@ -1,7 +1,6 @@
 /* Kills a process that writes gallery, log, lock-out and keys, again and again at random moments,
  * and checks each time the files that it has left. Nobody may be lost, no deleted person may be
  * back, the log's chain must be whole, and no file may be taken for one of an earlier time.
- *
  * usage: kill_stores [ROUNDS [SEED]]     exit status 0 if every round was correct
  *
  * The writer reports each change before it begins and after it is done. From these reports the
@@ -242,12 +241,9 @@ static bool run_writer(struct tally *tally, struct message *under_way)
     int fds[2], status = 0;
     struct message message;
     bool begun = false;
-    if (pipe(fds)) {
-        give_up("pipe", strerror(errno));
-    }
-    const pid_t pid = fork();
+    const pid_t pid = pipe(fds) == 0 ? fork() : -1;
     if (pid < 0) {
-        give_up("fork", strerror(errno));
+        give_up("a pipe and a process", strerror(errno));
     }
     if (pid == 0) {
         (void)close(fds[0]);
