@@ -179,9 +179,10 @@ static int likeliest_step(const struct iso_metric *metric, const float *mean)
 static int step_of(float weight)
 {
     const long step = lrint(2.0 * log2((double)weight));
-    return step < ISO_METRIC_STEP_MIN   ? ISO_METRIC_STEP_MIN
-           : step > ISO_METRIC_STEP_MAX ? ISO_METRIC_STEP_MAX
-                                        : (int)step;
+    if (step < ISO_METRIC_STEP_MIN) {
+        return ISO_METRIC_STEP_MIN;
+    }
+    return step > ISO_METRIC_STEP_MAX ? ISO_METRIC_STEP_MAX : (int)step;
 }
 
 /* The factor that gives a vector the expected length of a vector of its weight. Templates that are

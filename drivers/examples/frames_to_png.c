@@ -12,6 +12,7 @@
  * Every program that uses a sensor takes these steps: open, start, wait for frames, close. */
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -58,7 +59,7 @@ static unsigned char shade(float depth_mm)
         return 0;
     }
     const double nearness = (farthest_mm - (double)depth_mm) / (farthest_mm - nearest_mm);
-    const double clipped = nearness < 0.0 ? 0.0 : nearness > 1.0 ? 1.0 : nearness;
+    const double clipped = fmin(fmax(nearness, 0.0), 1.0);
     return (unsigned char)(32.0 + 223.0 * clipped);
 }
 

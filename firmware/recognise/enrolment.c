@@ -94,9 +94,13 @@ static int judge(struct iso_enrolment *enrolment, const struct iso_pipeline *pip
         return error;
     }
     enrolment->duplicate_of = duplicate;
-    enrolment->state = duplicate != 0                         ? ISO_ENROLMENT_DUPLICATE
-                       : own < enrolment->options.agree_score ? ISO_ENROLMENT_OTHER_FACE
-                                                              : ISO_ENROLMENT_COMPLETED;
+    if (duplicate != 0) {
+        enrolment->state = ISO_ENROLMENT_DUPLICATE;
+    } else if (own < enrolment->options.agree_score) {
+        enrolment->state = ISO_ENROLMENT_OTHER_FACE;
+    } else {
+        enrolment->state = ISO_ENROLMENT_COMPLETED;
+    }
     return 0;
 }
 

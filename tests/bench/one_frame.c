@@ -96,7 +96,10 @@ static int run(struct bench *bench)
         error = iso_index_search(bench->index, &probe, hits, SHORTLIST, &n);
     }
     one_frame_mark();
-    return error ? error : n == SHORTLIST ? 0 : -ENODATA;
+    if (!error && n != SHORTLIST) {
+        error = -ENODATA;
+    }
+    return error;
 }
 
 static void release(struct bench *bench)

@@ -296,7 +296,7 @@ static void amplitudes_are_those_of_waves(void **state)
     float out[2][N / 2];
     assert_int_equal(iso_si_hk(fourier, course[0], 2, out[0]), 0);
     for (int w = 0; w < N / 2; w++) {
-        double expected = w == 0 ? 0.75 : w == 3 ? 0.25 : 0.0;
+        const double third = w == 3 ? 0.25 : 0.0, expected = w == 0 ? 0.75 : third;
         assert_near((double)out[0][w], expected, 1e-6);
         assert_near((double)out[1][w], expected, 1e-6);
     }

@@ -69,7 +69,10 @@ static int be_stopped(void)
     const bool denied = strstr(slow_disk_rig_visit(rig), "visit deny anna ") != NULL;
     iso_appliance_stop(rig->appliance);
     const bool moved = wired_door_switchings(ISO_DOOR_RELAY) > 0;
-    return slow_disk_rig_teardown(&state) ? 3 : denied && !moved ? 0 : 1;
+    if (slow_disk_rig_teardown(&state)) {
+        return 3;
+    }
+    return denied && !moved ? 0 : 1;
 }
 
 static void a_stopped_process_lets_nobody_in_when_it_goes_on(void **state)

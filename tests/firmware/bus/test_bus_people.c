@@ -23,14 +23,18 @@ static const char *known_of(struct bus_rig *f, const char *person)
     assert_true(sd_bus_message_enter_container(answer->reply, 'a', "{sv}") > 0);
     while (sd_bus_message_enter_container(answer->reply, 'e', "sv") > 0) {
         assert_true(sd_bus_message_read(answer->reply, "s", &key) > 0);
-        const int r = strcmp(key, "person") == 0
-                          ? sd_bus_message_read(answer->reply, "v", "s", &name)
-                      : strcmp(key, "templates") == 0
-                          ? sd_bus_message_read(answer->reply, "v", "u", &templates)
-                          : sd_bus_message_read(answer->reply, "v", "x",
-                                                &times[strcmp(key, "enrolled") == 0     ? 0
-                                                       : strcmp(key, "valid-from") == 0 ? 1
-                                                                                        : 2]);
+        int r = 0;
+        if (strcmp(key, "person") == 0) {
+            r = sd_bus_message_read(answer->reply, "v", "s", &name);
+        } else if (strcmp(key, "templates") == 0) {
+            r = sd_bus_message_read(answer->reply, "v", "u", &templates);
+        }
+        static const char *const time_names[] = {"enrolled", "valid-from", "valid-until"};
+        for (size_t i = 0; i < 3 && r == 0; i++) {
+            if (strcmp(key, time_names[i]) == 0) {
+                r = sd_bus_message_read(answer->reply, "v", "x", &times[i]);
+            }
+        }
         assert_true(r > 0);
         assert_true(sd_bus_message_exit_container(answer->reply) > 0);
         (void)snprintf(text, sizeof text, "%s %lld %lld %lld %u", name, (long long)times[0],

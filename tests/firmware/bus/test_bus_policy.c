@@ -189,9 +189,10 @@ static void ask_all(enum rank group, uint8_t verdicts[RULES])
         sd_bus_error error = SD_BUS_ERROR_NULL;
         const int r = sd_bus_call_method(bus, ISO_CONTRACT_NAME, ISO_CONTRACT_PATH,
                                          ISO_CONTRACT_INTERFACE, rules[i].method, &error, NULL, "");
-        verdicts[i] = r >= 0                                                      ? ALLOWED
-                      : sd_bus_error_has_name(&error, SD_BUS_ERROR_ACCESS_DENIED) ? DENIED
-                                                                                  : CONFUSED;
+        verdicts[i] = r >= 0 ? ALLOWED : CONFUSED;
+        if (sd_bus_error_has_name(&error, SD_BUS_ERROR_ACCESS_DENIED)) {
+            verdicts[i] = DENIED;
+        }
         if (verdicts[i] == CONFUSED) {
             fprintf(stderr, "%s: %s\n", rules[i].method, error.name ? error.name : strerror(-r));
         }

@@ -58,7 +58,10 @@ static int attempt(int (*try)(void))
         if (!error) {
             error = iso_confine_calls(&fault);
         }
-        _exit(error == -ENOSYS || error == -ENOTSUP ? CANNOT : error ? CANNOT + 1 : try());
+        if (error) {
+            _exit(error == -ENOSYS || error == -ENOTSUP ? CANNOT : CANNOT + 1);
+        }
+        _exit(try());
     }
     assert_int_equal(waitpid(child, &status, 0), child);
     if (WIFSIGNALED(status)) {

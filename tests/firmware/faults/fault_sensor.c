@@ -11,9 +11,10 @@ static void hand_up(struct world *w, int64_t t_ns, enum actor actor, int x_mm)
 {
     const int64_t gap_ns = w->rig->config.decision.gap_ms * ISO_NS_PER_MS;
     const bool echo = actor == w->last_actor && x_mm == w->last_x_mm && t_ns - w->last_ns < gap_ns;
-    const enum iso_capture capture = actor == NOBODY    ? ISO_CAPTURE_NOBODY
-                                     : actor == PICTURE ? ISO_CAPTURE_FLAT
-                                                        : ISO_CAPTURE_OK;
+    enum iso_capture capture = actor == NOBODY ? ISO_CAPTURE_NOBODY : ISO_CAPTURE_OK;
+    if (actor == PICTURE) {
+        capture = ISO_CAPTURE_FLAT;
+    }
     puppet_sensor_add_at(&w->rig->sensor, t_ns, actor_faces[actor], capture, x_mm);
     w->last_actor = actor;
     w->last_x_mm = x_mm;

@@ -176,16 +176,12 @@ static int act(struct stores *stores, const struct message *message, struct iso_
  * person is not deleted. */
 static struct message choose(void)
 {
+    static const uint8_t lots[16] = {
+        ENROL,  ENROL,          ENROL,      ENROL,      ENROL,    ENROL,    DELETE, DELETE,
+        DELETE, ROTATE_GALLERY, ROTATE_LOG, CHANGE_KEY, LOCK_OUT, LOCK_OUT, LOG,    LOG};
     struct message message = {.person = (uint8_t)draw(PEOPLE)};
-    const uint32_t lot = draw(16);
     const int templates = templates_of[message.person];
-    message.action = lot < 6    ? ENROL
-                     : lot < 9  ? DELETE
-                     : lot < 10 ? ROTATE_GALLERY
-                     : lot < 11 ? ROTATE_LOG
-                     : lot < 12 ? CHANGE_KEY
-                     : lot < 14 ? LOCK_OUT
-                                : LOG;
+    message.action = lots[draw(16)];
     if ((message.action == DELETE && templates == 0) ||
         (message.action == ENROL && templates == ISO_GALLERY_TEMPLATES_MAX)) {
         message.action = LOG;

@@ -43,9 +43,10 @@ static void bring_about(struct world *w)
     const struct sim_fault_event *jump = fault_plan_at(&w->plan, w->step, SIM_FAULT_CLOCK_STEP);
     const bool gone = world_is_faulty(w, SIM_FAULT_SENSOR_GONE);
     w->rig->sensor.wait_error = w->rig->sensor.open_error = gone ? -ENODEV : 0;
-    broken_disk.error = world_is_faulty(w, SIM_FAULT_DISK_FULL)        ? ENOSPC
-                        : world_is_faulty(w, SIM_FAULT_DISK_READ_ONLY) ? EROFS
-                                                                       : 0;
+    broken_disk.error = world_is_faulty(w, SIM_FAULT_DISK_READ_ONLY) ? EROFS : 0;
+    if (world_is_faulty(w, SIM_FAULT_DISK_FULL)) {
+        broken_disk.error = ENOSPC;
+    }
     broken_disk.locked = world_is_faulty(w, SIM_FAULT_DATABASE_BUSY);
     if (broken_disk.error) {
         w->oracle.broken_ns = w->rig->now_ns;

@@ -4,7 +4,8 @@
 
 static int refuse(const struct puppet_counter *puppet, struct iso_fault *fault)
 {
-    const int error = puppet->error ? puppet->error : puppet->defined ? 0 : -ENOENT;
+    const int missing = puppet->defined ? 0 : -ENOENT;
+    const int error = puppet->error ? puppet->error : missing;
     return error ? iso_fault_set_code(fault, ISO_FAULT_TPM_FAILED, error, "the puppet: error %d",
                                       -error)
                  : 0;

@@ -206,7 +206,10 @@ static struct event draw_event(int64_t t_ns, int n_tracks)
 {
     static const enum iso_capture cues[] = {ISO_CAPTURE_FLAT, ISO_CAPTURE_STILL};
     struct event event = {.t_ns = t_ns, .cue = cues[draw(2)]};
-    event.kind = draw(10) < 6 ? FACE : draw(2) ? ATTACK : NOTHING;
+    event.kind = FACE;
+    if (draw(10) >= 6) {
+        event.kind = draw(2) ? ATTACK : NOTHING;
+    }
     event.face = (struct iso_decision_frame){
         .t_ns = t_ns,
         .person = draw(3),

@@ -40,8 +40,8 @@ void scan_write_abs(FILE *out)
                 fprintf(out, "%d ", good);
             } else {
                 /* 1.5 m from the scanner */
-                double value = plane == 1 ? p.x : plane == 2 ? p.y : p.z - 1500.0;
-                fprintf(out, "%.6f ", good ? value : -999999.0);
+                const double value[] = {p.x, p.y, p.z - 1500.0};
+                fprintf(out, "%.6f ", good ? value[plane - 1] : -999999.0);
             }
         }
         fputc('\n', out);
@@ -67,9 +67,9 @@ void scan_write_bnt(FILE *out)
     for (int plane = 0; plane < 5; plane++) {
         for (int i = 0; i < SCAN_POINTS; i++) {
             struct iso_vec3 p = scan_dome(i / SCAN_COLUMNS, i % SCAN_COLUMNS);
-            double value = plane == 0 ? p.x : plane == 1 ? p.y : plane == 2 ? p.z : 0.5;
-            value = scan_dome_measured(i / SCAN_COLUMNS, i % SCAN_COLUMNS) ? value : zmin;
-            put(out, &value, 8);
+            const double values[5] = {p.x, p.y, p.z, 0.5, 0.5};
+            const bool good = scan_dome_measured(i / SCAN_COLUMNS, i % SCAN_COLUMNS);
+            put(out, good ? &values[plane] : &zmin, 8);
         }
     }
 }

@@ -155,7 +155,8 @@ static void add_noise(uint64_t key, uint64_t eye, size_t n, uint8_t *picture)
     for (size_t i = 0; i < n; i++) {
         bits = i % 8 == 0 ? sim_random_u64(&random) : bits >> 8;
         const int level = picture[i] + (int)(bits & 0xff) % (2 * NOISE_LEVELS + 1) - NOISE_LEVELS;
-        picture[i] = (uint8_t)(level < 0 ? 0 : level > 255 ? 255 : level);
+        const int light = level > 0 ? level : 0;
+        picture[i] = (uint8_t)(light < 255 ? light : 255);
     }
 }
 
