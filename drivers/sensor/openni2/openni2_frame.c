@@ -58,7 +58,8 @@ static int find_window(const OniFrame *in, const struct iso_camera *camera, size
         flaw = "is truncated";
     }
     if (flaw) {
-        return iso_fault_set(fault, -EBADMSG, "%s", flaw);
+        (void)iso_fault_set(fault, -EBADMSG, "%s", flaw);
+        return -EBADMSG;
     }
     *out = (struct window){
         .bytes = in->data,
