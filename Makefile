@@ -16,8 +16,8 @@
 #   make drill-bites  builds mistakes into a copy of the tree; the tests of faults must find each of them
 #   make check-clang  builds with clang and runs every test
 #   make check-asan  runs every test under the address and undefined-behaviour sanitizers
-#   make nightly  runs the slow checks: check-clang, check-asan, fuzz of NIGHTLY_FUZZ_SECONDS, NIGHTLY_KILLS kills, storage-faults, drill, races,
-#                 drill-bites; it does not run `make levels`
+#   make nightly  runs the slow checks: check-clang, check-asan, fuzz of NIGHTLY_FUZZ_SECONDS, NIGHTLY_KILLS kills, storage-faults,
+#                 packages-arm64, drill, races, drill-bites; it does not run `make levels`
 #   make levels   counts refused and admitted visitors at each security level in 3,000 visits: an hour; ICT=DIR has the head model
 #   make packages makes the Debian packages in build/packages and checks them
 #   make packages-arm64  cross-builds the packages for arm64 in build/packages-arm64
@@ -126,6 +126,7 @@ nightly:
 	$(MAKE) fuzz FUZZ_SECONDS=$(NIGHTLY_FUZZ_SECONDS)
 	$(MAKE) kills KILLS=$(NIGHTLY_KILLS)
 	$(MAKE) storage-faults
+	$(MAKE) packages-arm64
 	$(MAKE) drill
 	$(MAKE) races
 	$(MAKE) drill-bites
