@@ -2,13 +2,13 @@
 #ifndef ISO_CORE_BASE_GRAM_H
 #define ISO_CORE_BASE_GRAM_H
 
-/* Rows are padded with zeros to a multiple of ISO_GRAM_LANES values. They begin at addresses that
- * are multiples of ISO_GRAM_ALIGNMENT bytes. */
+/* The length of each row is a multiple of ISO_GRAM_LANES values; the caller fills the end of a
+ * shorter row with zeros. The address of each row is a multiple of ISO_GRAM_ALIGNMENT bytes. */
 enum { ISO_GRAM_LANES = 4, ISO_GRAM_ALIGNMENT = 16 };
 
 typedef float iso_lanes __attribute__((vector_size(16)));
 
-/* The four values at an address that is a multiple of ISO_GRAM_ALIGNMENT. */
+/* Returns the four values at this address, which is a multiple of ISO_GRAM_ALIGNMENT. */
 static inline iso_lanes iso_lanes_at(const float *aligned)
 {
     return *(const iso_lanes *)aligned;

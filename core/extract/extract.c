@@ -171,8 +171,9 @@ static bool same_camera(const struct iso_camera *a, const struct iso_camera *b)
            a->k1 == b->k1 && a->k2 == b->k2 && a->k3 == b->k3 && a->p1 == b->p1 && a->p2 == b->p2;
 }
 
-/* Whether the fit may start from the face of the previous frame: if tracking is on, if that frame
- * is recent enough and from the same camera, and if the face was not followed for too long. */
+/* Whether the fit may start from the face that the previous frame showed. Three conditions must be
+ * true: tracking is switched on; the previous frame comes from the same camera and is not too old;
+ * and fewer than TRACK_FRAMES frames were fitted since the last search of a whole frame. */
 static bool is_tracked(const struct iso_extractor *x, const struct iso_frame *frame)
 {
     const struct iso_extract_track *t = &x->track;

@@ -59,8 +59,7 @@ void iso_site_free(struct iso_site *site)
     iso_wipe_free(site);
 }
 
-/* The sum of the numbers of all captures, by dimension, divided by their number. -EINVAL if one is
- * not finite. */
+/* Computes the mean of n captures, [site->n]. -EINVAL if a number of it is not finite. */
 static int mean_of(const struct iso_site *site, const struct iso_metric_vector *captures, int n,
                    double *mean)
 {

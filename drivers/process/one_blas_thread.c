@@ -1,16 +1,17 @@
 /* Runs OpenBLAS without threads of its own. This file is compiled into each program that computes.
  *
- * When OpenBLAS is loaded, before main(), it starts a thread for every other processor. Each thread
- * takes a stack and 32 MiB. If the address space is limited, a thread that gets no memory repeats
- * its request without end, and the program hangs when it waits for the thread at its exit. If the
- * thread cannot be created, the program gets a SIGINT. None of our matrices is large enough to
- * profit from such threads.
+ * OpenBLAS starts its threads when it is loaded, which is before main(): one thread for each
+ * processor except the first. Each thread needs memory for its stack and 32 MiB for its buffers.
+ * Two faults can occur if the address space is limited. A thread that cannot get its memory tries
+ * again and never stops, so the program hangs when it waits for the thread at its exit. If a thread
+ * cannot be created, OpenBLAS sends SIGINT to the program. The threads would gain nothing, because
+ * none of our matrices is large enough.
  *
- * Only OPENBLAS_NUM_THREADS prevents this, and it must be set before the library is loaded. A
- * program that is started without this variable therefore executes itself again with it. It does so
- * in DT_PREINIT_ARRAY, the only code that runs before the constructors of libraries. The process
- * and everything that it has inherited stay the same. If this is not possible, the program
- * continues without the variable. */
+ * Only the environment variable OPENBLAS_NUM_THREADS prevents this, and it must be set before the
+ * library is loaded. If it is not set, the program sets it and executes itself again. This happens
+ * in DT_PREINIT_ARRAY, because no other code runs before the constructors of the libraries. The
+ * process keeps its number and everything that it has inherited. If the program cannot execute
+ * itself again, it continues without the variable. */
 #include <limits.h>
 #include <stddef.h>
 #include <string.h>

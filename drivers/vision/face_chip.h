@@ -37,8 +37,9 @@ struct iso_face_chip {
     double saturated; /* share at the sensor's upper limit, 0..1 */
     double grain;     /* mean difference of a pixel from the mean of its four neighbours / mean */
 
-    /* Intermediate results: the surface as z in the face frame, the number of points that each of
-     * its cells is made of (0: empty), and corrected intensities (negative: none). */
+    /* Intermediate results. The surface is a grid of cells in the face frame: surface_mm is the z
+     * of each cell, and weight is the number of measured points in it (0: the cell is empty). light
+     * contains the corrected intensities; a negative value means that there is none. */
     float surface_mm[ISO_FACE_CHIP_CELLS * ISO_FACE_CHIP_CELLS];
     uint16_t weight[ISO_FACE_CHIP_CELLS * ISO_FACE_CHIP_CELLS];
     float light[ISO_FACE_CHIP_SIDE * ISO_FACE_CHIP_SIDE];

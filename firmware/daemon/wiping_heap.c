@@ -1,10 +1,12 @@
-/* Wipes freed memory. Names and templates pass through buffers of libsystemd, SQLite, stdio and our
- * own code. A reader of the memory of the process must not find them there later.
+/* Overwrites freed memory with zeros. libsystemd, SQLite, stdio and our own code copy names and
+ * templates into buffers on the heap. Without this file, the data would remain in the memory of the
+ * process after a buffer is freed, and an attacker who can read this memory would find it.
  *
- * A program that is linked with this file uses its own free() and realloc() in place of those of
- * the C library, for itself and for every library that it loads. Memory that grows moves to a new
- * place, and its old place is wiped. Each byte that is freed is written once more, which takes some
- * 0.1 ms for a megabyte; our own code allocates nothing for a frame.
+ * This file defines malloc(), free(), realloc() and the other functions of the heap. A program that
+ * is linked with it uses them instead of those of the C library, and so does every library that the
+ * program loads. They get their memory from the C library; free() wipes a block before it returns
+ * it, and realloc() moves a growing block to a new address and wipes the old one. Wiping one
+ * megabyte takes about 0.1 ms; our own code allocates no memory while it processes a frame.
  *
  * Sanitizers have a heap of their own, which this file must not replace. With them the file is
  * empty, and freed memory is not wiped. */

@@ -76,8 +76,9 @@ void iso_gallery_person_put(const struct iso_person *person,
 int iso_gallery_person_get(const uint8_t *plain, size_t size, struct iso_person *out)
     __attribute__((warn_unused_result));
 
-/* Seals or opens the head. open: -EBADMSG. A head of the earlier format, without knowledge about
- * other stores, can be opened, too; its knowledge is all zero. */
+/* Seals the head, or opens a sealed head. Opening fails with -EBADMSG if the bytes were not sealed
+ * with this key. A head of the earlier format has no state of the other stores; it can be opened as
+ * well, and the members for this state are then zero. */
 void iso_gallery_head_close(const struct iso_gallery_seal *seal,
                             const struct iso_gallery_head *head,
                             uint8_t sealed[ISO_GALLERY_HEAD_SEALED]);

@@ -1,12 +1,13 @@
-/* Keeps the state of the lock-out in a file, so that a power cut does not clear it.
+/* Stores the state of the lock-out in a file, so that it survives a power cut.
  *
  *   ISOLOCK2 | number of the key u32 | sealed: number of the file u64, failures u32, attacks u32,
  *   locks u32, remaining_ms u64, lockdown u8, heads (heads.h)
  *
- * The file is sealed with the anchors' key, so that nobody can write one without the key ring. Each
- * write has the next number, which the other stores know. So an older file is refused; a missing
- * file is refused if there was one before. The file is written beside its place and then moved
- * there: after a power cut it is the old one or the new one.
+ * The file is sealed with the anchors' key, so only a program that has the key ring can write a
+ * valid one. Each write increases the number of the file, and the other stores record this number.
+ * Therefore an older file is refused, and a missing file is refused if a file was written before.
+ * A write creates a new file in the same directory and then renames it to the final name. After a
+ * power cut, the final name refers to either the old file or the new file, and that file is whole.
  *
  * Format 1 was a line of text with a CRC-32, which anyone could write. It is read as long as no
  * store knows of a sealed file; the next write replaces it. */

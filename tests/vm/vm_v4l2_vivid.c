@@ -132,7 +132,7 @@ static void frames_come_in_order(void **state)
             assert_int_equal(frame->width_px, WIDTH);
             assert_int_equal(frame->height_px, HEIGHT);
             assert_true(i == 0 || (frame->sequence > sequence && frame->t_ns > t_ns));
-            /* The time of the frame is by the given clock, and recent. */
+            /* The frame was taken during the last 60 seconds, by the clock that the sensor got. */
             assert_true(frame->t_ns <= monotonic_ns(NULL));
             assert_true(frame->t_ns > monotonic_ns(NULL) - 60 * SECOND);
             float brightest = 0.0f, darkest = 1.0f;

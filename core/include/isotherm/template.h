@@ -78,10 +78,14 @@ struct iso_template {
 
 /** Writes a template as bytes; some 8 kB with 4 x 16 points.
  *
- * Little endian: magic "ISOT", version u16, n_radii u16, n_points u16, n_frames u16 (bit 15 is
- * `learned`), algorithm u32, sensor[16], quality f32, radius f32[n_radii]; then for each point
- * int16[3] (1/64 mm) and uint8 weight (1/255); then u16, the size of the upper face in bytes (0:
- * none), and the upper face; at the end a CRC-32 of everything before it.
+ * All numbers are little endian. The bytes are, in this order:
+ *
+ *  - the magic "ISOT"; u16 version, n_radii, n_points, and n_frames, whose bit 15 is `learned`;
+ *  - u32 algorithm, 16 bytes sensor, f32 quality, f32 radius_mm[n_radii];
+ *  - for each point: i16[3], its coordinates in units of 1/64 mm, and u8, its weight in units of
+ *    1/255;
+ *  - u16, the size of the upper face in bytes (0 if the template has none), and the upper face;
+ *  - a CRC-32 of all bytes before it.
  *
  * @param tmpl   The template.
  * @param bytes  The buffer to write to.

@@ -237,8 +237,9 @@ static double mean_error(const struct sim_deviation *deviation,
     return n > 0 ? sum / n : NAN;
 }
 
-/* Computes the errors of the landmarks: the figures over all usable captures, and the mean error
- * of each capture, error_mm ([n_captures], NaN: unknown). */
+/* Computes the errors of the landmarks. eval->landmarks receives the figures over all usable
+ * captures. error_mm [n_captures] receives the mean error of each capture, or NaN if a capture has
+ * no known landmark. */
 static int measure_landmarks(struct sim_eval *eval, double *error_mm, struct iso_fault *fault)
 {
     const struct sim_acquisition *a = eval->acquisition;

@@ -11,8 +11,9 @@
 /* Width of the edge that a hand covers, and position of the edge in the hand's frame
  * (sim/world/prop/hand.h). */
 static const double grip_mm = 14.0, grip_y_mm = -70.0;
-/* Greatest angle between the middle of a roll and its edges. A hollow roll or an S hides its own
- * picture beyond the second limit. */
+/* The largest angle between the middle of a rolled sheet and its edge. The first limit is for a
+ * sheet that is rolled away from the camera. The second limit is for a sheet that is rolled towards
+ * the camera or bent like an S: beyond it, the sheet covers a part of its own picture. */
 static const double roll_limit_rad = 2.2, hollow_limit_rad = 1.3;
 
 /* A random pose of a sheet that is held towards the camera, not quite straight. */
