@@ -233,6 +233,9 @@ static void tell_visit(struct iso_appliance *appliance, const struct iso_visit *
     const struct iso_verdict *verdict = &visit->verdict;
     const bool stuck = visit->door == ISO_DOOR_DID_NOT_UNLOCK;
     const char *answer = iso_door_answer_name(visit->door);
+    /* A short text would leave the end of a longer one, and the name in it, in memory. */
+    explicit_bzero(appliance->outcome.text, sizeof appliance->outcome.text);
+    explicit_bzero(appliance->outcome.person, sizeof appliance->outcome.person);
     (void)snprintf(appliance->outcome.text, sizeof appliance->outcome.text, "%s%s%s%s",
                    verdict_word(verdict), *visit->person ? " " : "", visit->person,
                    stuck ? ", door not-unlocked" : "");

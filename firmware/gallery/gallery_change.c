@@ -3,6 +3,7 @@
  * alone. */
 #include <errno.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "firmware/gallery/gallery_state.h"
 
@@ -54,6 +55,7 @@ int iso_gallery_rename(struct iso_gallery *gallery, const char *name, const char
         return error;
     }
     struct iso_person row = *iso_gallery_find(gallery, name);
+    explicit_bzero(row.name, sizeof row.name); /* the old name may be the longer one */
     (void)snprintf(row.name, sizeof row.name, "%s", new_name);
     return iso_person_name_key(new_name, &row.key)
                ? iso_fault_set(fault, -ENOMEM, "gallery: out of memory")

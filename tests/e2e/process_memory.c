@@ -45,20 +45,34 @@ static void append(struct process_memory *memory, int fd, unsigned long from, un
     }
 }
 
+static void append_area(struct process_memory *memory, const char *line, size_t offset)
+{
+    struct process_memory_area *areas = reallocarray(memory->areas, memory->n_areas + 1,
+                                                     sizeof *areas);
+    assert_non_null(areas);
+    memory->areas = areas;
+    struct process_memory_area *area = &areas[memory->n_areas++];
+    (void)snprintf(area->line, sizeof area->line, "%.*s", (int)strcspn(line, "\n"), line);
+    area->offset = offset;
+    area->size = memory->size - offset;
+}
+
 static void read_areas(FILE *maps, FILE *mem, struct process_memory *out)
 {
     char line[1024];
     unsigned long from, to;
     while (fgets(line, sizeof line, maps)) {
         if (is_own(line, &from, &to)) {
+            const size_t offset = out->size;
             append(out, fileno(mem), from, to);
+            append_area(out, line, offset);
         }
     }
 }
 
 bool process_memory_read(pid_t pid, struct process_memory *out)
 {
-    *out = (struct process_memory){NULL, 0};
+    *out = (struct process_memory){.bytes = NULL};
     FILE *maps = open_of(pid, "maps");
     FILE *mem = maps ? open_of(pid, "mem") : NULL;
     if (!mem) {
@@ -83,14 +97,39 @@ bool process_memory_read(pid_t pid, struct process_memory *out)
 void process_memory_free(struct process_memory *memory)
 {
     free(memory->bytes);
-    *memory = (struct process_memory){NULL, 0};
+    free(memory->areas);
+    *memory = (struct process_memory){.bytes = NULL};
 }
 
-int process_memory_count(const struct process_memory *memory, const void *bytes, size_t size)
+/* Prints where the bytes are, with 48 bytes before and after them. */
+static void print_place(const struct process_memory *memory, size_t offset, size_t size)
+{
+    enum { AROUND = 48 };
+    size_t i = 0;
+    while (i + 1 < memory->n_areas && memory->areas[i + 1].offset <= offset) {
+        i++;
+    }
+    const struct process_memory_area *area = &memory->areas[i];
+    const size_t in_area = offset - area->offset;
+    const size_t from = in_area < AROUND ? 0 : in_area - AROUND;
+    const size_t end = in_area + size + AROUND < area->size ? in_area + size + AROUND : area->size;
+    print_message("  %s + %#zx of %#zx: ", area->line, in_area, area->size);
+    for (size_t k = from; k < end; k++) {
+        const int byte = memory->bytes[area->offset + k];
+        print_message(byte > ' ' && byte < 0x7f ? "%c" : "\\%02x", byte);
+    }
+    print_message("\n");
+}
+
+int process_memory_count(const struct process_memory *memory, const void *bytes, size_t size,
+                         bool print)
 {
     int n = 0;
     const unsigned char *at = memory->bytes, *end = memory->bytes + memory->size;
     while ((at = memmem(at, (size_t)(end - at), bytes, size))) {
+        if (print) {
+            print_place(memory, (size_t)(at - memory->bytes), size);
+        }
         n++;
         at += size;
     }

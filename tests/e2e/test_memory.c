@@ -101,7 +101,7 @@ struct found {
     int names, runs;
 };
 
-static struct found search(const struct appliance *appliance, const struct runs *runs)
+static struct found search(const struct appliance *appliance, const struct runs *runs, bool print)
 {
     struct process_memory memory;
     struct found found = {0, 0};
@@ -109,9 +109,9 @@ static struct found search(const struct appliance *appliance, const struct runs 
         print_message("skipped: only root can read the memory of the daemon\n");
         skip();
     }
-    found.names = process_memory_count(&memory, NAME, strlen(NAME));
+    found.names = process_memory_count(&memory, NAME, strlen(NAME), print);
     for (int i = 0; i < runs->n; i++) {
-        found.runs += process_memory_count(&memory, runs->bytes[i], RUN) > 0;
+        found.runs += process_memory_count(&memory, runs->bytes[i], RUN, print) > 0;
     }
     print_message("%zu kB: the name %d times, %d of %d pieces of the template\n",
                   memory.size / 1024, found.names, found.runs, runs->n);
@@ -136,12 +136,12 @@ static void remove_and_search(struct appliance *appliance)
     static struct runs runs;
     read_template(appliance, &runs);
     use(appliance);
-    const struct found before = search(appliance, &runs);
+    const struct found before = search(appliance, &runs, false);
     assert_true(before.names > 0);
     assert_true(before.runs > 0);
     appliance_expect(appliance_run(appliance, "remove " NAME, NULL), 0);
     appliance_expect(appliance_run(appliance, "status", NULL), 0);
-    const struct found after = search(appliance, &runs);
+    const struct found after = search(appliance, &runs, true);
     assert_int_equal(after.names, 0);
     assert_int_equal(after.runs, 0);
 }

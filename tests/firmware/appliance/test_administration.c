@@ -2,6 +2,7 @@
  * about them. */
 #include <errno.h>
 #include <fcntl.h>
+#include <malloc.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -179,6 +180,30 @@ static void a_rename_reminds_of_the_cards(void **state)
     iso_cards_free(cards);
 }
 
+static bool is_in_appliance(const struct rig *rig, const char *text)
+{
+    return memmem(rig->appliance, malloc_usable_size(rig->appliance), text, strlen(text)) != NULL;
+}
+
+/* The texts of a later visit are shorter than the name. */
+static void a_removed_name_is_in_no_text(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "maximiliane-of-the-hill", 50);
+    rig_start(rig);
+    rig_show(rig, 50, 2);
+    rig_run(rig, 200);
+    assert_string_equal(rig_news(rig),
+                        "door unlocked grant; visit allow maximiliane-of-the-hill match 2");
+    assert_true(is_in_appliance(rig, "of-the-hill"));
+    rig_run(rig, 10000);
+    rig_show(rig, 77, 2);
+    rig_run(rig, 10000);
+    assert_non_null(strstr(rig_news(rig), "visit deny"));
+    assert_int_equal(iso_appliance_remove(rig->appliance, "maximiliane-of-the-hill", NULL), 0);
+    assert_false(is_in_appliance(rig, "of-the-hill"));
+}
+
 static void changes_limits_on_record(void **state)
 {
     struct rig *rig = *state;
@@ -340,6 +365,7 @@ int main(void)
         TEST(a_rotation_that_cannot_be_put_on_record_is_not_done),
         TEST(renames_on_record),
         TEST(a_rename_reminds_of_the_cards),
+        TEST(a_removed_name_is_in_no_text),
         TEST(changes_limits_on_record),
         TEST(a_change_that_cannot_be_put_on_record_is_not_made),
         TEST(tests_the_relay_on_record),

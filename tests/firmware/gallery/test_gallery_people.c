@@ -78,6 +78,17 @@ static void a_person_is_renamed_for_good(void **state)
     iso_gallery_close(gallery);
 }
 
+static void a_shorter_name_leaves_nothing_of_the_old_one(void **state)
+{
+    struct iso_gallery *gallery = gallery_rig_open(*state);
+    static const char nothing[ISO_PERSON_NAME_SIZE];
+    assert_int_equal(gallery_rig_add(gallery, "ada lovelace", 20, NULL), 0);
+    assert_int_equal(iso_gallery_rename(gallery, "ada lovelace", "ada", NULL), 0);
+    const char *name = iso_gallery_find(gallery, "ada")->name;
+    assert_memory_equal(name + strlen("ada"), nothing, ISO_PERSON_NAME_SIZE - strlen("ada"));
+    iso_gallery_close(gallery);
+}
+
 static void the_spelling_can_be_changed(void **state)
 {
     struct iso_gallery *gallery = gallery_rig_open(*state);
@@ -314,6 +325,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(a_name_is_one_whatever_its_case),
         TEST(a_person_is_renamed_for_good),
+        TEST(a_shorter_name_leaves_nothing_of_the_old_one),
         TEST(the_spelling_can_be_changed),
         TEST(refuses_names_that_cannot_be_given),
         TEST(an_invisible_character_of_an_earlier_version_stays),
