@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "core/match/metric_vector.h"
 #include "core/match/upper_face.h"
 #include "core/registration/rigid.h"
 
@@ -198,6 +199,43 @@ static float normal_scale(const struct iso_metric *metric, const struct iso_metr
     return (float)sqrt(metric->n_dimensions / fmax(length, 1e-9));
 }
 
+static void set_step(const struct iso_metric *metric, int step, struct iso_metric_vector *vector)
+{
+    vector->step = step;
+    vector->weight = (float)(1.0 / iso_metric_variance(step));
+    vector->scale = normal_scale(metric, vector);
+}
+
+void iso_metric_steps_fill(const struct iso_metric *metric, struct iso_metric_steps *steps)
+{
+    static const float nothing[ISO_METRIC_DIMENSIONS_MAX];
+    for (int s = 0; s < ISO_METRIC_STEPS_ONE; s++) {
+        const double variance = iso_metric_variance(s + ISO_METRIC_STEP_MIN);
+        (void)length_of(metric, nothing, variance, &steps->log_volume[s]);
+        for (int d = 0; d < metric->n_dimensions; d++) {
+            steps->inverse[d][s] = 1.0 / (variance + (double)metric->between[d]);
+        }
+    }
+}
+
+void iso_metric_vector_judge(const struct iso_metric *metric, const struct iso_metric_steps *steps,
+                             struct iso_metric_vector *vector)
+{
+    double sum[ISO_METRIC_STEPS_ONE];
+    int best = 0;
+    memcpy(sum, steps->log_volume, sizeof sum);
+    for (int d = 0; d < metric->n_dimensions; d++) {
+        const double square = (double)vector->mean[d] * (double)vector->mean[d];
+        for (int s = 0; s < ISO_METRIC_STEPS_ONE; s++) {
+            sum[s] += square * steps->inverse[d][s];
+        }
+    }
+    for (int s = 1; s < ISO_METRIC_STEPS_ONE; s++) {
+        best = sum[s] < sum[best] ? s : best;
+    }
+    set_step(metric, best + ISO_METRIC_STEP_MIN, vector);
+}
+
 /* Adds the contribution of one residual: its value times its row of the projection. */
 static void project_value(const struct iso_metric *metric, int v, float residual_mm,
                           struct iso_metric_vector *out)
@@ -231,9 +269,7 @@ int iso_metric_project(const struct iso_metric *metric, const struct iso_templat
     for (int i = 0; i < metric->n_nodes; i++) {
         project_value(metric, 3 * curves.n + i, height_residual(metric, &tmpl->upper, i), out);
     }
-    out->step = likeliest_step(metric, out->mean);
-    out->weight = (float)(1.0 / iso_metric_variance(out->step));
-    out->scale = normal_scale(metric, out);
+    set_step(metric, likeliest_step(metric, out->mean), out);
     explicit_bzero(residual_mm, sizeof residual_mm);
     return 0;
 }

@@ -12,10 +12,10 @@
  */
 static const double unit = 4096.0;
 
-/* Limits of what one person and one capture can do, in multiples of what is expected of a rendered
- * one. The longest of 362 real captures is 3.8 times as long (squared length, by variance within
- * and between), and people before a coarse depth sensor vary up to 4 times as much. */
-static const double length_limit = 6.0, residual_limit = 8.0;
+/* The squared length of a capture's difference from its person's mean is limited to this number a
+ * dimension, where 1 is expected of a rendered capture. People before a coarse depth sensor vary up
+ * to 4 times as much. */
+static const double residual_limit = 8.0;
 
 /* The weight of a person is the number of captures less one, at most this. The share `a` reaches
  * half of its limit with this sum of weights. */
@@ -83,15 +83,16 @@ static void add_mean(struct iso_site *site, const double *mean, int sign)
     for (int d = 0; d < site->n; d++) {
         length += mean[d] * mean[d] / (1.0 + (double)site->between[d]);
     }
-    const double scale = fmin(1.0, sqrt(length_limit * site->n / fmax(length, 1e-9)));
+    const double scale = fmin(1.0, sqrt(ISO_SITE_LENGTH_LIMIT * site->n / fmax(length, 1e-9)));
     for (int d = 0; d < site->n; d++) {
         site->sum[d] += sign * (int64_t)llrint(unit * scale * mean[d]);
     }
 }
 
-/* What is left of a capture when its person's mean is subtracted, shortened to its limit. */
+/* What is left of a capture when its person's mean is subtracted, shortened to its limit: whole
+ * numbers. */
 static void residual_of(const struct iso_site *site, const struct iso_metric_vector *capture,
-                        const double *mean, int64_t *out)
+                        const double *mean, double *out)
 {
     double length = 0.0;
     for (int d = 0; d < site->n; d++) {
@@ -100,18 +101,19 @@ static void residual_of(const struct iso_site *site, const struct iso_metric_vec
     }
     const double scale = fmin(1.0, sqrt(residual_limit * site->n / fmax(length, 1e-9)));
     for (int d = 0; d < site->n; d++) {
-        out[d] = llrint(unit * scale * ((double)capture->mean[d] - mean[d]));
+        out[d] = rint(unit * scale * ((double)capture->mean[d] - mean[d]));
     }
 }
 
 /* Adds the products of the residuals of a person, as an estimate of the covariance times the weight
- * of the person. */
+ * of the person. The products are below 2^36 and their sums below 2^42, so that numbers of double
+ * precision hold them exactly; processors multiply these faster than integers of 64 bits. */
 static int add_scatter(struct iso_site *site, const struct iso_metric_vector *captures, int n,
                        const double *mean, int sign)
 {
     const int weight = n - 1 < WEIGHT_MAX ? n - 1 : WEIGHT_MAX;
-    int64_t residual[ISO_METRIC_DIMENSIONS_MAX];
-    int64_t *own = calloc((size_t)site->n * (size_t)site->n, sizeof *own);
+    double residual[ISO_METRIC_DIMENSIONS_MAX];
+    double *own = calloc((size_t)site->n * (size_t)site->n, sizeof *own);
     if (!own) {
         return -ENOMEM;
     }
@@ -123,8 +125,13 @@ static int add_scatter(struct iso_site *site, const struct iso_metric_vector *ca
             }
         }
     }
-    for (int i = 0; i < site->n * site->n; i++) {
-        site->scatter[i] += sign * (own[i] * weight / (n - 1));
+    for (int r = 0; r < site->n; r++) {
+        for (int c = 0; c <= r; c++) {
+            const int64_t product = (int64_t)own[r * site->n + c];
+            /* A division takes long, and most people have few captures. */
+            const int64_t weighed = weight == n - 1 ? product : product * weight / (n - 1);
+            site->scatter[r * site->n + c] += sign * weighed;
+        }
     }
     explicit_bzero(residual, sizeof residual);
     iso_wipe_free(own);
@@ -235,50 +242,91 @@ static double sign_of(const double *directions, int n, int k)
     return largest < 0.0 ? -1.0 : 1.0;
 }
 
-/* One row in the new coordinates: number k of `out` is the product of the row and direction k,
- * which is column n - 1 - k because LAPACK sorts by rising value. */
-static void turn_row(const double *directions, const double *sign, int n, const float *row,
-                     float *out)
+/* Column k of `turn` is direction k: column n - 1 - k of `directions`, because LAPACK sorts by
+ * rising value. */
+static void fill_turn(const double *directions, int n, float *turn)
 {
     for (int k = 0; k < n; k++) {
-        double sum = 0.0;
+        const double sign = sign_of(directions, n, n - 1 - k);
         for (int d = 0; d < n; d++) {
-            sum += (double)row[d] * directions[d * n + n - 1 - k];
+            turn[d * n + k] = (float)(sign * directions[d * n + n - 1 - k]);
         }
-        out[k] = (float)(sign[k] * sum);
+    }
+}
+
+static void turn_row(const float *turn, int n, const float *row, float *out)
+{
+    memset(out, 0, (size_t)n * sizeof *out);
+    for (int d = 0; d < n; d++) {
+        for (int k = 0; k < n; k++) {
+            out[k] += row[d] * turn[d * n + k];
+        }
+    }
+}
+
+static void fill_metric(const struct iso_metric *metric, const double *value, const float *turn,
+                        struct iso_metric *out)
+{
+    const int n = metric->n_dimensions;
+    for (int k = 0; k < n; k++) {
+        out->between[k] = (float)fmax(value[n - 1 - k], 0.0);
+    }
+    memcpy(out->curve_mm, metric->curve_mm, (size_t)metric->n_values * sizeof(float));
+    turn_row(turn, n, metric->centre, out->centre);
+    for (size_t v = 0; v < (size_t)metric->n_values; v++) {
+        turn_row(turn, n, &metric->axis[v * (size_t)n], &out->axis[v * (size_t)n]);
     }
 }
 
 int iso_site_adapt(const struct iso_site *site, const struct iso_metric *metric,
-                   struct iso_metric **out)
+                   struct iso_site_metric *out)
 {
-    const int n = site->n;
-    double value[ISO_METRIC_DIMENSIONS_MAX], sign[ISO_METRIC_DIMENSIONS_MAX];
-    if (metric->n_dimensions != n ||
-        memcmp(metric->between, site->between, (size_t)n * sizeof *site->between) != 0) {
+    const size_t n = (size_t)site->n;
+    double value[ISO_METRIC_DIMENSIONS_MAX];
+    float offset[ISO_METRIC_DIMENSIONS_MAX];
+    *out = (struct iso_site_metric){.n = site->n, .people = (int)site->people};
+    if (metric->n_dimensions != site->n ||
+        memcmp(metric->between, site->between, n * sizeof *site->between) != 0) {
         return -EINVAL;
     }
-    struct iso_metric *adapted = NULL;
-    double *directions = calloc((size_t)n * (size_t)n, sizeof *directions);
-    int error = directions ? iso_metric_new(metric, &adapted) : -ENOMEM;
+    double *directions = calloc(n * n, sizeof *directions);
+    out->turn = calloc(n * n, sizeof *out->turn);
+    out->offset = calloc(n, sizeof *out->offset);
+    out->steps = calloc(1, sizeof *out->steps);
+    int error = directions && out->turn && out->offset && out->steps
+                    ? iso_metric_new(metric, &out->metric)
+                    : -ENOMEM;
     if (!error) {
         error = directions_of(site, directions, value);
     }
-    if (error) {
-        iso_metric_free(adapted);
-        free(directions);
-        return error;
-    }
-    for (int k = 0; k < n; k++) {
-        sign[k] = sign_of(directions, n, n - 1 - k);
-        adapted->between[k] = (float)fmax(value[n - 1 - k], 0.0);
-    }
-    memcpy(adapted->curve_mm, metric->curve_mm, (size_t)metric->n_values * sizeof(float));
-    turn_row(directions, sign, n, metric->centre, adapted->centre);
-    for (size_t v = 0; v < (size_t)metric->n_values; v++) {
-        turn_row(directions, sign, n, &metric->axis[v * (size_t)n], &adapted->axis[v * (size_t)n]);
+    if (!error) {
+        fill_turn(directions, site->n, out->turn);
+        fill_metric(metric, value, out->turn, out->metric);
+        iso_metric_steps_fill(out->metric, out->steps);
+        for (int d = 0; d < site->n; d++) {
+            offset[d] = (float)offset_at(site, d);
+        }
+        turn_row(out->turn, site->n, offset, out->offset);
+    } else {
+        iso_site_metric_free(out);
     }
     iso_wipe_free(directions);
-    *out = adapted;
-    return 0;
+    return error;
+}
+
+void iso_site_metric_free(struct iso_site_metric *adapted)
+{
+    iso_metric_free(adapted->metric);
+    iso_wipe_free(adapted->turn);
+    iso_wipe_free(adapted->offset);
+    free(adapted->steps);
+    *adapted = (struct iso_site_metric){.n = 0};
+}
+
+void iso_site_turn(const struct iso_site_metric *adapted, const struct iso_metric_vector *one,
+                   struct iso_metric_vector *out)
+{
+    *out = (struct iso_metric_vector){.n = 1};
+    turn_row(adapted->turn, adapted->n, one->mean, out->mean);
+    iso_metric_vector_judge(adapted->metric, adapted->steps, out);
 }

@@ -24,10 +24,16 @@
 #ifndef ISO_CORE_MATCH_SITE_H
 #define ISO_CORE_MATCH_SITE_H
 
+#include "core/match/metric_vector.h"
 #include "isotherm/metric.h"
 
 /* Most captures of one person that are used. */
 enum { ISO_SITE_CAPTURES = 64 };
+
+/* The squared length of a person's mean, by the variances between people and one capture, is
+ * limited to this number a dimension, where 1 is expected of a rendered person. The longest of 362
+ * real captures has 3.8. */
+#define ISO_SITE_LENGTH_LIMIT 6.0
 
 struct iso_site;
 
@@ -62,10 +68,38 @@ int iso_site_remove(struct iso_site *site, const struct iso_metric_vector *captu
 /* Describes the statistics. */
 struct iso_site_summary iso_site_summary(const struct iso_site *site);
 
-/* Makes the adapted metric; the caller frees it with iso_metric_free(). `metric` is the one of
+/* The metric that is adapted to a site. It owns its members. */
+struct iso_site_metric {
+    struct iso_metric *metric;
+    int n;       /* numbers of a vector */
+    int people;  /* of the site */
+    float *turn; /* [n][n]: number k of an adapted vector is the sum of number d times turn[d][k] */
+    float *offset;                  /* [n]: o in the adapted coordinates */
+    struct iso_metric_steps *steps; /* of the adapted metric (metric_vector.h) */
+};
+
+/* Makes the adapted metric; the caller frees it with iso_site_metric_free(). `metric` is the one of
  * iso_site_new(). Without people the result is the shipped metric, up to rounding. -EINVAL for a
- * metric of another shape, -EDOM if the decomposition fails, -ENOMEM. About 10 ms. */
+ * metric of another shape, -EDOM if the decomposition fails, -ENOMEM; then *out is all zero. About
+ * 10 ms. */
 int iso_site_adapt(const struct iso_site *site, const struct iso_metric *metric,
-                   struct iso_metric **out) __attribute__((warn_unused_result));
+                   struct iso_site_metric *out) __attribute__((warn_unused_result));
+
+/* Wipes and frees an adapted metric, which may be all zero. */
+void iso_site_metric_free(struct iso_site_metric *adapted);
+
+/* The vector by the adapted metric of the template whose vector by the shipped metric is `one`. It
+ * is the vector that iso_metric_project() computes from the template, up to rounding, in a fraction
+ * of the time. */
+void iso_site_turn(const struct iso_site_metric *adapted, const struct iso_metric_vector *one,
+                   struct iso_metric_vector *out);
+
+/* Whether a probe is of a person of the site: iso_metric_score() without what this person has added
+ * to the offset. A person among n adds an n-th of the own face to it, which would then count as
+ * something that everybody shares. `person` and `probe` are vectors by the adapted metric; a person
+ * of the site was added with one vector or several, and `person` has all of them. -INFINITY for a
+ * person without templates. It takes some microseconds. */
+double iso_site_score(const struct iso_site_metric *adapted, const struct iso_metric_vector *person,
+                      const struct iso_metric_vector *probe);
 
 #endif

@@ -158,6 +158,7 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
     iso_door_guard_step(appliance->door);
     iso__appliance_tell_door(appliance);
+    iso__appliance_follow_site(appliance);
     iso__appliance_look_at_sensor(appliance, now_ns);
     now_ns = iso_times_now_ns(&appliance->borrowed.times);
     iso__appliance_lockout_time(appliance, now_ns);

@@ -266,6 +266,9 @@ void iso__appliance_learn(struct iso_appliance *appliance, const struct iso_verd
 /* Deletes the learned templates if the configuration learns none any more, and records it. */
 void iso__appliance_unlearn(struct iso_appliance *appliance);
 
+/* Takes a metric into use that was adapted to the people, and records it. */
+void iso__appliance_follow_site(struct iso_appliance *appliance);
+
 /* Whether a person may come in at this time. A person who is not in the gallery may not. */
 bool iso__appliance_is_valid(const struct iso_appliance *appliance, int64_t person);
 

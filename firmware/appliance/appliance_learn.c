@@ -1,9 +1,11 @@
-/* WATCH: learns a template at a visit, and deletes learned templates. */
+/* WATCH: learns a template at a visit, deletes learned templates, and takes into use what the
+ * people have taught the metric. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <syslog.h>
 
+#include "drivers/terminal/words.h"
 #include "firmware/appliance/appliance_calls.h"
 #include "firmware/recognise/learning.h"
 #include "isotherm/capture.h"
@@ -110,4 +112,33 @@ void iso__appliance_unlearn(struct iso_appliance *appliance)
         (void)iso__appliance_record(appliance, &record);
         iso__appliance_record_gallery(appliance, "gallery", NULL);
     }
+}
+
+static void record_site(struct iso_appliance *appliance, const struct iso_site_state *state)
+{
+    const struct iso_site_summary *summary = &state->summary;
+    struct iso_audit_record record = iso_audit_record_of("site");
+    char note[160];
+    (void)snprintf(note, sizeof note, "%d %s, offset %.2f (expected %.2f), variance within %.2f",
+                   summary->people, iso_plural((uint64_t)summary->people, "person", "people"),
+                   summary->offset, summary->expected, summary->growth);
+    record.reason = state->adapted ? "adapted" : "shipped";
+    record.note = note;
+    (void)iso__appliance_note(appliance, &record);
+    iso__appliance_say(appliance, LOG_INFO, "site: the metric is %s: %s",
+                       state->adapted ? "adapted" : "the shipped one", note);
+}
+
+void iso__appliance_follow_site(struct iso_appliance *appliance)
+{
+    const bool followed = iso_gallery_follow_site(appliance->borrowed.gallery);
+    const struct iso_site_state state = iso_gallery_site(appliance->borrowed.gallery);
+    if (followed) {
+        record_site(appliance, &state);
+    }
+    if (state.error && state.error != appliance->site_error) {
+        iso__appliance_say(appliance, LOG_ERR, "site: the metric could not be adapted: %s",
+                           strerror(-state.error));
+    }
+    appliance->site_error = state.error;
 }

@@ -158,6 +158,8 @@ struct iso_appliance {
     struct iso_appliance_claim claim;
     struct iso_appliance_enrolling enrolling;
     struct iso_appliance_picture picture;
+    int site_error; /* the last error of adapting the metric that was reported (appliance_learn.c)
+                     */
 };
 
 #endif

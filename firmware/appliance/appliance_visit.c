@@ -28,7 +28,9 @@ double iso__appliance_threshold(const struct iso_appliance *appliance)
     if (appliance->mode != ISO_APPLIANCE_VERIFY) {
         (void)iso_gallery_people(appliance->borrowed.gallery, &n_people);
     }
-    return iso_config_threshold_among(appliance->borrowed.config, n_people);
+    return iso_config_threshold_among(
+        appliance->borrowed.config, n_people,
+        iso_site_is_provisional(iso_gallery_site(appliance->borrowed.gallery)));
 }
 
 static bool is_valid_at(const struct iso_appliance *appliance, const struct iso_person *person,

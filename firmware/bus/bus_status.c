@@ -115,8 +115,10 @@ static int append_gallery(sd_bus_message *reply, const struct iso_bus *bus, size
         r = sd_bus_message_append(reply, "{sv}", "people-valid", "u", (uint32_t)valid);
     }
     if (r >= 0) {
-        r = sd_bus_message_append(reply, "{sv}", "threshold", "d",
-                                  iso_config_threshold_among(bus->borrowed->config, n));
+        const bool provisional = iso_site_is_provisional(iso_gallery_site(bus->borrowed->gallery));
+        r = sd_bus_message_append(
+            reply, "{sv}", "threshold", "d",
+            iso_config_threshold_among(bus->borrowed->config, n, provisional));
     }
     if (r >= 0) {
         r = sd_bus_message_append(reply, "{sv}", "templates", "u", templates);
@@ -127,6 +129,31 @@ static int append_gallery(sd_bus_message *reply, const struct iso_bus *bus, size
     return r < 0 ? r
                  : sd_bus_message_append(reply, "{sv}", "capacity", "u",
                                          (uint32_t)bus->borrowed->config->gallery.capacity);
+}
+
+static const char *site_word(const struct iso_site_state *state)
+{
+    if (!state->adapts) {
+        return ISO_CONTRACT_SITE_OFF;
+    }
+    return state->adapted ? ISO_CONTRACT_SITE_ADAPTED : ISO_CONTRACT_SITE_PROVISIONAL;
+}
+
+/* What the people have taught the metric. */
+static int append_site(sd_bus_message *reply, const struct iso_bus *bus)
+{
+    const struct iso_site_state state = iso_gallery_site(bus->borrowed->gallery);
+    const struct iso_site_summary *summary = &state.summary;
+    int r = append_text(reply, "site", site_word(&state));
+    if (r < 0 || !state.adapts) {
+        return r;
+    }
+    r = sd_bus_message_append(reply, "{sv}{sv}", "site-people", "u", (uint32_t)summary->people,
+                              "site-taught", "u", (uint32_t)summary->taught);
+    return r < 0 ? r
+                 : sd_bus_message_append(reply, "{sv}{sv}{sv}", "site-offset", "d", summary->offset,
+                                         "site-expected", "d", summary->expected, "site-growth",
+                                         "d", summary->growth);
 }
 
 static int append_texts(sd_bus_message *reply, const struct iso_bus *bus,
@@ -244,6 +271,9 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     }
     if (r >= 0) {
         r = append_gallery(reply, bus, status.people_valid);
+    }
+    if (r >= 0) {
+        r = append_site(reply, bus);
     }
     if (r >= 0) {
         r = append_work(reply, bus, &status);

@@ -61,6 +61,7 @@ struct iso_config_recognition {
 /* How two faces are compared. */
 struct iso_config_match {
     enum iso_method method;
+    bool adapt; /* the metric adapts to the enrolled people (firmware/site/site_index.h) */
     double trim;
     int icp_iterations;
     enum iso_icp_transform transform;
@@ -194,9 +195,13 @@ double iso_config_threshold(const struct iso_config *config);
  * common logarithm of how many times more there are: 100 people take 1 more, 1,000 take 2 more. So
  * a stranger's visit is let in no more often than the level says, however many people are enrolled.
  * A threshold that is set does not rise. Nor does the score of a method that is not calibrated,
- * because it is not a probability (firmware/recognise/method/method.h). */
+ * because it is not a probability (firmware/recognise/method/method.h).
+ *
+ * `provisional`: the metric shall adapt to the people and has not done so yet. Scores of real
+ * people then promise too much, so the level counts as the next stricter one. */
 enum { ISO_CONFIG_PEOPLE_AT_LEVEL = 10 };
-double iso_config_threshold_among(const struct iso_config *config, size_t n_people);
+double iso_config_threshold_among(const struct iso_config *config, size_t n_people,
+                                  bool provisional);
 
 /* The configuration without a file. */
 struct iso_config iso_config_default(void);

@@ -45,13 +45,15 @@ double iso_config_threshold(const struct iso_config *config)
     return set < 0.0 || set > 0.0 ? set : of_level[config->decision.level];
 }
 
-double iso_config_threshold_among(const struct iso_config *config, size_t n_people)
+double iso_config_threshold_among(const struct iso_config *config, size_t n_people,
+                                  bool provisional)
 {
     const struct iso_config_decision *decision = &config->decision;
     const bool is_set = decision->threshold < 0.0 || decision->threshold > 0.0;
     const double times = (double)n_people / (double)ISO_CONFIG_PEOPLE_AT_LEVEL;
-    if (is_set || !iso_method_at(config->match.method)->calibrated || times <= 1.0) {
+    if (is_set || !iso_method_at(config->match.method)->calibrated) {
         return iso_config_threshold(config);
     }
-    return iso_config_threshold(config) + log10(times);
+    const double stricter = provisional && decision->level != ISO_LEVEL_STRICT ? 1.0 : 0.0;
+    return iso_config_threshold(config) + stricter + log10(fmax(times, 1.0));
 }

@@ -124,6 +124,15 @@
  *   "people" u                of these, "people-valid" u may come in at this time
  *   "templates" u             of these, the running algorithm can use "templates-usable" u
  *   "capacity" u, "threshold" d, "algorithm" s, "model" s (checksum)
+ *   "site" s                  "off"; "provisional": the metric shall adapt to the people and has
+ *                             not done so yet, because they are too few or have just changed; the
+ *                             threshold is stricter then; "adapted". If it is not "off":
+ *   "site-people" u           people it has learned from; of these, "site-taught" u have at least
+ *                             two templates
+ *   "site-offset" d           length of what they have in common, in standard deviations of a
+ *                             rendered person, where "site-expected" d is expected of rendered ones
+ *   "site-growth" d           variance within a person as a multiple of the rendered one; 0: not
+ *                             known
  *   "image-check" s           "off", "flag", "veto", "absent"
  *   "lockdown" b
  *   "lockout-ms" x            how long nobody is let in; 0: not locked out
@@ -262,12 +271,17 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_DOOR_OPEN         "open"         /* it stood open already */
 #define ISO_CONTRACT_DOOR_NOT_UNLOCKED "not-unlocked" /* its lock could not be switched */
 
+/* The words of "site" in GetStatus. */
+#define ISO_CONTRACT_SITE_OFF         "off"
+#define ISO_CONTRACT_SITE_PROVISIONAL "provisional"
+#define ISO_CONTRACT_SITE_ADAPTED     "adapted"
+
 /* Every "event" of an audit record, in alphabetical order: the values of an array of texts. */
 #define ISO_CONTRACT_EVENTS                                                                        \
     "attack", "clock", "counter", "delete", "door", "door-test", "enroll", "export", "forget",     \
         "gallery", "grant", "identify", "import", "learn", "lockdown", "lockout", "log-recovered", \
         "log-rotated", "log-sealed", "picture", "records-lost", "rename", "rotate-keys", "sensor", \
-        "start", "state-accepted", "stop", "validity", "verify", "visit"
+        "site", "start", "state-accepted", "stop", "validity", "verify", "visit"
 
 /* Errors: what a call is refused for. A fault of the appliance itself has a code in GetStatus. */
 #define ISO_CONTRACT_ERROR_ALREADY_IN_USE   "org.isotherm.Error.AlreadyInUse"

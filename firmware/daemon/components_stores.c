@@ -107,6 +107,7 @@ static int open_gallery(struct iso_components *components, struct iso_fault *fau
         .capacity = config->gallery.capacity,
         .algorithm = pipeline->ops->algorithm(pipeline->self),
         .metric = pipeline->ops->metric ? pipeline->ops->metric(pipeline->self) : NULL,
+        .adapt = config->match.adapt,
         .ring = components->ring,
         .migrate = config->seal.migrate,
     };

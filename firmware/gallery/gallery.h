@@ -25,7 +25,8 @@
  * returns, so that memory, result and file always agree (gallery_truth.c).
  *
  * Used by one thread. Everything handed out is valid until the next add, import, remove, recover,
- * forget_learned or close. Templates and vectors are wiped from memory when they are freed. */
+ * forget_learned, follow_site, settle or close. Templates and vectors are wiped from memory when
+ * they are freed. */
 #ifndef ISO_FIRMWARE_GALLERY_GALLERY_H
 #define ISO_FIRMWARE_GALLERY_GALLERY_H
 
@@ -40,6 +41,7 @@
 #include "firmware/contract/work_listener.h"
 #include "firmware/gallery/candidate_list.h"
 #include "firmware/keys/key_ring.h"
+#include "firmware/site/site_index.h"
 #include "isotherm/template.h"
 
 enum {
@@ -63,7 +65,8 @@ struct iso_gallery_options {
     int capacity;                    /* largest number of people */
     uint32_t algorithm;              /* the algorithm whose templates are searched */
     const struct iso_metric *metric; /* outlives the gallery; NULL: templates stay in memory */
-    struct iso_key_ring *ring;       /* outlives the gallery */
+    bool adapt; /* with a metric: it adapts to the people of the gallery (site/site_index.h) */
+    struct iso_key_ring *ring; /* outlives the gallery */
     bool migrate; /* seal a database of version 1, which was not sealed, at the first start */
 };
 
@@ -211,6 +214,17 @@ const struct iso_person *iso_gallery_find_id(const struct iso_gallery *gallery, 
  * People without a usable template are left out. */
 struct iso_candidate_list iso_gallery_everybody(struct iso_gallery *gallery);
 struct iso_candidate_list iso_gallery_only(struct iso_gallery *gallery, int64_t person);
+
+/* Takes a metric that was adapted to the people into use, if it is complete. Returns whether it
+ * did. Never waits. */
+bool iso_gallery_follow_site(struct iso_gallery *gallery);
+
+/* What the people of the gallery have taught, and whether searches use it. */
+struct iso_site_state iso_gallery_site(struct iso_gallery *gallery);
+
+/* Waits until the metric is adapted to the present people; for programs that are not in a hurry.
+ * Returns the error of the state. */
+int iso_gallery_settle(struct iso_gallery *gallery);
 
 /* Opens the usable templates of one person from the database: at most `capacity`, which the caller
  * wipes. Takes some 0.1 ms for each template. -ENOENT nobody has this number; -EBADMSG a record is

@@ -152,7 +152,8 @@ static int reread_people(const struct iso_gallery *gallery, struct importing *im
 {
     const struct iso_work_listener listener = {tell_reread, importing};
     const int error = iso_gallery_memory_load(gallery->db, gallery->memory.algorithm,
-                                              gallery->memory.metric, &listener, out, fault);
+                                              gallery->memory.metric, gallery->memory.adapt,
+                                              &listener, out, fault);
     return !error && out->n_people > gallery->capacity
                ? iso_fault_set_code(fault, ISO_FAULT_GALLERY_FULL, -EDQUOT,
                                     "the gallery is full: it holds %zu people, not %zu",

@@ -50,10 +50,13 @@ struct iso_candidate_list iso_gallery_everybody(struct iso_gallery *gallery)
     if (iso__gallery_is_lost(gallery)) {
         return (struct iso_candidate_list){0};
     }
+    const struct iso_site_index *site = gallery->memory.site;
+    const struct iso_index *index = site ? iso_site_index_current(site) : NULL;
     return (struct iso_candidate_list){
         .entries = gallery->memory.entries,
         .n_entries = (int)gallery->memory.n_entries,
-        .index = gallery->memory.index,
+        .index = index,
+        .site = index ? iso_site_index_metric(site) : NULL,
         .templates = open_templates,
         .owner = gallery,
         .version = iso_gallery_version(gallery).changes,
@@ -67,10 +70,10 @@ struct iso_candidate_list iso_gallery_only(struct iso_gallery *gallery, int64_t 
     if (iso__gallery_is_lost(gallery)) {
         return (struct iso_candidate_list){0};
     }
-    if (memory->index) {
-        const int error = iso_index_find(memory->index, person, &vector);
-        sodium_memzero(&vector, sizeof vector);
+    if (memory->site) {
         struct iso_candidate_list own = iso_gallery_everybody(gallery);
+        const int error = iso_index_find(own.index, person, &vector);
+        sodium_memzero(&vector, sizeof vector);
         own.person = person;
         return error ? (struct iso_candidate_list){0} : own;
     }
@@ -129,4 +132,20 @@ int iso_gallery_templates(struct iso_gallery *gallery, int64_t person, struct is
     }
     *n = fetching.n;
     return 0;
+}
+
+bool iso_gallery_follow_site(struct iso_gallery *gallery)
+{
+    return gallery->memory.site && iso_site_index_follow(gallery->memory.site);
+}
+
+struct iso_site_state iso_gallery_site(struct iso_gallery *gallery)
+{
+    return gallery->memory.site ? iso_site_index_state(gallery->memory.site)
+                                : (struct iso_site_state){.adapts = false};
+}
+
+int iso_gallery_settle(struct iso_gallery *gallery)
+{
+    return gallery->memory.site ? iso_site_index_settle(gallery->memory.site) : 0;
 }

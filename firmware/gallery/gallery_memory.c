@@ -24,7 +24,7 @@ void iso_gallery_memory_done(struct iso_gallery_memory *memory)
         free_template(memory->entries[i].tmpl);
     }
     free(memory->entries);
-    iso_index_free(memory->index);
+    iso_site_index_free(memory->site);
     sodium_memzero(memory->people, memory->n_people * sizeof *memory->people);
     free(memory->people);
     *memory = (struct iso_gallery_memory){0};
@@ -60,8 +60,8 @@ static int reserve_person(struct iso_gallery_memory *memory)
 static int reserve_template(struct iso_gallery_memory *memory)
 {
     void *entries = memory->entries;
-    if (memory->index) {
-        return iso_index_reserve(memory->index, iso_index_size(memory->index) + 1);
+    if (memory->site) {
+        return iso_site_index_reserve(memory->site);
     }
     const int error = reserve_item(&entries, sizeof *memory->entries, memory->n_entries,
                                    &memory->entries_capacity);
@@ -159,11 +159,11 @@ static int insert_vector(struct iso_gallery_memory *memory, int64_t person,
                          struct iso_gallery_kept *kept)
 {
     int error = 0;
-    if (!memory->index) {
+    if (!memory->site) {
         insert_entry(memory, person, kept->tmpl);
         kept->tmpl = NULL;
     } else if (kept->vector.n > 0) {
-        error = iso_index_add(memory->index, person, &kept->vector);
+        error = iso_site_index_add(memory->site, person, &kept->vector);
     }
     iso_gallery_memory_discard(kept);
     return error;
@@ -214,9 +214,8 @@ void iso_gallery_memory_remove(struct iso_gallery_memory *memory, int64_t person
         }
     }
     memory->n_entries = kept;
-    if (memory->index) {
-        /* A person without a vector is not in the index. */
-        (void)!iso_index_remove(memory->index, person);
+    if (memory->site) {
+        iso_site_index_remove(memory->site, person);
     }
     if (own) {
         const size_t behind = memory->n_people - (size_t)(own - memory->people) - 1;
@@ -331,20 +330,26 @@ static int check_names(struct loading *loading, struct iso_fault *fault)
 }
 
 int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
-                            const struct iso_metric *metric,
+                            const struct iso_metric *metric, bool adapt,
                             const struct iso_work_listener *listener,
                             struct iso_gallery_memory *out, struct iso_fault *fault)
 {
     struct loading loading = {
-        .db = db, .listener = listener, .memory = {.algorithm = algorithm, .metric = metric}};
+        .db = db,
+        .listener = listener,
+        .memory = {.algorithm = algorithm, .metric = metric, .adapt = adapt},
+    };
     const struct iso_gallery_visitor visitor = {load_person, load_template, &loading};
     int error = 0;
-    if (metric && iso_index_new(metric, &loading.memory.index)) {
+    if (metric && iso_site_index_new(metric, adapt, &loading.memory.site)) {
         return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
     }
     error = iso_gallery_db_load(db, &visitor, fault);
     if (!error) {
         error = check_names(&loading, fault);
+    }
+    if (!error && metric && iso_site_index_start(loading.memory.site)) {
+        error = iso_fault_set(fault, -ENOMEM, "gallery: no memory for a thread");
     }
     if (error) {
         iso_gallery_memory_done(&loading.memory);

@@ -7,15 +7,19 @@
 #ifndef ISO_FIRMWARE_GALLERY_GALLERY_MEMORY_H
 #define ISO_FIRMWARE_GALLERY_GALLERY_MEMORY_H
 
+#include <stdbool.h>
+
 #include "firmware/gallery/gallery_db.h"
+#include "firmware/site/site_index.h"
 
 struct iso_gallery_memory {
     uint32_t algorithm;
     const struct iso_metric *metric; /* NULL: compared by distance */
     struct iso_person *people;       /* in ascending order of id */
     size_t n_people, people_capacity;
-    size_t same_names;       /* how many names had the key of another person's name when loaded */
-    struct iso_index *index; /* only with a metric */
+    size_t same_names; /* how many names had the key of another person's name when loaded */
+    bool adapt;        /* the metric adapts to the people (site_index.h) */
+    struct iso_site_index *site;      /* only with a metric */
     struct iso_search_entry *entries; /* only without a metric, in the order of people */
     size_t n_entries, entries_capacity;
 };
@@ -23,7 +27,7 @@ struct iso_gallery_memory {
 /* Loads the whole database, within a transaction or not. `out` is written on success; done frees
  * it. The listener counts people. */
 int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
-                            const struct iso_metric *metric,
+                            const struct iso_metric *metric, bool adapt,
                             const struct iso_work_listener *listener,
                             struct iso_gallery_memory *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

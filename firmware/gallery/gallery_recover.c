@@ -23,7 +23,7 @@ int iso_gallery_recover(struct iso_gallery *gallery, struct iso_fault *fault)
         return error;
     }
     if (iso_gallery_memory_load(gallery->db, gallery->memory.algorithm, gallery->memory.metric,
-                                NULL, &now, &why)) {
+                                gallery->memory.adapt, NULL, &now, &why)) {
         return iso_gallery_db_give_up(gallery->db, &why, fault);
     }
     iso_gallery_memory_done(&gallery->memory);

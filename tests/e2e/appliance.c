@@ -35,7 +35,7 @@ static const char configuration[] = "[sensor]\nretry_ms = 50\nretry_max_ms = 100
                                     "[log]\npath = %s/audit.log\nsync = no\n"
                                     "[bus]\naddress = %s\n"
                                     "[model]\nhead = " DATA "head.model\n"
-                                    "metric = " DATA "face.metric\n";
+                                    "metric = " DATA "face.metric\n%s";
 
 /* The virtual camera repeats its recording. A machine that takes as long for a frame as the
  * recording lasts sees the same frame every time and would report a frozen picture. */
@@ -57,7 +57,8 @@ void appliance_configure(const struct appliance *appliance)
     assert_true(fprintf(file, configuration, replay ? "backend = replay\npath = " : looping,
                         replay ? appliance->slot : "",
                         replay && !appliance->strict ? "\nrepeats = yes" : "", appliance->gap_ms,
-                        appliance->directory, appliance->directory, appliance->bus.address) > 0);
+                        appliance->directory, appliance->directory, appliance->bus.address,
+                        appliance->keys) > 0);
     assert_int_equal(fclose(file), 0);
 }
 
@@ -125,6 +126,7 @@ static void make_directory(struct appliance *appliance)
                    appliance->directory);
     (void)snprintf(appliance->people, sizeof appliance->people, "%s", APPLIANCE_CORPUS);
     appliance->strict = false;
+    appliance->keys = "";
     appliance->gap_ms = "300";
     appliance->settle_ms = "400";
 }

@@ -23,6 +23,7 @@ struct appliance {
     char people[512];      /* the directory of the visitors' recordings: sim/stored, or a copy */
     const char *gap_ms;    /* a visit ends when no face was seen for this time */
     const char *settle_ms; /* pause between two visits of appliance_visit(), longer than gap_ms */
+    const char *keys;      /* more sections of the configuration; "" */
     struct run daemon;
     bool strict;   /* a frame counts once in ten minutes, as at a door */
     int notify_fd; /* the daemon's messages to its service manager */

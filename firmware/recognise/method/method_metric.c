@@ -46,22 +46,54 @@ static int metric_open(const struct iso_method_setup *setup, void **self, struct
     return 0;
 }
 
-/* Compares with one person of an index, for a verification. */
-static int score_one(const struct by_metric *method, const struct iso_candidate_list *among,
+/* The metric of the index. */
+static const struct iso_metric *metric_among(const struct by_metric *method,
+                                             const struct iso_candidate_list *among)
+{
+    return among->site ? among->site->metric : method->metric;
+}
+
+/* Compares with one person of an index. False if the index does not have the person. */
+static bool score_one(const struct by_metric *method, const struct iso_candidate_list *among,
+                      const struct iso_metric_vector *probe, int64_t number,
+                      struct iso_search_hit *hit)
+{
+    struct iso_metric_vector person;
+    if (iso_index_find(among->index, number, &person)) {
+        return false;
+    }
+    *hit = (struct iso_search_hit){
+        .person = number,
+        .distance_mm = NAN,
+        .score = among->site ? iso_site_score(among->site, &person, probe)
+                             : iso_metric_score(method->metric, &person, probe),
+    };
+    explicit_bzero(&person, sizeof person);
+    return true;
+}
+
+/* Sorts by falling score, and people of equal score by rising number. */
+static int falling(const void *a, const void *b)
+{
+    const struct iso_search_hit *x = a, *y = b;
+    const int order = (x->score < y->score) - (x->score > y->score);
+    return order ? order : (x->person > y->person) - (x->person < y->person);
+}
+
+/* Finds the best people of the index. The scan of an adapted index counts for each person an offset
+ * that contains the own face; the best people are scored again without it. */
+static int find_best(const struct by_metric *method, const struct iso_candidate_list *among,
                      const struct iso_metric_vector *probe, struct iso_search_hit *hits,
                      int capacity, int *n_hits)
 {
-    struct iso_metric_vector person;
-    const bool known = capacity > 0 && iso_index_find(among->index, among->person, &person) == 0;
-    if (known) {
-        hits[0] = (struct iso_search_hit){
-            .person = among->person,
-            .distance_mm = NAN,
-            .score = iso_metric_score(method->metric, &person, probe),
-        };
-        explicit_bzero(&person, sizeof person);
+    const int error = iso_index_search(among->index, probe, hits, capacity, n_hits);
+    if (error || !among->site) {
+        return error;
     }
-    *n_hits = known;
+    for (int i = 0; i < *n_hits; i++) {
+        (void)score_one(method, among, probe, hits[i].person, &hits[i]);
+    }
+    qsort(hits, (size_t)*n_hits, sizeof *hits, falling);
     return 0;
 }
 
@@ -74,15 +106,19 @@ static int search_index(const struct by_metric *method, const struct iso_candida
     struct iso_search_hit best[SHORTLIST];
     struct iso_metric_vector probe;
     int n = 0;
-    int error = iso_metric_project(method->metric, tmpl, &probe);
+    const struct iso_metric *metric = metric_among(method, among);
+    int error = iso_metric_project(metric, tmpl, &probe);
     if (error) {
         return error;
     }
-    error = among->person ? score_one(method, among, &probe, best, SHORTLIST, &n)
-                          : iso_index_search(among->index, &probe, best, SHORTLIST, &n);
+    if (among->person) {
+        n = score_one(method, among, &probe, among->person, &best[0]);
+    } else {
+        error = find_best(method, among, &probe, best, SHORTLIST, &n);
+    }
     explicit_bzero(&probe, sizeof probe);
     if (!error && among->templates) {
-        error = iso_reranker_take(method->reranker, method->metric, among, tmpl, best, n);
+        error = iso_reranker_take(method->reranker, metric, among, tmpl, best, n);
     }
     if (error) {
         return error;

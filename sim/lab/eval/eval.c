@@ -5,65 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/model/model_file.h"
+#include "sim/lab/eval/eval_files.h"
 #include "sim/lab/match/extract_options.h"
 #include "sim/lab/match/landmark_choice.h"
 #include "sim/lab/match/method_match.h"
 #include "sim/world/face/person.h"
-
-/* Shortens each row to its first frames, as in a visit with fewer frames. */
-static void shorten_rows(struct sim_corpus *corpus, const struct sim_eval_options *options)
-{
-    for (size_t i = 0; i < corpus->n_rows; i++) {
-        struct sim_corpus_row *row = &corpus->rows[i];
-        const size_t most = row->role == SIM_ROLE_GALLERY ? options->gallery_frames
-                                                          : options->probe_frames;
-        row->count = most > 0 && most < row->count ? most : row->count;
-    }
-}
-
-static int load_files(struct sim_eval *eval, struct iso_fault *fault)
-{
-    int error = iso_head_model_load(eval->options.model, &eval->model, fault);
-    if (!error && eval->options.cohort) {
-        error = iso_cohort_load(eval->options.cohort, &eval->cohort, fault);
-    }
-    if (!error && eval->options.metric) {
-        error = iso_metric_load(eval->options.metric, &eval->metric, fault);
-    }
-    if (!error) {
-        error = sim_corpus_read(eval->options.corpus, &eval->corpus, fault);
-    }
-    if (!error) {
-        shorten_rows(eval->corpus, &eval->options);
-    }
-    return error;
-}
-
-static int check_metric(const struct sim_eval *eval, struct iso_fault *fault)
-{
-    const struct iso_metric *metric = eval->metric;
-    if (!metric) {
-        return 0;
-    }
-    if (metric->algorithm != eval->acquisition->origin.algorithm) {
-        return iso_fault_set(fault, -EBADMSG,
-                             "%s: made by algorithm %08x, templates are of %08x (--metric none "
-                             "compares by distance)",
-                             eval->options.metric, (unsigned)metric->algorithm,
-                             (unsigned)eval->acquisition->origin.algorithm);
-    }
-    /* A test must not use people from the training of the metric. */
-    for (size_t row = 0; row < eval->corpus->n_rows; row++) {
-        for (int i = 0; i < metric->n_origins; i++) {
-            if (sim_corpus_row_is_of(&eval->corpus->rows[row], metric->origin[i])) {
-                return iso_fault_set(fault, -EBADMSG, "%s: was learned from the people of %s (%s)",
-                                     eval->options.metric, eval->options.corpus, metric->origin[i]);
-            }
-        }
-    }
-    return 0;
-}
 
 static bool wants_faces(const struct sim_eval *eval)
 {
@@ -73,26 +19,6 @@ static bool wants_faces(const struct sim_eval *eval)
         }
     }
     return false;
-}
-
-/* A cohort does not state its people, but they are of the population `train`. People of this
- * population must not be tested with a cohort. */
-static int check_cohort(const struct sim_eval *eval, struct iso_fault *fault)
-{
-    const char trained[] = SIM_POPULATION_TRAIN "-";
-    for (size_t row = 0; eval->cohort && row < eval->corpus->n_rows; row++) {
-        const char *origin = eval->corpus->rows[row].note;
-        if (strncmp(origin, trained, strlen(trained)) == 0) {
-            return iso_fault_set(fault, -EBADMSG, "%s: may hold people of %s (%s)",
-                                 eval->options.cohort, eval->options.corpus, origin);
-        }
-    }
-    if (eval->cohort && iso_cohort_algorithm(eval->cohort) != eval->acquisition->origin.algorithm) {
-        return iso_fault_set(fault, -EBADMSG, "%s: made by algorithm %08x, templates are of %08x",
-                             eval->options.cohort, (unsigned)iso_cohort_algorithm(eval->cohort),
-                             (unsigned)eval->acquisition->origin.algorithm);
-    }
-    return 0;
 }
 
 static int acquire_samples(struct sim_eval *eval, struct iso_fault *fault)
@@ -113,10 +39,10 @@ static int acquire_samples(struct sim_eval *eval, struct iso_fault *fault)
     error = sim_acquire(directory, eval->corpus, &options, eval->options.fuse, &eval->acquisition,
                         fault);
     if (!error) {
-        error = check_cohort(eval, fault);
+        error = sim_eval_check_cohort(eval, fault);
     }
     if (!error) {
-        error = check_metric(eval, fault);
+        error = sim_eval_check_metric(eval, fault);
     }
     return error || !faces
                ? error
@@ -159,8 +85,14 @@ static int search_gallery(struct sim_eval *eval, struct sim_eval_method *m, stru
 {
     const struct sim_eval_options *o = &eval->options;
     if (!sim_method_pairwise(m->method)) {
-        struct sim_scoring scoring = {eval->metric, eval->cohort, o->match,
-                                      m->method == &sim_method_hfpc};
+        const bool adapted = eval->adapted.metric != NULL;
+        struct sim_scoring scoring = {
+            .metric = adapted ? eval->adapted.metric : eval->metric,
+            .cohort = eval->cohort,
+            .match = o->match,
+            .rerank = m->method == &sim_method_hfpc,
+            .site = adapted ? &eval->adapted : NULL,
+        };
         if (m->method == &sim_method_hfpc_upper) {
             scoring.metric = NULL;
             memcpy(scoring.match.left_out, sim_landmarks_below, sizeof sim_landmarks_below);
@@ -202,7 +134,7 @@ static int compare_methods(struct sim_eval *eval, struct iso_fault *fault)
     int error = sim_gallery_new(eval->corpus, eval->acquisition, eval->options.gallery_limit,
                                 &eval->gallery);
     if (!error && eval->metric && eval->options.site == SIM_SITE_GALLERY) {
-        error = sim_site_adapt(eval->gallery, &eval->metric);
+        error = sim_site_adapt(eval->gallery, eval->metric, &eval->adapted);
     }
     error = out_of_range(error, fault);
     for (int own = 0; own < 2; own++) {
@@ -309,7 +241,8 @@ static int look_closer(struct sim_eval *eval, struct iso_fault *fault)
 
 static int split_people(struct sim_eval *eval, struct iso_fault *fault)
 {
-    const struct sim_scoring scoring = {eval->metric, eval->cohort, eval->options.match, true};
+    const struct sim_scoring scoring = {eval->metric, eval->cohort, eval->options.match, true,
+                                        NULL};
     if (!eval->metric || eval->options.site != SIM_SITE_SPLIT) {
         return 0;
     }
@@ -355,7 +288,7 @@ int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
     eval->options = *options;
     choose_methods(eval);
     const int64_t begin_ns = sim_wall_ns(NULL);
-    error = load_files(eval, fault);
+    error = sim_eval_load(eval, fault);
     if (!error && options->training) {
         error = sim_training_set_check(options->training, options->corpus, eval->corpus,
                                        &eval->trained_apart, fault);
@@ -391,6 +324,7 @@ void sim_eval_free(struct sim_eval *eval)
         sim_scans_free(eval->faces);
         sim_gallery_free(eval->gallery);
         sim_acquisition_free(eval->acquisition);
+        iso_site_metric_free(&eval->adapted);
         iso_metric_free(eval->metric);
         iso_cohort_free(eval->cohort);
         iso_head_model_free(eval->model);

@@ -45,8 +45,9 @@ struct sim_eval {
     struct sim_eval_options options;
     struct sim_corpus *corpus;
     struct iso_head_model *model;
-    struct iso_metric *metric; /* NULL: none was given */
-    struct iso_cohort *cohort; /* NULL: none was given */
+    struct iso_metric *metric;      /* NULL: none was given */
+    struct iso_site_metric adapted; /* to the people of the gallery; all zero: not asked for */
+    struct iso_cohort *cohort;      /* NULL: none was given */
     struct sim_acquisition *acquisition;
     struct sim_gallery *gallery;
     struct sim_scans *faces; /* NULL: only the appliance's own methods were requested */

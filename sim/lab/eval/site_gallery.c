@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/match/site.h"
-
 int sim_option_site(const char *text, void *field)
 {
     static const char *const names[] = {"none", "gallery", "split"};
@@ -35,23 +33,19 @@ static int add_person(const struct sim_gallery *gallery, size_t person,
     return error || n == 0 ? error : iso_site_add(site, captures, n);
 }
 
-int sim_site_adapt(const struct sim_gallery *gallery, struct iso_metric **metric)
+int sim_site_adapt(const struct sim_gallery *gallery, const struct iso_metric *metric,
+                   struct iso_site_metric *out)
 {
     struct iso_site *site = NULL;
-    struct iso_metric *adapted = NULL;
     struct iso_metric_vector *captures = calloc(ISO_SITE_CAPTURES, sizeof *captures);
-    int error = captures ? iso_site_new(*metric, &site) : -ENOMEM;
+    int error = captures ? iso_site_new(metric, &site) : -ENOMEM;
     for (size_t p = 0; p < gallery->n_people && !error; p++) {
-        error = add_person(gallery, p, *metric, captures, site);
+        error = add_person(gallery, p, metric, captures, site);
     }
     if (!error) {
-        error = iso_site_adapt(site, *metric, &adapted);
+        error = iso_site_adapt(site, metric, out);
     }
     iso_site_free(site);
     free(captures);
-    if (!error) {
-        iso_metric_free(*metric);
-        *metric = adapted;
-    }
     return error;
 }

@@ -2,7 +2,7 @@
 #ifndef SIM_LAB_EVAL_SITE_GALLERY_H
 #define SIM_LAB_EVAL_SITE_GALLERY_H
 
-#include "isotherm/metric.h"
+#include "core/match/site.h"
 #include "sim/lab/match/gallery.h"
 
 /* Where the site statistics of an evaluation come from: there are none; the enrolled templates; or
@@ -12,9 +12,10 @@ enum sim_site { SIM_SITE_NONE, SIM_SITE_GALLERY, SIM_SITE_SPLIT };
 /* A sim_option_parser of enum sim_site: "none", "gallery" or "split". */
 int sim_option_site(const char *text, void *field);
 
-/* Replaces *metric by the metric that is adapted to the enrolled templates. -ENOMEM, and the errors
- * of iso_metric_project and iso_site_adapt; then *metric is unchanged. */
-int sim_site_adapt(const struct sim_gallery *gallery, struct iso_metric **metric)
-    __attribute__((warn_unused_result));
+/* Makes the metric that is adapted to the enrolled templates, all of a person as captures of this
+ * person. The caller frees it with iso_site_metric_free(). -ENOMEM, and the errors of
+ * iso_metric_project and iso_site_adapt. */
+int sim_site_adapt(const struct sim_gallery *gallery, const struct iso_metric *metric,
+                   struct iso_site_metric *out) __attribute__((warn_unused_result));
 
 #endif

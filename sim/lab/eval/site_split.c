@@ -58,7 +58,7 @@ static int teach_site(const struct splitting *s, struct iso_site *site)
     return error;
 }
 
-static int learn_metric(const struct splitting *s, struct iso_metric **out)
+static int learn_metric(const struct splitting *s, struct iso_site_metric *out)
 {
     struct iso_site *site = NULL;
     int error = iso_site_new(s->scoring->metric, &site);
@@ -143,7 +143,7 @@ static int pool_matches(struct splitting *s, const struct sim_gallery *judged,
 /* Learns from the people that are marked, and judges the others. */
 static int judge_others(struct splitting *s, bool *others)
 {
-    struct iso_metric *adapted = NULL;
+    struct iso_site_metric adapted = {.n = 0};
     struct sim_gallery *judged = NULL;
     struct sim_matches *matches = NULL;
     struct sim_scoring scoring = *s->scoring;
@@ -152,7 +152,7 @@ static int judge_others(struct splitting *s, bool *others)
     }
     int error = learn_metric(s, &adapted);
     if (!error) {
-        scoring.metric = adapted;
+        scoring.metric = adapted.metric;
         error = sim_gallery_part(s->gallery, others, &judged);
     }
     if (!error) {
@@ -164,7 +164,7 @@ static int judge_others(struct splitting *s, bool *others)
     s->out->splits++;
     sim_matches_free(matches);
     sim_gallery_free(judged);
-    iso_metric_free(adapted);
+    iso_site_metric_free(&adapted);
     return error;
 }
 

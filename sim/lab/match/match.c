@@ -126,10 +126,12 @@ static int search_by_metric(const struct matching *work, int worker, struct sim_
                             double *distance_mm, double *score)
 {
     const struct iso_metric *metric = work->scoring->metric;
+    const struct iso_site_metric *site = work->scoring->site;
     struct iso_metric_vector probe;
     const int error = iso_metric_project(metric, &sample->tmpl, &probe);
     for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
-        score[p] = iso_metric_score(metric, &work->enrolled[p], &probe);
+        score[p] = site ? iso_site_score(site, &work->enrolled[p], &probe)
+                        : iso_metric_score(metric, &work->enrolled[p], &probe);
         distance_mm[p] = NAN;
     }
     if (!error && work->scoring->rerank) {

@@ -9,6 +9,7 @@
 
 #include "core/match/cohort.h"
 #include "core/match/rerank.h"
+#include "core/match/site.h"
 #include "sim/lab/match/acquire.h"
 #include "sim/lab/match/gallery.h"
 
@@ -20,6 +21,8 @@ struct sim_scoring {
     struct iso_match_options match;  /* of distances */
     bool rerank; /* with a metric: rerank the best candidates (core/match/rerank.h). The others keep
                     the metric's score, limited to the lowest score of the reranked ones */
+    const struct iso_site_metric *site; /* the metric is adapted to the people of the gallery
+                                           themselves (core/match/site.h); NULL: it is not */
 };
 
 /* The results of the searches of all samples that are not in a gallery row. */

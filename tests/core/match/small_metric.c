@@ -41,3 +41,32 @@ struct iso_metric *small_metric(void)
     }
     return m;
 }
+
+struct iso_template small_template(const struct iso_metric *m, double turn_rad)
+{
+    struct iso_template t = {.algorithm = 77, .n_radii = RADII, .n_points = POINTS, .n_frames = 1};
+    const float *p = m->curve_mm;
+    for (int r = 0; r < RADII; r++) {
+        for (int l = 0; l < ISO_LANDMARKS; l++) {
+            for (int i = 0; i < POINTS; i++) {
+                float *out = t.points_mm[r][l][i];
+                t.weight[r][l][i] = 1.0f;
+                out[0] = (float)(l * i);
+                if (m->landmarks >> l & 1) {
+                    out[0] = (float)(cos(turn_rad) * (double)p[0] - sin(turn_rad) * (double)p[1]) +
+                             3;
+                    out[1] = (float)(sin(turn_rad) * (double)p[0] + cos(turn_rad) * (double)p[1]) -
+                             5;
+                    out[2] = p[2] + 7.0f;
+                    p += 3;
+                }
+            }
+        }
+    }
+    for (int i = 0; i < NODES; i++) {
+        const int row = m->node[i] / ISO_UPPER_COLUMNS, column = m->node[i] % ISO_UPPER_COLUMNS;
+        t.upper.kind[row][column] = i == 0 ? ISO_UPPER_FILLED : ISO_UPPER_MEASURED;
+        t.upper.z_mm[row][column] = m->upper_mm[i];
+    }
+    return t;
+}

@@ -12,4 +12,8 @@ enum { RADII = 2, POINTS = 5, DIMENSIONS = 3, NODES = 3 };
  * values. */
 struct iso_metric *small_metric(void);
 
+/* Makes a template for this metric that has the mean curves, turned and shifted, and the mean
+ * heights. Its curves of other landmarks do not count. */
+struct iso_template small_template(const struct iso_metric *m, double turn_rad);
+
 #endif

@@ -16,42 +16,11 @@
 /* The working memory of the functions under test. */
 static struct iso_rerank_workspace work;
 
-/* Makes a template that has the mean curves, turned and shifted, and the mean heights. Its curves
- * of other landmarks do not count. */
-static struct iso_template mean_template(const struct iso_metric *m, double turn_rad)
-{
-    struct iso_template t = {.algorithm = 77, .n_radii = RADII, .n_points = POINTS, .n_frames = 1};
-    const float *p = m->curve_mm;
-    for (int r = 0; r < RADII; r++) {
-        for (int l = 0; l < ISO_LANDMARKS; l++) {
-            for (int i = 0; i < POINTS; i++) {
-                float *out = t.points_mm[r][l][i];
-                t.weight[r][l][i] = 1.0f;
-                out[0] = (float)(l * i);
-                if (m->landmarks >> l & 1) {
-                    out[0] = (float)(cos(turn_rad) * (double)p[0] - sin(turn_rad) * (double)p[1]) +
-                             3;
-                    out[1] = (float)(sin(turn_rad) * (double)p[0] + cos(turn_rad) * (double)p[1]) -
-                             5;
-                    out[2] = p[2] + 7.0f;
-                    p += 3;
-                }
-            }
-        }
-    }
-    for (int i = 0; i < NODES; i++) {
-        const int row = m->node[i] / ISO_UPPER_COLUMNS, column = m->node[i] % ISO_UPPER_COLUMNS;
-        t.upper.kind[row][column] = i == 0 ? ISO_UPPER_FILLED : ISO_UPPER_MEASURED;
-        t.upper.z_mm[row][column] = m->upper_mm[i];
-    }
-    return t;
-}
-
 static void residuals_do_not_depend_on_the_pose(void **state)
 {
     (void)state;
     struct iso_metric *m = small_metric();
-    struct iso_template t = mean_template(m, 0.3);
+    struct iso_template t = small_template(m, 0.3);
     float residual_mm[ISO_METRIC_VALUES_MAX];
     assert_int_equal(iso_metric_residuals(m, &t, residual_mm), 0);
     for (int v = 0; v < m->n_values; v++) {
@@ -75,13 +44,13 @@ static void it_refuses_what_it_cannot_compare(void **state)
     (void)state;
     struct iso_metric *m = small_metric();
     struct iso_metric_vector out = {.n = 9};
-    struct iso_template t = mean_template(m, 0.0);
+    struct iso_template t = small_template(m, 0.0);
     t.algorithm = 78;
     assert_int_equal(iso_metric_project(m, &t, &out), -EINVAL);
-    t = mean_template(m, 0.0);
+    t = small_template(m, 0.0);
     t.n_points = POINTS - 1;
     assert_int_equal(iso_metric_project(m, &t, &out), -EINVAL);
-    t = mean_template(m, 0.0);
+    t = small_template(m, 0.0);
     memset(t.weight[0], 0, sizeof t.weight[0]);
     memset(t.weight[1][4], 0, sizeof t.weight[1][4]); /* a quarter is left */
     assert_int_equal(iso_metric_project(m, &t, &out), -ENODATA);
@@ -104,7 +73,7 @@ static void a_vector_has_the_length_that_is_expected(void **state)
 {
     (void)state;
     struct iso_metric *m = small_metric();
-    struct iso_template t = mean_template(m, 0.2);
+    struct iso_template t = small_template(m, 0.2);
     struct iso_metric_vector once, twice;
     t.points_mm[0][1][3][0] += 2.0f;
     assert_int_equal(iso_metric_project(m, &t, &once), 0);
@@ -124,7 +93,7 @@ static void missing_heights_do_not_count(void **state)
 {
     (void)state;
     struct iso_metric *m = small_metric();
-    struct iso_template t = mean_template(m, 0.0);
+    struct iso_template t = small_template(m, 0.0);
     float residual_mm[ISO_METRIC_VALUES_MAX];
     t.upper.z_mm[0][3] += 2.0f; /* filled in */
     t.upper.z_mm[2][1] -= 3.0f;
@@ -248,7 +217,7 @@ static void a_search_takes_all_templates_of_a_person_together(void **state)
     struct iso_template t[4];
     struct iso_metric_vector v[4], both;
     for (int i = 0; i < 4; i++) {
-        t[i] = mean_template(m, 0.1 * i);
+        t[i] = small_template(m, 0.1 * i);
         for (int k = 0; k < POINTS; k++) {
             t[i].points_mm[0][1][k][2] += (float)((i + 1) * (k % 3));
         }

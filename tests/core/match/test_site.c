@@ -75,8 +75,11 @@ static void add(struct fixture *f, const struct person *person)
 
 static struct iso_metric *adapted(const struct fixture *f)
 {
-    struct iso_metric *out = NULL;
-    assert_int_equal(iso_site_adapt(f->site, f->metric, &out), 0);
+    struct iso_site_metric site;
+    assert_int_equal(iso_site_adapt(f->site, f->metric, &site), 0);
+    struct iso_metric *out = site.metric;
+    site.metric = NULL;
+    iso_site_metric_free(&site);
     return out;
 }
 
@@ -239,10 +242,39 @@ static void captures_beyond_the_limit_are_not_used(void **state)
     assert_memory_equal(&exact, &longer, sizeof exact);
 }
 
+/* The vector of a template is the same whether the template or its vector is turned. */
+static void a_vector_can_be_turned(void **state)
+{
+    struct fixture *f = *state;
+    struct iso_site_metric site;
+    struct iso_metric_vector shipped, direct, turned;
+    struct iso_template tmpl = small_template(f->metric, 0.3);
+    for (int p = 0; p < PEOPLE; p++) {
+        add(f, &f->people[p]);
+    }
+    for (int i = 0; i < POINTS; i++) {
+        tmpl.points_mm[1][4][i][2] += (float)(0.2 * i);
+    }
+    assert_int_equal(iso_site_adapt(f->site, f->metric, &site), 0);
+    assert_int_equal(iso_metric_project(f->metric, &tmpl, &shipped), 0);
+    assert_int_equal(iso_metric_project(site.metric, &tmpl, &direct), 0);
+    iso_site_turn(&site, &shipped, &turned);
+    for (int d = 0; d < DIMENSIONS; d++) {
+        assert_near((double)turned.mean[d], direct.mean[d], 1e-4);
+    }
+    assert_int_equal(turned.n, 1);
+    assert_int_equal(turned.step, direct.step);
+    assert_near((double)turned.weight, direct.weight, 1e-6);
+    assert_near((double)turned.scale, direct.scale, 1e-4);
+    assert_true(fabsf(turned.mean[0] - shipped.mean[0]) > 0.01f);
+    iso_site_metric_free(&site);
+}
+
 static void wrong_arguments_are_refused(void **state)
 {
     struct fixture *f = *state;
-    struct iso_metric *out = NULL, *other = small_metric();
+    struct iso_metric *other = small_metric();
+    struct iso_site_metric out = {.n = 1};
     struct person person = f->people[0];
     assert_int_equal(iso_site_remove(f->site, person.captures, person.n), -EINVAL);
     assert_int_equal(iso_site_add(f->site, person.captures, 0), -EINVAL);
@@ -251,7 +283,8 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(iso_site_summary(f->site).people, 0);
     other->between[0] = 9.0f;
     assert_int_equal(iso_site_adapt(f->site, other, &out), -EINVAL);
-    assert_null(out);
+    assert_null(out.metric);
+    assert_null(out.turn);
     iso_metric_free(other);
 }
 
@@ -265,6 +298,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_variance_within_people_is_learned, set_up, tear_down),
         cmocka_unit_test_setup_teardown(one_person_can_do_only_so_much, set_up, tear_down),
         cmocka_unit_test_setup_teardown(captures_beyond_the_limit_are_not_used, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_vector_can_be_turned, set_up, tear_down),
         cmocka_unit_test_setup_teardown(wrong_arguments_are_refused, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

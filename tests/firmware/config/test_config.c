@@ -58,7 +58,7 @@ static double threshold_among(const char *text, size_t n_people)
     struct iso_config config;
     struct iso_fault fault = {.text = ""};
     assert_int_equal(iso_config_parse("level", text, &config, &fault), 0);
-    return iso_config_threshold_among(&config, n_people);
+    return iso_config_threshold_among(&config, n_people, false);
 }
 
 /* The rate of a level holds for a whole visit. With ten times the people, the probability that one

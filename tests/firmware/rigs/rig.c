@@ -42,7 +42,7 @@ static void on_recognition_status(void *context, enum iso_appliance_mode mode, c
     if (mode == ISO_APPLIANCE_IDENTIFY) {
         (void)iso_gallery_people(rig->gallery, &n_people);
     }
-    assert_true(threshold == iso_config_threshold_among(&rig->config, n_people));
+    assert_true(threshold == iso_config_threshold_among(&rig->config, n_people, false));
     assert_true(isnan(score) || score <= 10);
     tell(context, "%s %s%s%s%s; ", iso_appliance_mode_name(mode), result, *person ? " " : "",
          person, done ? " done" : "");

@@ -98,7 +98,9 @@ static void the_gallery_adapts_the_metric(void **state)
     struct sim_eval *site = evaluated(state, SIM_SITE_GALLERY);
     assert_int_equal(none->site.splits, 0);
     assert_int_equal(site->site.splits, 0);
-    assert_true(none->metric->between[0] != site->metric->between[0]);
+    assert_null(none->adapted.metric);
+    assert_true(site->metric->between[0] != site->adapted.metric->between[0]);
+    assert_int_equal(site->adapted.people, site->gallery->n_people);
     const struct sim_matches *a = none->matches, *b = site->matches;
     assert_int_equal(a->n_probes, b->n_probes);
     for (size_t i = 0; i < b->n_probes; i++) {

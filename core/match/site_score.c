@@ -1,0 +1,211 @@
+/* The score of a person of the site without the own share of the offset.
+ *
+ * In the adapted coordinates the covariance within a person is W = I, which contains u u' for the
+ * offset u of n people. Without this person it is W = I + U C U' with U = [u, u_p] and
+ * C = diag(-1, 1), where u_p is the offset of the others. All covariances of the score
+ * (iso_metric_score) are then a diagonal matrix and one of low rank:
+ *
+ *     E = B + w W                        of the mean of the person's templates,
+ *     probe of anybody: v W + B,
+ *     probe of the person: v W + B - B inv(E) B, around B inv(E) times that mean,
+ *
+ * and their inverses and determinants follow from matrices of two and four rows (Woodbury 1950). */
+#include <lapacke.h>
+#include <math.h>
+#include <string.h>
+
+#include "core/match/site.h"
+
+enum { N = ISO_METRIC_DIMENSIONS_MAX, RANK = 4 };
+
+/* The matrix diag(d) + Z K Z' of n rows, with `rank` columns of Z. K is symmetric. */
+struct covariance {
+    int n, rank;
+    double d[N], z[RANK][N], k[RANK][RANK];
+    double m[RANK][RANK]; /* inv(I + K G) K with G = Z' inv(diag d) Z; the inverse of the matrix is
+                             inv(D) - inv(D) Z m Z' inv(D) */
+    double log_volume;    /* the logarithm of the determinant */
+};
+
+/* Computes m and log_volume. False if the determinant is not positive. */
+static bool invert(struct covariance *c)
+{
+    const int rank = c->rank;
+    double g[RANK][RANK], a[RANK * RANK], b[RANK * RANK], volume = 1.0; /* a, b: by columns */
+    lapack_int pivot[RANK];
+    for (int i = 0; i < rank; i++) {
+        for (int j = 0; j < rank; j++) {
+            g[i][j] = 0.0;
+            for (int d = 0; d < c->n; d++) {
+                g[i][j] += c->z[i][d] * c->z[j][d] / c->d[d];
+            }
+        }
+    }
+    for (int i = 0; i < rank; i++) {
+        for (int j = 0; j < rank; j++) {
+            a[j * rank + i] = i == j ? 1.0 : 0.0;
+            for (int l = 0; l < rank; l++) {
+                a[j * rank + i] += c->k[i][l] * g[l][j];
+            }
+            b[j * rank + i] = c->k[i][j];
+        }
+    }
+    if (LAPACKE_dgesv(LAPACK_COL_MAJOR, rank, rank, a, rank, pivot, b, rank)) {
+        return false;
+    }
+    for (int i = 0; i < rank; i++) {
+        volume *= pivot[i] == i + 1 ? a[i * rank + i] : -a[i * rank + i];
+        for (int j = 0; j < rank; j++) {
+            c->m[i][j] = b[j * rank + i];
+        }
+    }
+    c->log_volume = log(volume);
+    for (int d = 0; d < c->n; d++) {
+        c->log_volume += log(c->d[d]);
+    }
+    return volume > 0.0;
+}
+
+/* Computes m Z' inv(D) x. */
+static void project(const struct covariance *c, const double *x, double *out)
+{
+    double zx[RANK];
+    for (int i = 0; i < c->rank; i++) {
+        zx[i] = 0.0;
+        for (int d = 0; d < c->n; d++) {
+            zx[i] += c->z[i][d] * x[d] / c->d[d];
+        }
+    }
+    for (int i = 0; i < c->rank; i++) {
+        out[i] = 0.0;
+        for (int j = 0; j < c->rank; j++) {
+            out[i] += c->m[i][j] * zx[j];
+        }
+    }
+}
+
+/* The squared length of x by the covariance, and the logarithm of its determinant. */
+static double unlikeliness(const struct covariance *c, const double *x)
+{
+    double sum = c->log_volume, part[RANK];
+    project(c, x, part);
+    for (int d = 0; d < c->n; d++) {
+        double y = x[d];
+        for (int i = 0; i < c->rank; i++) {
+            y -= c->z[i][d] * part[i];
+        }
+        sum += x[d] * y / c->d[d];
+    }
+    return sum;
+}
+
+/* The mean of a person, shortened as it was when it was added to the site (site.c). */
+static void own_mean(const struct iso_site_metric *adapted, const float *mean, double *out)
+{
+    double length = 0.0;
+    for (int d = 0; d < adapted->n; d++) {
+        out[d] = (double)mean[d];
+        length += out[d] * out[d] / (1.0 + (double)adapted->metric->between[d]);
+    }
+    const double scale = fmin(1.0, sqrt(ISO_SITE_LENGTH_LIMIT * adapted->n / fmax(length, 1e-9)));
+    for (int d = 0; d < adapted->n; d++) {
+        out[d] *= scale;
+    }
+}
+
+/* Sets U: the offset, and that of the others. */
+static void set_offsets(const struct iso_site_metric *adapted, const float *mean,
+                        struct covariance *c)
+{
+    const double n = (double)adapted->people;
+    double own[N];
+    own_mean(adapted, mean, own);
+    for (int d = 0; d < c->n; d++) {
+        const double u = (double)adapted->offset[d];
+        c->z[0][d] = u;
+        c->z[1][d] = ((n + 1.0) * u - own[d]) / n;
+    }
+    explicit_bzero(own, sizeof own);
+}
+
+/* Sets `times` W: the rank, and K = times C. The caller sets the diagonal. */
+static void set_within(double times, struct covariance *c)
+{
+    c->rank = 2;
+    memset(c->k, 0, sizeof c->k);
+    c->k[0][0] = -times;
+    c->k[1][1] = times;
+}
+
+/* Computes the expected probe of a person, and its covariance for a probe of variance `own`. */
+static bool expect_probe(const struct iso_site_metric *adapted,
+                         const struct iso_metric_vector *person, double own, struct covariance *c,
+                         double *expected)
+{
+    const double w = iso_metric_variance(person->step);
+    double x[N], part[RANK], m[2][2];
+    set_within(w, c);
+    for (int d = 0; d < c->n; d++) {
+        x[d] = (double)(person->scale * person->mean[d]);
+        c->d[d] = (double)adapted->metric->between[d] + w;
+    }
+    if (!invert(c)) {
+        return false;
+    }
+    project(c, x, part);
+    memcpy(m[0], c->m[0], sizeof m[0]);
+    memcpy(m[1], c->m[1], sizeof m[1]);
+    set_within(own, c);
+    c->rank = RANK;
+    for (int i = 0; i < 2; i++) {
+        for (int j = 0; j < 2; j++) {
+            c->k[2 + i][2 + j] = m[i][j];
+        }
+    }
+    for (int d = 0; d < c->n; d++) {
+        const double b = (double)adapted->metric->between[d], shrink = b / (b + w);
+        expected[d] = shrink * (x[d] - c->z[0][d] * part[0] - c->z[1][d] * part[1]);
+        c->z[2][d] = shrink * c->z[0][d];
+        c->z[3][d] = shrink * c->z[1][d];
+        c->d[d] = own + shrink * w;
+    }
+    explicit_bzero(x, sizeof x);
+    return invert(c);
+}
+
+/* Computes the logarithm of the likelihood ratio. */
+static bool compare(const struct iso_site_metric *adapted, const struct iso_metric_vector *person,
+                    const struct iso_metric_vector *probe, double *ratio)
+{
+    const double own = iso_metric_variance(probe->step);
+    struct covariance c = {.n = adapted->n};
+    double x[N] = {0}, off[N] = {0};
+    set_offsets(adapted, person->mean, &c);
+    bool known = expect_probe(adapted, person, own, &c, off);
+    for (int d = 0; d < c.n; d++) {
+        x[d] = (double)(probe->scale * probe->mean[d]);
+        off[d] = x[d] - off[d];
+    }
+    *ratio = known ? -0.5 * unlikeliness(&c, off) : 0.0;
+    set_within(own, &c);
+    for (int d = 0; d < c.n; d++) {
+        c.d[d] = own + (double)adapted->metric->between[d];
+    }
+    known = known && invert(&c);
+    *ratio += known ? 0.5 * unlikeliness(&c, x) : 0.0;
+    explicit_bzero(&c, sizeof c);
+    explicit_bzero(x, sizeof x);
+    explicit_bzero(off, sizeof off);
+    return known;
+}
+
+double iso_site_score(const struct iso_site_metric *adapted, const struct iso_metric_vector *person,
+                      const struct iso_metric_vector *probe)
+{
+    double ratio;
+    if (person->n < 1 || probe->n < 1 || adapted->people < 1 ||
+        !compare(adapted, person, probe, &ratio)) {
+        return iso_metric_score(adapted->metric, person, probe);
+    }
+    return (double)adapted->metric->gain * ratio + (double)adapted->metric->bias;
+}

@@ -1,0 +1,83 @@
+/* The people of a site, as an index for searches by a metric that is adapted to them
+ * (core/match/site.h).
+ *
+ * The vectors of all templates by the shipped metric are kept. After every change of people a
+ * thread computes the statistics of the site from all of them, the adapted metric, and a new index
+ * by that metric. Searches meanwhile use the index that is there: it has the change already, by the
+ * metric before. When the new index is complete, iso_site_index_follow() takes it into use. So a
+ * search never waits, and always has metric and index of one generation. The result depends on the
+ * enrolled templates alone, in whatever order people came and went, and a removed person leaves
+ * nothing in it.
+ *
+ * Fewer than ISO_SITE_PEOPLE_MIN people are searched by the shipped metric. Without `adapt` it is
+ * always used, there is no thread, and the vectors are not kept.
+ *
+ * Used by one thread. Biometric data: wiped when it is moved, removed or freed. */
+#ifndef ISO_FIRMWARE_SITE_SITE_INDEX_H
+#define ISO_FIRMWARE_SITE_SITE_INDEX_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/match/site.h"
+#include "isotherm/index.h"
+
+/* The offset of fewer people is mostly that of their own faces. */
+enum { ISO_SITE_PEOPLE_MIN = 3 };
+
+struct iso_site_index;
+
+/* What the site has taught. */
+struct iso_site_state {
+    bool adapts;  /* the metric adapts to the site */
+    bool adapted; /* searches use an adapted metric; false: the shipped one */
+    bool due;     /* people have changed since; a new metric is being computed */
+    int error;    /* why the last computation failed: -ENOMEM, -EDOM, -EINVAL; 0: it did not */
+    struct iso_site_summary summary; /* of the generation in use; all zero without `adapts` */
+};
+
+/* Makes an empty index. `metric` is the shipped one, and outlives the index. -ENOMEM. */
+int iso_site_index_new(const struct iso_metric *metric, bool adapt, struct iso_site_index **out)
+    __attribute__((warn_unused_result));
+
+/* Starts the thread, after the people of a gallery were added. Until then nothing is adapted.
+ * Without `adapt` it does nothing. -EAGAIN, -ENOMEM. */
+int iso_site_index_start(struct iso_site_index *site) __attribute__((warn_unused_result));
+
+/* Ends the thread; wipes and frees everything. NULL is accepted. */
+void iso_site_index_free(struct iso_site_index *site);
+
+/* Makes room for one more template. -ENOMEM. */
+int iso_site_index_reserve(struct iso_site_index *site) __attribute__((warn_unused_result));
+
+/* Adds the vector of a template, by the shipped metric, to a person. The caller has made room.
+ * -EINVAL the person has ISO_INDEX_TEMPLATES_MAX templates; then nothing has changed. */
+int iso_site_index_add(struct iso_site_index *site, int64_t person,
+                       const struct iso_metric_vector *vector) __attribute__((warn_unused_result));
+
+/* Removes a person with all vectors. Nothing happens for a person who has none. */
+void iso_site_index_remove(struct iso_site_index *site, int64_t person);
+
+/* Takes a new metric and its index into use, if they are complete. Returns whether it did. Never
+ * waits. */
+bool iso_site_index_follow(struct iso_site_index *site);
+
+/* The index to search in. Valid until people change or iso_site_index_follow() is called. */
+const struct iso_index *iso_site_index_current(const struct iso_site_index *site);
+
+/* The adapted metric of that index, or NULL if it is by the shipped metric. */
+const struct iso_site_metric *iso_site_index_metric(const struct iso_site_index *site);
+
+/* Waits until the thread has computed the metric of the present people, and takes it into use. For
+ * programs that are not in a hurry. Returns the error of the state. */
+int iso_site_index_settle(struct iso_site_index *site);
+
+struct iso_site_state iso_site_index_state(struct iso_site_index *site);
+
+/* Whether the metric shall adapt to the site and has not done so yet. */
+static inline bool iso_site_is_provisional(struct iso_site_state state)
+{
+    return state.adapts && !state.adapted;
+}
+
+#endif

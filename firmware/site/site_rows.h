@@ -1,0 +1,39 @@
+/* The vectors of all templates, by the shipped metric: one row a template, sorted by person. A
+ * plain array; the owner serialises access. Biometric data. */
+#ifndef ISO_FIRMWARE_SITE_SITE_ROWS_H
+#define ISO_FIRMWARE_SITE_SITE_ROWS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "isotherm/metric.h"
+
+/* All zero but for `width`: no rows. */
+struct iso_site_rows {
+    size_t width;    /* numbers of a vector */
+    size_t n;        /* rows in use */
+    size_t capacity; /* rows that there is room for */
+    int64_t *person; /* [capacity], rising */
+    float *mean;     /* [capacity][width] */
+};
+
+/* Makes room for one more row. -ENOMEM. */
+int iso_site_rows_reserve(struct iso_site_rows *rows) __attribute__((warn_unused_result));
+
+/* Inserts a row behind the last one of its person. The caller has made room. */
+void iso_site_rows_insert(struct iso_site_rows *rows, int64_t person,
+                          const struct iso_metric_vector *vector);
+
+/* Removes and wipes the rows of a person. */
+void iso_site_rows_remove(struct iso_site_rows *rows, int64_t person);
+
+/* Copies the rows of the person to whom row `first` (less than rows->n) belongs: at most `capacity`
+ * vectors, of which only n and mean are set. Returns how many there are. *next is the first row of
+ * the next person. */
+int iso_site_rows_copy(const struct iso_site_rows *rows, size_t first,
+                       struct iso_metric_vector *out, int capacity, size_t *next);
+
+/* Wipes and frees all rows. */
+void iso_site_rows_free(struct iso_site_rows *rows);
+
+#endif

@@ -1,0 +1,123 @@
+/* A daemon whose metric adapts to the people who are enrolled: it says how far it is, records every
+ * change, and admits them. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <signal.h>
+#include <string.h>
+#include <time.h>
+
+#include "tests/e2e/answers.h"
+#include "tests/e2e/appliance.h"
+
+enum { WAIT_MS = 10000, LOOK_MS = 50 };
+
+/* Expects this state of the site, which comes some time after a change of people. Returns the
+ * status, which the caller releases. */
+static json_t *expect_site(const struct appliance *appliance, const char *site, int people)
+{
+    const struct timespec look = {.tv_nsec = LOOK_MS * 1000000L};
+    json_t *status = NULL;
+    for (int waited_ms = 0; waited_ms < WAIT_MS; waited_ms += LOOK_MS) {
+        json_decref(status);
+        status = appliance_run_json(appliance, "status", NULL, 0);
+        if (strcmp(answer_text(status, "site"), site) == 0 &&
+            answer_number(status, "site-people") == people) {
+            return status;
+        }
+        (void)nanosleep(&look, NULL);
+    }
+    fail_msg("site: %s, learned from %d, not %s from %d", answer_text(status, "site"),
+             (int)answer_number(status, "site-people"), site, people);
+    return status;
+}
+
+static double number_of(const json_t *status, const char *key)
+{
+    const json_t *number = json_object_get(status, key);
+    assert_true(json_is_real(number));
+    return json_real_value(number);
+}
+
+static void expect_state(const struct appliance *appliance, const char *site, int people,
+                         double threshold)
+{
+    json_t *status = expect_site(appliance, site, people);
+    assert_true(number_of(status, "threshold") == threshold);
+    json_decref(status);
+}
+
+static void the_metric_adapts_to_three_people(void **state)
+{
+    struct appliance *appliance = *state;
+    appliance_end_daemon(appliance, SIGTERM);
+    appliance->keys = "[match]\nadapt = yes\n";
+    appliance_configure(appliance);
+    appliance_start_daemon(appliance);
+    expect_state(appliance, "provisional", 0, 4);
+    appliance_expect(appliance_run(appliance, "enroll p01", "p01-enrol"), 0);
+    appliance_expect(appliance_run(appliance, "enroll p02", "p02-enrol"), 0);
+    expect_state(appliance, "provisional", 2, 4);
+    appliance_expect(appliance_run(appliance, "enroll p03", "p03-enrol"), 0);
+    json_t *status = expect_site(appliance, "adapted", 3);
+    assert_true(number_of(status, "threshold") == 3);
+    assert_true(number_of(status, "site-offset") > 0 && number_of(status, "site-expected") > 0);
+    json_decref(status);
+    const struct appliance_result *log = appliance_run(appliance, "log --event site", NULL);
+    appliance_expect(log, 0);
+    assert_non_null(strstr(log->out, "adapted"));
+    assert_non_null(strstr(log->out, "3 people, offset "));
+}
+
+static void it_recognises_them(void **state)
+{
+    static const char *const recordings[] = {"p01-v1", "x01-v1", "p02-v1", NULL};
+    struct appliance *appliance = *state;
+    const struct appliance_result *visits = appliance_visit(appliance, recordings);
+    appliance_expect(visits, 0);
+    assert_non_null(strstr(visits->out, "2 of 2 enrolled people admitted"));
+    json_t *document = appliance_run_json(appliance, "identify", "p03-v1", 0);
+    assert_string_equal(answer_text(document, "person"), "p03");
+    json_decref(document);
+    appliance_expect(appliance_run(appliance, "verify p02", "p02-v1"), 0);
+    appliance_expect(appliance_run(appliance, "verify p02", "p01-v1"), 1);
+}
+
+static void it_adapts_again_after_a_start(void **state)
+{
+    struct appliance *appliance = *state;
+    appliance_end_daemon(appliance, SIGTERM);
+    appliance_start_daemon(appliance);
+    expect_state(appliance, "adapted", 3, 3);
+}
+
+static void it_forgets_people_who_are_removed(void **state)
+{
+    struct appliance *appliance = *state;
+    appliance_expect(appliance_run(appliance, "remove p02", NULL), 0);
+    expect_state(appliance, "provisional", 2, 4);
+    const struct appliance_result *log = appliance_run(appliance, "log --event site", NULL);
+    assert_non_null(strstr(log->out, "shipped"));
+    json_t *document = appliance_run_json(appliance, "identify", "p01-v1", 0);
+    assert_string_equal(answer_text(document, "person"), "p01");
+    json_decref(document);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_metric_adapts_to_three_people),
+        cmocka_unit_test(it_recognises_them),
+        cmocka_unit_test(it_adapts_again_after_a_start),
+        cmocka_unit_test(it_forgets_people_who_are_removed),
+    };
+
+    if (!appliance_find()) {
+        return TEST_SKIPPED;
+    }
+    return cmocka_run_group_tests(tests, appliance_setup, appliance_teardown);
+}
