@@ -39,7 +39,8 @@ int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_
 /* Returns the fused score of a person with n templates; `metric_score` is the person's score by the
  * metric. The function returns metric_score unchanged in two cases: the surfaces cannot be compared
  * (a template has no upper face, or the faces have too few points in common), or the weight of the
- * misfit (`upper` in struct iso_rerank_weights) is 0. One template takes about 0.1 ms. */
+ * misfit (`upper` in struct iso_rerank_weights) is 0. The
+ * function takes about 0.1 ms for each template. */
 double iso_rerank(struct iso_rerank_workspace *work, const struct iso_metric *metric,
                   const struct iso_upper_face *probe, const struct iso_upper_face *const *person,
                   int n, double metric_score);

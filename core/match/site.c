@@ -12,9 +12,8 @@
  */
 static const double unit = 4096.0;
 
-/* The squared length of a capture's difference from its person's mean is limited to this number a
- * dimension, where 1 is expected of a rendered capture. People before a coarse depth sensor vary up
- * to 4 times as much. */
+/* The limit of the squared difference between a capture and the mean of its person, for each
+ * dimension. Rendered captures have 1 on average. A sensor with coarse depth gives up to 4. */
 static const double residual_limit = 8.0;
 
 /* The weight of a person is the number of captures less one, at most this. The share `a` reaches

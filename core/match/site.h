@@ -68,7 +68,7 @@ int iso_site_remove(struct iso_site *site, const struct iso_metric_vector *captu
 /* Describes the statistics. */
 struct iso_site_summary iso_site_summary(const struct iso_site *site);
 
-/* The metric that is adapted to a site. It owns its members. */
+/* A metric that is adapted to a site. The structure owns the memory of its members. */
 struct iso_site_metric {
     struct iso_metric *metric;
     int n;       /* numbers of a vector */
@@ -88,17 +88,19 @@ int iso_site_adapt(const struct iso_site *site, const struct iso_metric *metric,
 /* Wipes and frees an adapted metric, which may be all zero. */
 void iso_site_metric_free(struct iso_site_metric *adapted);
 
-/* The vector by the adapted metric of the template whose vector by the shipped metric is `one`. It
- * is the vector that iso_metric_project() computes from the template, up to rounding, in a fraction
- * of the time. */
+/* Converts the vector of a template by the shipped metric to its vector by the adapted metric. Up
+ * to rounding, iso_metric_project() computes the same vector from the template, but takes longer.
+ */
 void iso_site_turn(const struct iso_site_metric *adapted, const struct iso_metric_vector *one,
                    struct iso_metric_vector *out);
 
-/* Whether a probe is of a person of the site: iso_metric_score() without what this person has added
- * to the offset. A person among n adds an n-th of the own face to it, which would then count as
- * something that everybody shares. `person` and `probe` are vectors by the adapted metric; a person
- * of the site was added with one vector or several, and `person` has all of them. -INFINITY for a
- * person without templates. It takes some microseconds. */
+/* Computes the score of a probe and a person of the site. It differs from iso_metric_score(): it
+ * leaves out the person's own share of the offset. Each of n people adds an n-th of the own face to
+ * the offset, and without this correction that part would count as common to everybody.
+ *
+ * `person` and `probe` are vectors by the adapted metric. `person` contains all vectors with which
+ * the person was added to the site. Returns -INFINITY for a person without templates. Takes about
+ * ten microseconds. */
 double iso_site_score(const struct iso_site_metric *adapted, const struct iso_metric_vector *person,
                       const struct iso_metric_vector *probe);
 

@@ -9,7 +9,8 @@
  *     probe of anybody: v W + B,
  *     probe of the person: v W + B - B inv(E) B, around B inv(E) times that mean,
  *
- * and their inverses and determinants follow from matrices of two and four rows (Woodbury 1950). */
+ * The inverse and the determinant of such a matrix need only a matrix with two or four rows
+ * (Woodbury 1950). */
 #include <lapacke.h>
 #include <math.h>
 #include <string.h>
@@ -99,7 +100,7 @@ static double unlikeliness(const struct covariance *c, const double *x)
     return sum;
 }
 
-/* The mean of a person, shortened as it was when it was added to the site (site.c). */
+/* Copies the mean of a person. A mean that is too long is shortened, as iso_site_add() does. */
 static void own_mean(const struct iso_site_metric *adapted, const float *mean, double *out)
 {
     double length = 0.0;

@@ -5,8 +5,9 @@
  * This file defines malloc(), free(), realloc() and the other functions of the heap. A program that
  * is linked with it uses them instead of those of the C library, and so does every library that the
  * program loads. They get their memory from the C library; free() wipes a block before it returns
- * it, and realloc() moves a growing block to a new address and wipes the old one. Wiping one
- * megabyte takes about 0.1 ms; our own code allocates no memory while it processes a frame.
+ * it. When a block has to grow, realloc() copies it to a new address and wipes the old block. It
+ * takes about 0.1 ms to wipe one megabyte. Our own code allocates no memory while it processes a
+ * frame.
  *
  * Sanitizers have a heap of their own, which this file must not replace. With them the file is
  * empty, and freed memory is not wiped. */

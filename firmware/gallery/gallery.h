@@ -25,7 +25,7 @@
  * returns, so that memory, result and file always agree (gallery_truth.c).
  *
  * Used by one thread. Everything handed out is valid until the next add, import, remove, recover,
- * forget_learned, follow_site, settle or close. Templates and vectors are wiped from memory when
+ * forget_learned, follow_site or close. Templates and vectors are wiped from memory when
  * they are freed. */
 #ifndef ISO_FIRMWARE_GALLERY_GALLERY_H
 #define ISO_FIRMWARE_GALLERY_GALLERY_H
@@ -221,10 +221,6 @@ bool iso_gallery_follow_site(struct iso_gallery *gallery);
 
 /* What the people of the gallery have taught, and whether searches use it. */
 struct iso_site_state iso_gallery_site(struct iso_gallery *gallery);
-
-/* Waits until the metric is adapted to the present people; for programs that are not in a hurry.
- * Returns the error of the state. */
-int iso_gallery_settle(struct iso_gallery *gallery);
 
 /* Opens the usable templates of one person from the database: at most `capacity`, which the caller
  * wipes. Takes some 0.1 ms for each template. -ENOENT nobody has this number; -EBADMSG a record is

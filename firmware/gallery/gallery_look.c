@@ -144,8 +144,3 @@ struct iso_site_state iso_gallery_site(struct iso_gallery *gallery)
     return gallery->memory.site ? iso_site_index_state(gallery->memory.site)
                                 : (struct iso_site_state){.adapts = false};
 }
-
-int iso_gallery_settle(struct iso_gallery *gallery)
-{
-    return gallery->memory.site ? iso_site_index_settle(gallery->memory.site) : 0;
-}

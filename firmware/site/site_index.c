@@ -158,7 +158,9 @@ static void run_job(struct iso_site_index *site)
     const int error = compute_generation(job, &made);
     (void)pthread_mutex_lock(&site->mutex);
     if (site->version != job->version || error == -ECANCELED) {
+        (void)pthread_mutex_unlock(&site->mutex);
         free_generation(&made);
+        (void)pthread_mutex_lock(&site->mutex);
         return;
     }
     site->computed = job->version;
@@ -249,19 +251,23 @@ int iso_site_index_reserve(struct iso_site_index *site)
     return error;
 }
 
-/* Begins a change of the rows: the generation that waits is not of the people after it. */
-static void begin_change(struct iso_site_index *site)
+/* Begins a change of the rows. Returns the generation that was ready, which does not have this
+ * change; end_change() frees it after it has unlocked the mutex, because that takes long. */
+static struct generation begin_change(struct iso_site_index *site)
 {
     (void)pthread_mutex_lock(&site->mutex);
+    const struct generation outdated = site->ready;
     site->version++;
     site->is_ready = false;
-    free_generation(&site->ready);
+    site->ready = (struct generation){.index = NULL};
+    return outdated;
 }
 
-static void end_change(struct iso_site_index *site)
+static void end_change(struct iso_site_index *site, struct generation *outdated)
 {
     (void)pthread_cond_broadcast(&site->changed);
     (void)pthread_mutex_unlock(&site->mutex);
+    free_generation(outdated);
 }
 
 int iso_site_index_add(struct iso_site_index *site, int64_t person,
@@ -274,9 +280,9 @@ int iso_site_index_add(struct iso_site_index *site, int64_t person,
     const int error = iso_index_add(site->current.index, person, &turned);
     explicit_bzero(&turned, sizeof turned);
     if (!error && site->adapt) {
-        begin_change(site);
+        struct generation outdated = begin_change(site);
         iso_site_rows_insert(&site->rows, person, vector);
-        end_change(site);
+        end_change(site, &outdated);
     }
     return error;
 }
@@ -285,9 +291,9 @@ void iso_site_index_remove(struct iso_site_index *site, int64_t person)
 {
     /* A person without a vector is not in the index. */
     if (iso_index_remove(site->current.index, person) == 0 && site->adapt) {
-        begin_change(site);
+        struct generation outdated = begin_change(site);
         iso_site_rows_remove(&site->rows, person);
-        end_change(site);
+        end_change(site, &outdated);
     }
 }
 

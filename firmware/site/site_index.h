@@ -1,18 +1,18 @@
-/* The people of a site, as an index for searches by a metric that is adapted to them
- * (core/match/site.h).
+/* An index of the people of a site, by a metric that is adapted to them (core/match/site.h).
  *
- * The vectors of all templates by the shipped metric are kept. After every change of people a
- * thread computes the statistics of the site from all of them, the adapted metric, and a new index
- * by that metric. Searches meanwhile use the index that is there: it has the change already, by the
- * metric before. When the new index is complete, iso_site_index_follow() takes it into use. So a
- * search never waits, and always has metric and index of one generation. The result depends on the
- * enrolled templates alone, in whatever order people came and went, and a removed person leaves
- * nothing in it.
+ * This object keeps the vectors of all templates by the shipped metric. After every change of
+ * people, its thread computes the statistics of the site from all vectors, then the adapted metric,
+ * then a new index by that metric. Until the new index is complete, searches use the old index. The
+ * change is made in the old index at once, by the old metric. iso_site_index_follow() takes the new
+ * metric and the new index into use together. So a search never waits for the thread.
  *
- * Fewer than ISO_SITE_PEOPLE_MIN people are searched by the shipped metric. Without `adapt` it is
- * always used, there is no thread, and the vectors are not kept.
+ * The result depends only on the templates that are enrolled now. It does not depend on the order
+ * in which people were added and removed, and contains nothing of removed people.
  *
- * Used by one thread. Biometric data: wiped when it is moved, removed or freed. */
+ * If there are fewer than ISO_SITE_PEOPLE_MIN people, searches use the shipped metric. Without
+ * `adapt` they always do; then there is no thread, and the vectors are not kept.
+ *
+ * One thread calls these functions. Biometric data: wiped when it is moved, removed or freed. */
 #ifndef ISO_FIRMWARE_SITE_SITE_INDEX_H
 #define ISO_FIRMWARE_SITE_SITE_INDEX_H
 
@@ -50,8 +50,9 @@ void iso_site_index_free(struct iso_site_index *site);
 /* Makes room for one more template. -ENOMEM. */
 int iso_site_index_reserve(struct iso_site_index *site) __attribute__((warn_unused_result));
 
-/* Adds the vector of a template, by the shipped metric, to a person. The caller has made room.
- * -EINVAL the person has ISO_INDEX_TEMPLATES_MAX templates; then nothing has changed. */
+/* Adds the vector of one template of a person; the vector is by the shipped metric. Before, the
+ * caller has made room with iso_site_index_reserve(). -EINVAL if the person already has
+ * ISO_INDEX_TEMPLATES_MAX templates; then nothing has changed. */
 int iso_site_index_add(struct iso_site_index *site, int64_t person,
                        const struct iso_metric_vector *vector) __attribute__((warn_unused_result));
 

@@ -1,5 +1,5 @@
-/* The vectors of all templates, by the shipped metric: one row a template, sorted by person. A
- * plain array; the owner serialises access. Biometric data. */
+/* The vectors of all templates by the shipped metric: one row for each template, sorted by person.
+ * Two threads must not use it at the same time. Biometric data. */
 #ifndef ISO_FIRMWARE_SITE_SITE_ROWS_H
 #define ISO_FIRMWARE_SITE_SITE_ROWS_H
 
@@ -27,9 +27,9 @@ void iso_site_rows_insert(struct iso_site_rows *rows, int64_t person,
 /* Removes and wipes the rows of a person. */
 void iso_site_rows_remove(struct iso_site_rows *rows, int64_t person);
 
-/* Copies the rows of the person to whom row `first` (less than rows->n) belongs: at most `capacity`
- * vectors, of which only n and mean are set. Returns how many there are. *next is the first row of
- * the next person. */
+/* Copies all rows of one person to `out`, at most `capacity` of them. `first`, less than rows->n,
+ * is the person's first row. Sets only n and mean of each vector. Returns the number of vectors;
+ * *next receives the first row of the next person. */
 int iso_site_rows_copy(const struct iso_site_rows *rows, size_t first,
                        struct iso_metric_vector *out, int capacity, size_t *next);
 

@@ -59,8 +59,8 @@ static void pause_ms(long ms)
     (void)nanosleep(&time, NULL);
 }
 
-/* Whether a port listens. It asks the kernel and does not connect, because the TPM accepts one
- * client at a time. */
+/* Returns whether a program listens on this port. The function reads the list of the kernel. It
+ * does not connect to the port, because the TPM accepts only one client at a time. */
 static bool listens(int port)
 {
     enum { LISTEN = 0x0a };
