@@ -1,23 +1,28 @@
-/* The score of a person of the site without the own share of the offset.
+/* The score of a person of the site without shares of some people in the offset.
  *
  * In the adapted coordinates the covariance within a person is W = I, which contains u u' for the
- * offset u of n people. Without this person it is W = I + U C U' with U = [u, u_p] and
- * C = diag(-1, 1), where u_p is the offset of the others. All covariances of the score
+ * offset u of all people. Without some people it is W = I + U C U' with U = [u, v] and
+ * C = diag(-1, 1), where v is the offset of the others. All covariances of the score
  * (iso_metric_score) are then a diagonal matrix and one of low rank:
  *
  *     E = B + w W                        of the mean of the person's templates,
- *     probe of anybody: v W + B,
- *     probe of the person: v W + B - B inv(E) B, around B inv(E) times that mean,
+ *     probe of anybody: x W + B,
+ *     probe of the person: x W + B - B inv(E) B, around B inv(E) times that mean,
  *
  * The inverse and the determinant of such a matrix need only a matrix with two or four rows
  * (Woodbury 1950). */
 #include <lapacke.h>
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "core/match/site.h"
 
-enum { N = ISO_METRIC_DIMENSIONS_MAX, RANK = 4 };
+enum {
+    N = ISO_METRIC_DIMENSIONS_MAX,
+    RANK = 4,
+    GROUPS = 4, /* of people, one of which is left out at a time */
+};
 
 /* The matrix diag(d) + Z K Z' of n rows, with `rank` columns of Z. K is symmetric. */
 struct covariance {
@@ -100,33 +105,45 @@ static double unlikeliness(const struct covariance *c, const double *x)
     return sum;
 }
 
-/* Copies the mean of a person. A mean that is too long is shortened, as iso_site_add() does. */
-static void own_mean(const struct iso_site_metric *adapted, const float *mean, double *out)
+/* People whose shares are left out of the offset. */
+struct left_out {
+    int people;
+    double sum[N]; /* of their means, as they count in the offset */
+};
+
+static void leave_out(const struct iso_site_metric *adapted, int person, struct left_out *out)
 {
-    double length = 0.0;
     for (int d = 0; d < adapted->n; d++) {
-        out[d] = (double)mean[d];
-        length += out[d] * out[d] / (1.0 + (double)adapted->metric->between[d]);
+        out->sum[d] += (double)adapted->own[(size_t)person * (size_t)adapted->n + (size_t)d];
     }
-    const double scale = fmin(1.0, sqrt(ISO_SITE_LENGTH_LIMIT * adapted->n / fmax(length, 1e-9)));
-    for (int d = 0; d < adapted->n; d++) {
-        out[d] *= scale;
-    }
+    out->people++;
 }
 
-/* Sets U: the offset, and that of the others. */
-static void set_offsets(const struct iso_site_metric *adapted, const float *mean,
+/* Returns the place of a person among those with an own share; -1 if the person has none. */
+static int own_place(const struct iso_site_metric *adapted, int64_t number)
+{
+    int low = 0, high = adapted->n_own;
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (adapted->number[middle] < number) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low < adapted->n_own && adapted->number[low] == number ? low : -1;
+}
+
+/* Sets U. */
+static void set_offsets(const struct iso_site_metric *adapted, const struct left_out *out,
                         struct covariance *c)
 {
-    const double n = (double)adapted->people;
-    double own[N];
-    own_mean(adapted, mean, own);
+    const double n = (double)adapted->people + 1.0;
     for (int d = 0; d < c->n; d++) {
         const double u = (double)adapted->offset[d];
         c->z[0][d] = u;
-        c->z[1][d] = ((n + 1.0) * u - own[d]) / n;
+        c->z[1][d] = (n * u - out->sum[d]) / (n - out->people);
     }
-    explicit_bzero(own, sizeof own);
 }
 
 /* Sets `times` W: the rank, and K = times C. The caller sets the diagonal. */
@@ -175,13 +192,14 @@ static bool expect_probe(const struct iso_site_metric *adapted,
 }
 
 /* Computes the logarithm of the likelihood ratio. */
-static bool compare(const struct iso_site_metric *adapted, const struct iso_metric_vector *person,
-                    const struct iso_metric_vector *probe, double *ratio)
+static bool compare(const struct iso_site_metric *adapted, const struct left_out *out,
+                    const struct iso_metric_vector *person, const struct iso_metric_vector *probe,
+                    double *ratio)
 {
     const double own = iso_metric_variance(probe->step);
     struct covariance c = {.n = adapted->n};
     double x[N] = {0}, off[N] = {0};
-    set_offsets(adapted, person->mean, &c);
+    set_offsets(adapted, out, &c);
     bool known = expect_probe(adapted, person, own, &c, off);
     for (int d = 0; d < c.n; d++) {
         x[d] = (double)(probe->scale * probe->mean[d]);
@@ -200,13 +218,37 @@ static bool compare(const struct iso_site_metric *adapted, const struct iso_metr
     return known;
 }
 
-double iso_site_score(const struct iso_site_metric *adapted, const struct iso_metric_vector *person,
-                      const struct iso_metric_vector *probe)
+/* Leaves out the person `own`, unless it is -1, and group g of the people. */
+static void leave_out_group(const struct iso_site_metric *adapted, int own, int g, int groups,
+                            struct left_out *out)
 {
-    double ratio;
-    if (person->n < 1 || probe->n < 1 || adapted->people < 1 ||
-        !compare(adapted, person, probe, &ratio)) {
+    if (own >= 0) {
+        leave_out(adapted, own, out);
+    }
+    for (int p = g * adapted->n_own / groups; p < (g + 1) * adapted->n_own / groups; p++) {
+        if (p != own) {
+            leave_out(adapted, p, out);
+        }
+    }
+}
+
+double iso_site_score(const struct iso_site_metric *adapted, int64_t number,
+                      const struct iso_metric_vector *person, const struct iso_metric_vector *probe)
+{
+    const int own = own_place(adapted, number);
+    const int groups = adapted->n_own < GROUPS ? adapted->n_own : GROUPS;
+    double least = INFINITY, ratio;
+    if (person->n < 1 || probe->n < 1 || groups == 0) {
         return iso_metric_score(adapted->metric, person, probe);
     }
-    return (double)adapted->metric->gain * ratio + (double)adapted->metric->bias;
+    for (int g = 0; g < groups; g++) {
+        struct left_out out = {.people = 0};
+        leave_out_group(adapted, own, g, groups, &out);
+        if (!compare(adapted, &out, person, probe, &ratio)) {
+            return iso_metric_score(adapted->metric, person, probe);
+        }
+        least = fmin(least, ratio);
+        explicit_bzero(&out, sizeof out);
+    }
+    return (double)adapted->metric->gain * least + (double)adapted->metric->bias;
 }

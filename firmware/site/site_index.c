@@ -79,10 +79,19 @@ static int collect_statistics(struct job *job, struct iso_site *statistics)
     job->at = 0;
     job->n_people = 0;
     while (!error && (n = next_person(job)) > 0) {
-        error = iso_site_add(statistics, job->captures, n);
-        job->n_people++;
+        if (job->n_people++ < ISO_SITE_PEOPLE_MAX) {
+            error = iso_site_add(statistics, job->person, job->captures, n);
+        }
     }
-    return error ? error : n;
+    error = error ? error : n;
+    if (!error) {
+        error = iso_site_find_directions(statistics);
+    }
+    job->at = 0;
+    for (int p = 0; !error && p < ISO_SITE_PEOPLE_MAX && (n = next_person(job)) > 0; p++) {
+        error = iso_site_review(statistics, job->captures, n);
+    }
+    return error || n > 0 ? error : n;
 }
 
 static const struct iso_metric *metric_of(const struct job *job,
@@ -124,7 +133,9 @@ static int fill_index(struct job *job, struct generation *generation)
     return error ? error : n;
 }
 
-static int compute_generation(struct job *job, struct generation *out)
+/* Computes the statistics and the metric. The statistics of many people are large, so they are
+ * freed before the index is made. */
+static int compute_metric(struct job *job, struct generation *out)
 {
     struct iso_site *statistics = NULL;
     int error = iso_site_new(job->site->metric, &statistics);
@@ -137,10 +148,16 @@ static int compute_generation(struct job *job, struct generation *out)
     if (!error && out->summary.people >= ISO_SITE_PEOPLE_MIN) {
         error = iso_site_adapt(statistics, job->site->metric, &out->adapted);
     }
+    iso_site_free(statistics);
+    return error;
+}
+
+static int compute_generation(struct job *job, struct generation *out)
+{
+    int error = compute_metric(job, out);
     if (!error) {
         error = fill_index(job, out);
     }
-    iso_site_free(statistics);
     explicit_bzero(job->captures, sizeof job->captures);
     if (error) {
         free_generation(out);

@@ -22,8 +22,12 @@
 #include "core/match/site.h"
 #include "isotherm/index.h"
 
-/* The offset of fewer people is mostly that of their own faces. */
-enum { ISO_SITE_PEOPLE_MIN = 3 };
+enum {
+    ISO_SITE_PEOPLE_MIN = 3, /* the offset of fewer people is mostly that of their own faces */
+    /* Of more people, those with the lowest numbers teach the metric: enough to know the site, and
+     * little enough for the memory of a board. */
+    ISO_SITE_PEOPLE_MAX = 2000,
+};
 
 struct iso_site_index;
 

@@ -48,7 +48,7 @@ static int time_search(const struct iso_site_index *site, const struct iso_metri
         const int64_t middle_ns = sim_thread_cpu_ns(NULL);
         for (int i = 0; !error && i < n; i++) {
             error = iso_index_find(index, hits[i].person, &person);
-            hits[i].score = iso_site_score(adapted, &person, &probe);
+            hits[i].score = iso_site_score(adapted, hits[i].person, &person, &probe);
         }
         search_ns[p] = middle_ns - begin_ns;
         again_ns[p] = sim_thread_cpu_ns(NULL) - middle_ns;

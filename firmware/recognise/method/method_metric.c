@@ -65,7 +65,7 @@ static bool score_one(const struct by_metric *method, const struct iso_candidate
     *hit = (struct iso_search_hit){
         .person = number,
         .distance_mm = NAN,
-        .score = among->site ? iso_site_score(among->site, &person, probe)
+        .score = among->site ? iso_site_score(among->site, number, &person, probe)
                              : iso_metric_score(method->metric, &person, probe),
     };
     explicit_bzero(&person, sizeof person);

@@ -43,7 +43,7 @@ static int project_samples(const struct splitting *s)
     return 0;
 }
 
-static int teach_site(const struct splitting *s, struct iso_site *site)
+static int pass_people(const struct splitting *s, bool second, struct iso_site *site)
 {
     int error = 0;
     for (size_t p = 0; p < s->gallery->n_people && !error; p++) {
@@ -53,9 +53,21 @@ static int teach_site(const struct splitting *s, struct iso_site *site)
                 s->captures[n++] = s->vector[i];
             }
         }
-        error = n > 0 ? iso_site_add(site, s->captures, n) : 0;
+        if (n > 0) {
+            error = second ? iso_site_review(site, s->captures, n)
+                           : iso_site_add(site, (int64_t)p, s->captures, n);
+        }
     }
     return error;
+}
+
+static int teach_site(const struct splitting *s, struct iso_site *site)
+{
+    int error = pass_people(s, false, site);
+    if (!error) {
+        error = iso_site_find_directions(site);
+    }
+    return error ? error : pass_people(s, true, site);
 }
 
 static int learn_metric(const struct splitting *s, struct iso_site_metric *out)

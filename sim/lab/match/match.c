@@ -130,7 +130,7 @@ static int search_by_metric(const struct matching *work, int worker, struct sim_
     struct iso_metric_vector probe;
     const int error = iso_metric_project(metric, &sample->tmpl, &probe);
     for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
-        score[p] = site ? iso_site_score(site, &work->enrolled[p], &probe)
+        score[p] = site ? iso_site_score(site, (int64_t)p, &work->enrolled[p], &probe)
                         : iso_metric_score(metric, &work->enrolled[p], &probe);
         distance_mm[p] = NAN;
     }

@@ -1,5 +1,5 @@
-/* The score of a person of the site without the own share of the offset, compared with the formula
- * for matrices of three rows. */
+/* The score of a person of the site without the own share of the offset and without the share that
+ * helps the probe most, compared with the formula for matrices of three rows. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -81,55 +81,104 @@ static double score_by_definition(const struct iso_site_metric *site, const doub
     return 0.5 * (double)site->metric->gain * ratio + (double)site->metric->bias;
 }
 
-/* Everybody's offset, without this person's share, is a direction of variance. */
-static void a_person_is_scored_without_the_own_offset(void **state)
+/* The score without the shares of the people whose bits are set. */
+static double score_without(const struct iso_site_metric *site, unsigned left_out,
+                            const struct iso_metric_vector *person,
+                            const struct iso_metric_vector *probe)
+{
+    double within[3][3], others[3];
+    for (int d = 0; d < 3; d++) {
+        double sum = (PEOPLE + 1) * (double)site->offset[d], people = PEOPLE + 1;
+        for (int p = 0; p < PEOPLE; p++) {
+            if (left_out & 1U << p) {
+                sum -= (double)site->own[3 * p + d];
+                people -= 1.0;
+            }
+        }
+        others[d] = sum / people;
+    }
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            within[i][j] = (i == j ? 1.0 : 0.0) + others[i] * others[j] -
+                           (double)site->offset[i] * (double)site->offset[j];
+        }
+    }
+    return score_by_definition(site, within, person, probe);
+}
+
+/* The least score without `own`, which may be 0, and without one of four groups of people. */
+static double least_score(const struct iso_site_metric *site, unsigned own,
+                          const struct iso_metric_vector *person,
+                          const struct iso_metric_vector *probe)
+{
+    double least = INFINITY;
+    static const unsigned groups[] = {1, 2, 4, 8 + 16};
+    for (int g = 0; g < 4; g++) {
+        least = fmin(least, score_without(site, own | groups[g], person, probe));
+    }
+    return least;
+}
+
+/* A site of people with one template each. */
+static struct iso_site_metric adapt_to(const struct iso_metric *metric,
+                                       const struct iso_metric_vector *captures)
+{
+    struct iso_site *statistics = NULL;
+    struct iso_site_metric site;
+    assert_int_equal(iso_site_new(metric, &statistics), 0);
+    for (int p = 0; p < PEOPLE; p++) {
+        assert_int_equal(iso_site_add(statistics, 10 * p, &captures[p], 1), 0);
+    }
+    assert_int_equal(iso_site_find_directions(statistics), 0);
+    for (int p = 0; p < PEOPLE; p++) {
+        assert_int_equal(iso_site_review(statistics, &captures[p], 1), 0);
+    }
+    assert_int_equal(iso_site_adapt(statistics, metric, &site), 0);
+    assert_int_equal(site.people, PEOPLE);
+    iso_site_free(statistics);
+    return site;
+}
+
+/* The offset without these shares is a direction of variance. */
+static void a_person_is_scored_without_shares_of_the_offset(void **state)
 {
     (void)state;
     struct iso_metric *metric = small_metric();
-    struct iso_site *statistics = NULL;
     struct iso_metric_vector captures[PEOPLE];
-    struct iso_site_metric site;
     const struct iso_template tmpl = small_template(metric, 0.3);
     struct iso_metric_vector shipped, probe, person;
-    double within[3][3], others[3];
-    assert_int_equal(iso_site_new(metric, &statistics), 0);
     for (int p = 0; p < PEOPLE; p++) {
         captures[p] = (struct iso_metric_vector){.n = 1};
         for (int d = 0; d < DIMENSIONS; d++) {
             captures[p].mean[d] = (float)(1.0 + 2.0 * sin(5.0 * p + 2.0 * d));
         }
-        assert_int_equal(iso_site_add(statistics, &captures[p], 1), 0);
     }
-    assert_int_equal(iso_site_adapt(statistics, metric, &site), 0);
-    assert_int_equal(site.people, PEOPLE);
+    struct iso_site_metric site = adapt_to(metric, captures);
     assert_int_equal(iso_metric_project(metric, &tmpl, &shipped), 0);
     shipped.mean[0] += 3.0f;
     iso_site_turn(&site, &shipped, &probe);
-    iso_site_turn(&site, &captures[0], &person);
-    for (int d = 0; d < 3; d++) {
-        others[d] = ((PEOPLE + 1) * (double)site.offset[d] - (double)person.mean[d]) / PEOPLE;
+    int lower = 0; /* people whose score another share raises */
+    for (int p = 0; p < PEOPLE; p++) {
+        iso_site_turn(&site, &captures[p], &person);
+        const double score = iso_site_score(&site, 10 * p, &person, &probe);
+        assert_near(score, least_score(&site, 1U << p, &person, &probe), 1e-9);
+        lower += score < score_without(&site, 1U << p, &person, &probe) - 1e-3;
+        assert_true(fabs(score - iso_metric_score(site.metric, &person, &probe)) > 1e-3);
+        /* Nobody of this site has the number 5. */
+        assert_near(iso_site_score(&site, 5, &person, &probe),
+                    least_score(&site, 0, &person, &probe), 1e-9);
     }
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) {
-            within[i][j] = (i == j ? 1.0 : 0.0) + others[i] * others[j] -
-                           (double)site.offset[i] * (double)site.offset[j];
-        }
-    }
-    assert_near(iso_site_score(&site, &person, &probe),
-                score_by_definition(&site, within, &person, &probe), 1e-9);
-    assert_true(fabs(iso_site_score(&site, &person, &probe) -
-                     iso_metric_score(site.metric, &person, &probe)) > 1e-3);
+    assert_true(lower > 0);
     person.n = 0;
-    assert_true(isinf(iso_site_score(&site, &person, &probe)));
+    assert_true(isinf(iso_site_score(&site, 0, &person, &probe)));
     iso_site_metric_free(&site);
-    iso_site_free(statistics);
     iso_metric_free(metric);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_person_is_scored_without_the_own_offset),
+        cmocka_unit_test(a_person_is_scored_without_shares_of_the_offset),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

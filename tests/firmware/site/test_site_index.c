@@ -75,21 +75,32 @@ static void add_person(struct iso_site_index *site, const struct iso_metric *met
     }
 }
 
-/* What core computes from these people. */
-static struct iso_site_metric adapted_to(const struct iso_metric *metric, const bool *is_here)
+/* Shows the people who are here to the statistics, in the first pass or in the second one. */
+static void pass_people(struct iso_site *statistics, const struct iso_metric *metric,
+                        const bool *is_here, bool second)
 {
-    struct iso_site *statistics = NULL;
-    struct iso_site_metric adapted;
     struct iso_metric_vector captures[TEMPLATES];
-    assert_int_equal(iso_site_new(metric, &statistics), 0);
     for (int p = 0; p < PEOPLE; p++) {
         for (int i = 0; i < TEMPLATES; i++) {
             captures[i] = vector_of(metric, p, i);
         }
         if (is_here[p]) {
-            assert_int_equal(iso_site_add(statistics, captures, TEMPLATES), 0);
+            assert_int_equal(second ? iso_site_review(statistics, captures, TEMPLATES)
+                                    : iso_site_add(statistics, p, captures, TEMPLATES),
+                             0);
         }
     }
+}
+
+/* What core computes from these people. */
+static struct iso_site_metric adapted_to(const struct iso_metric *metric, const bool *is_here)
+{
+    struct iso_site *statistics = NULL;
+    struct iso_site_metric adapted;
+    assert_int_equal(iso_site_new(metric, &statistics), 0);
+    pass_people(statistics, metric, is_here, false);
+    assert_int_equal(iso_site_find_directions(statistics), 0);
+    pass_people(statistics, metric, is_here, true);
     assert_int_equal(iso_site_adapt(statistics, metric, &adapted), 0);
     iso_site_free(statistics);
     return adapted;
