@@ -5,8 +5,8 @@
 # the environment there are five groups with 200 visits of each kind: a thousand visits of each. No parameter was chosen on these seeds;
 # the rules of the decision were chosen on the seeds 1501 and 1601.
 # SCRATCH keeps the corpora (4 GB), which are rendered only if they are missing, and the results (SCRATCH/levels, which is deleted first).
-# Two corpora are rendered at a time. It takes 55 minutes of one x86 core, 35 of them for rendering. GROUP_COUNT=1 STRANGERS=300 ALIKE=100
-# takes a fifth of it.
+# Two corpora are rendered at a time. It takes about an hour of one x86 core, 35 minutes of it for rendering; GROUP_COUNT=1 STRANGERS=300
+# ALIKE=100 makes a fifth of the visits.
 # With REAL, a corpus of single real frames, it also makes visits of these (real_visits.sh) and measures them (SCRATCH/levels-real).
 # The environment may set GROUP_COUNT, VISITS, STRANGERS, ALIKE, ADAPT (no, yes or both) and REAL.
 # usage: levels.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY SCRATCH

@@ -1,8 +1,9 @@
 #!/bin/sh
 # Makes visits of a corpus of single real frames, for `isotherm-sim levels`. All frames of one person, session and pose are one visit, in
-# the manifest's order, 33 ms apart. The frames of pose `frontal` in the first session enrol the person. OUT/all has everybody enrolled,
-# with the other visits of everybody. OUT/without-PERSON has everybody but one person enrolled, with all visits of this person, who is a
-# stranger there. The recordings link to the frames of CORPUS. No frame is copied.
+# the manifest's order, 33 ms apart. But the person is enrolled with the frames of pose `frontal`, at rest (neutral, neutral2, eyes_closed),
+# of all sessions but the last; the other frontal frames of these sessions are left out. OUT/all has everybody enrolled,
+# with the other visits of everybody. OUT/without-PERSON has everybody but one person enrolled, with the visits of this person, who is
+# a stranger there. The recordings link to the frames of CORPUS. No frame is copied.
 # usage: real_visits.sh CORPUS OUT
 set -eu
 corpus=$(cd "$1" && pwd) out=$2
@@ -27,12 +28,19 @@ visit() {
 }
 
 # Lines: recording subject session pose, then the frames.
-groups=$(awk -F, 'NR > 1 {
-    key = $1 " " $4 " " $5 " " $7
-    if (!(key in frames)) { order[n++] = key }
-    frames[key] = frames[key] " " $2
-} END { for (i = 0; i < n; i++) { print order[i] frames[order[i]] } }' "$corpus/manifest.csv")
-first=$(printf '%s\n' "$groups" | awk 'NR == 1 { print $3 }')
+groups=$(awk -F, '
+    NR == FNR { last = $5; next }
+    FNR > 1 {
+        session = $5
+        if ($7 == "frontal" && $5 != last) {
+            if ($8 !~ /^(neutral2?|eyes_closed)$/) { next }
+            session = "enrol"
+        }
+        key = $1 " " $4 " " session " " $7
+        if (!(key in frames)) { order[n++] = key }
+        frames[key] = frames[key] " " $2
+    }
+    END { for (i = 0; i < n; i++) { print order[i] frames[order[i]] } }' "$corpus/manifest.csv" "$corpus/manifest.csv")
 people=$(printf '%s\n' "$groups" | awk '!seen[$2]++ { print $2 }')
 
 # corpus NAME: begins a corpus of links to the visits
@@ -56,7 +64,7 @@ for role in gallery visit; do
     printf '%s\n' "$groups" | while read -r recording subject session pose frames; do
         name=$subject-$session-$pose
         enrols=visit
-        [ "$session $pose" != "$first frontal" ] || enrols=gallery
+        [ "$session" != enrol ] || enrols=gallery
         count=$(echo "$frames" | wc -w)
         if [ "$role" = gallery ] && [ "$enrols" = gallery ]; then
             # shellcheck disable=SC2086
@@ -65,10 +73,10 @@ for role in gallery visit; do
             for person in $people; do
                 [ "$person" = "$subject" ] || add "without-$person" "$name" "$count" "$subject" "$session" gallery "$pose"
             done
-        elif [ "$role" = visit ]; then
+        elif [ "$role" = visit ] && [ "$enrols" = visit ]; then
             # shellcheck disable=SC2086
             visit "$recording" "$name" $frames
-            [ "$enrols" = gallery ] || add all "$name" "$count" "$subject" "$session" probe "$pose"
+            add all "$name" "$count" "$subject" "$session" probe "$pose"
             add "without-$subject" "$name" "$count" "$subject" "$session" impostor "$pose"
         fi
     done

@@ -116,34 +116,45 @@ json_t *sim_json_site(const struct sim_eval *eval)
 /* The lowest rate of both axes; lower rates are drawn there. */
 static const double lowest = 1e-5;
 
-static int draw_promise(const struct sim_calibration *calibration, const char *path,
-                        struct iso_fault *fault)
-{
+/* Points of the picture. */
+struct outline {
     double promised[SIM_PROMISE_POINTS], fmr[SIM_PROMISE_POINTS];
-    double low[SIM_PROMISE_POINTS], high[SIM_PROMISE_POINTS], level_x[LEVELS], level_y[LEVELS];
-    const double ends[] = {lowest, 1.0};
-    char subtitle[160];
+    double low[SIM_PROMISE_POINTS], high[SIM_PROMISE_POINTS];
+    double level_x[LEVELS], level_y[LEVELS];
+};
+
+static void fill_outline(const struct sim_calibration *calibration, struct outline *o)
+{
     for (int i = 0; i < SIM_PROMISE_POINTS; i++) {
         const struct sim_promise_point *p = &calibration->promise[i];
-        promised[i] = p->promised;
-        fmr[i] = fmax(p->fmr, lowest);
-        low[i] = fmax(p->interval.low, lowest);
-        high[i] = fmax(p->interval.high, lowest);
+        o->promised[i] = p->promised;
+        o->fmr[i] = fmax(p->fmr, lowest);
+        o->low[i] = fmax(p->interval.low, lowest);
+        o->high[i] = fmax(p->interval.high, lowest);
     }
     for (int i = 0; i < LEVELS; i++) {
         const struct sim_promise_point *p = point_of(calibration, LEVEL_FIRST + i);
-        level_x[i] = p->promised;
-        level_y[i] = fmax(p->fmr, lowest);
+        o->level_x[i] = p->promised;
+        o->level_y[i] = fmax(p->fmr, lowest);
     }
+}
+
+static int draw_promise(const struct sim_calibration *calibration, const char *path,
+                        struct iso_fault *fault)
+{
+    struct outline o;
+    const double ends[] = {lowest, 1.0};
+    char subtitle[160];
+    fill_outline(calibration, &o);
     (void)snprintf(subtitle, sizeof subtitle,
                    "dashed: 95 %% interval over people, and the promise kept; Cllr %.3f bits, at "
                    "least %.3f",
                    calibration->cllr, calibration->cllr_min);
     const struct sim_series series[] = {
-        {"measured", SIM_SERIES_LINE, SIM_PROMISE_POINTS, promised, fmr},
-        {"at scores 1, 2, 3, 4", SIM_SERIES_MARKED, LEVELS, level_x, level_y},
-        {NULL, SIM_SERIES_DASHED, SIM_PROMISE_POINTS, promised, low},
-        {NULL, SIM_SERIES_DASHED, SIM_PROMISE_POINTS, promised, high},
+        {"measured", SIM_SERIES_LINE, SIM_PROMISE_POINTS, o.promised, o.fmr},
+        {"at scores 1, 2, 3, 4", SIM_SERIES_MARKED, LEVELS, o.level_x, o.level_y},
+        {NULL, SIM_SERIES_DASHED, SIM_PROMISE_POINTS, o.promised, o.low},
+        {NULL, SIM_SERIES_DASHED, SIM_PROMISE_POINTS, o.promised, o.high},
         {NULL, SIM_SERIES_DASHED, 2, ends, ends},
     };
     const struct sim_plot plot = {
