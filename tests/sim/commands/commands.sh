@@ -174,6 +174,16 @@ done
 expect 0 '' show --recording "$face" --what isotherms --out "$work/shipped.png"
 expect 0 '' landmarks --corpus "$work/corpus" --out "$work/landmarks-shipped"
 expect 0 '' eval --corpus "$source/sim/stored" --gallery-frames 1 --probe-frames 1 --out "$work/eval-shipped"
+for words in '"cllr"' '"cllr_min"' '"dcf"' '"mode": "none"'; do
+    grep -q "$words" "$work/eval-shipped/summary.json" || {
+        echo "eval does not write $words to summary.json"
+        failures=$((failures + 1))
+    }
+done
+[ -s "$work/eval-shipped/promise.png" ] || {
+    echo 'eval draws no promise.png'
+    failures=$((failures + 1))
+}
 expect 0 '' eval --corpus "$source/sim/stored" --gallery-frames 1 --probe-frames 1 --out "$work/eval-explicit" \
     --model "$model" --metric "$source/core/data/face.metric"
 cmp "$work/eval-shipped/scores.csv" "$work/eval-explicit/scores.csv" || {
