@@ -18,7 +18,8 @@
 #   make check-asan  runs every test under the address and undefined-behaviour sanitizers
 #   make nightly  runs the slow checks: check-clang, check-asan, fuzz of NIGHTLY_FUZZ_SECONDS, NIGHTLY_KILLS kills, storage-faults,
 #                 packages-arm64, drill, races, drill-bites; it does not run `make levels`
-#   make levels   counts refused and admitted visitors at each security level in 3,000 visits: an hour; ICT=DIR has the head model
+#   make levels   counts refused and admitted visitors at each security level in 3,000 visits: an hour; ICT=DIR has the head model.
+#                 GROUP_COUNT=1 STRANGERS=300 ALIKE=100: 600 visits; REAL=DIR also plays visits of real frames
 #   make packages makes the Debian packages in build/packages and checks them
 #   make packages-arm64  cross-builds the packages for arm64 in build/packages-arm64
 #   make install-check  installs the packages, and also runs `make install`, each in a fresh Debian in a container: needs root

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "drivers/base/path.h"
 #include "drivers/base/shipped.h"
@@ -17,14 +18,38 @@
 /* The level `balanced` may admit strangers in at most this share of their visits. */
 static const double strangers_max = 0.001;
 
+/* The settings of `[match] adapt` to measure. */
+enum { AS_SHIPPED, ADAPTED, SETTINGS };
+enum adapt { ADAPT_NO, ADAPT_YES, ADAPT_BOTH };
+
+/* The counts of all levels with each setting. */
+struct counts {
+    struct sim_level_counts of[SETTINGS][SIM_LEVELS];
+};
+
 struct arguments {
     struct sim_option_texts people, alike;
+    enum adapt adapt;
     const char *out, *model, *metric;
-    struct sim_rate strangers; /* result: visits of strangers admitted at `balanced` */
+    struct sim_rate strangers; /* result: visits of strangers admitted at `balanced`, by the first
+                                  setting */
     size_t not_enrolled[2];    /* result: people of each crowd who could not be enrolled */
 };
 
 #define FIELD(name) offsetof(struct arguments, name)
+
+static int parse_adapt(const char *text, void *field)
+{
+    static const char *const names[] = {
+        [ADAPT_NO] = "no", [ADAPT_YES] = "yes", [ADAPT_BOTH] = "both"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            *(enum adapt *)field = (enum adapt)i;
+            return 0;
+        }
+    }
+    return -EINVAL;
+}
 
 static const struct sim_option options[] = {
     {"corpus", "DIR", "enrolled people and strangers; may be repeated", sim_option_list,
@@ -33,6 +58,8 @@ static const struct sim_option options[] = {
      sim_option_list, FIELD(alike)},
     {"out", "DIR", "new directory for levels.csv and the visits; must not exist", sim_option_text,
      FIELD(out)},
+    {"adapt", "no|yes|both", "[match] adapt of the appliances; `both`: side by side (no)",
+     parse_adapt, FIELD(adapt)},
     {"model", "FILE", "head model", sim_option_text, FIELD(model)},
     {"metric", "FILE", "learned metric", sim_option_text, FIELD(metric)},
 };
@@ -43,37 +70,49 @@ static void ignore_visit(const struct sim_visit *visit, void *context)
     (void)context;
 }
 
-/* Writes visits.csv of each level to the level's folder and adds its visits to `counts`. */
-static int take_visits(enum sim_level_crowd crowd, const char *state,
+static bool is_measured(enum adapt adapt, int setting)
+{
+    return adapt == ADAPT_BOTH || (int)adapt == setting;
+}
+
+/* Writes visits.csv of each door to the door's folder and adds its visits to `counts`. */
+static int take_visits(enum adapt adapt, enum sim_level_crowd crowd, const char *state,
                        const struct sim_visit *visits, size_t n_rows, size_t n_visits,
-                       struct sim_level_counts counts[SIM_LEVELS], struct iso_fault *fault)
+                       struct counts *counts, struct iso_fault *fault)
 {
     int error = 0;
-    for (int level = 0; level < SIM_LEVELS && !error; level++) {
-        const struct sim_visit *own = &visits[(size_t)level * n_rows];
-        char folder[PATH_MAX];
-        error = iso_path_join(state, sim_level_name((enum iso_level)level), folder, fault);
+    const struct sim_visit *own = visits;
+    for (int door = 0; door < SIM_DOORS_MAX && !error; door++) {
+        const int setting = door / SIM_LEVELS, level = door % SIM_LEVELS;
+        char name[64], folder[PATH_MAX];
+        if (!is_measured(adapt, setting)) {
+            continue;
+        }
+        (void)snprintf(name, sizeof name, "%s%s", sim_level_name((enum iso_level)level),
+                       adapt == ADAPT_BOTH && setting == ADAPTED ? "-adapted" : "");
+        error = iso_path_join(state, name, folder, fault);
         if (!error) {
             error = sim_visit_write_csv(folder, own, n_visits, fault);
         }
-        sim_level_count(crowd, own, n_visits, &counts[level]);
+        sim_level_count(crowd, own, n_visits, &counts->of[setting][level]);
+        own += n_rows;
     }
     return error;
 }
 
-static int play_visits(const struct sim_rehearsal_options *rehearsal, enum sim_level_crowd crowd,
-                       const struct sim_corpus *corpus, struct sim_level_counts counts[SIM_LEVELS],
-                       struct iso_fault *fault)
+static int play_visits(enum adapt adapt, const struct sim_rehearsal_options *rehearsal,
+                       enum sim_level_crowd crowd, const struct sim_corpus *corpus,
+                       struct counts *counts, struct iso_fault *fault)
 {
     size_t n_visits = 0;
-    struct sim_visit *visits = calloc(SIM_LEVELS * corpus->n_rows, sizeof *visits);
+    struct sim_visit *visits = calloc(SIM_DOORS_MAX * corpus->n_rows, sizeof *visits);
     if (!visits) {
         return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
     int error = sim_rehearse(rehearsal, corpus, ignore_visit, NULL, visits, &n_visits, fault);
     if (!error) {
-        error = take_visits(crowd, rehearsal->state, visits, corpus->n_rows, n_visits, counts,
-                            fault);
+        error = take_visits(adapt, crowd, rehearsal->state, visits, corpus->n_rows, n_visits,
+                            counts, fault);
     }
     free(visits);
     return error;
@@ -81,8 +120,8 @@ static int play_visits(const struct sim_rehearsal_options *rehearsal, enum sim_l
 
 /* Plays one corpus. Its galleries, logs and visits go to a numbered folder of the output. */
 static int play_corpus(struct arguments *arguments, enum sim_level_crowd crowd,
-                       const char *directory, size_t number,
-                       struct sim_level_counts counts[SIM_LEVELS], struct iso_fault *fault)
+                       const char *directory, size_t number, struct counts *counts,
+                       struct iso_fault *fault)
 {
     char name[32], state[PATH_MAX];
     const struct sim_rehearsal_options rehearsal = {
@@ -92,6 +131,8 @@ static int play_corpus(struct arguments *arguments, enum sim_level_crowd crowd,
         .metric = arguments->metric,
         .threshold = NAN,
         .all_levels = true,
+        .adapt = arguments->adapt == ADAPT_YES,
+        .adapt_too = arguments->adapt == ADAPT_BOTH,
         .allow_duplicate = true, /* among many people some look alike; they are enrolled too */
         .not_enrolled = &arguments->not_enrolled[crowd],
     };
@@ -106,22 +147,35 @@ static int play_corpus(struct arguments *arguments, enum sim_level_crowd crowd,
         error = sim_make_new_directory(state, fault);
     }
     if (!error) {
-        error = play_visits(&rehearsal, crowd, corpus, counts, fault);
+        error = play_visits(arguments->adapt, &rehearsal, crowd, corpus, counts, fault);
     }
     sim_corpus_free(corpus);
     return error;
 }
 
+static int write_files(const struct arguments *arguments, const struct counts *counts,
+                       struct iso_fault *fault)
+{
+    static const char *const names[SETTINGS] = {"levels.csv", "levels-adapted.csv"};
+    int error = 0;
+    for (int setting = 0; setting < SETTINGS && !error; setting++) {
+        if (is_measured(arguments->adapt, setting)) {
+            error = sim_level_write_csv(arguments->out, names[setting], counts->of[setting], fault);
+        }
+    }
+    return error;
+}
+
 static int play_corpora(struct arguments *arguments, enum sim_level_crowd crowd,
-                        const struct sim_option_texts *corpora,
-                        struct sim_level_counts counts[SIM_LEVELS], struct iso_fault *fault)
+                        const struct sim_option_texts *corpora, struct counts *counts,
+                        struct iso_fault *fault)
 {
     int error = 0;
     for (size_t i = 0; i < corpora->n && !error; i++) {
         error = play_corpus(arguments, crowd, corpora->text[i], i + 1, counts, fault);
         /* The results so far, in case a long run is ended early. */
         if (!error) {
-            error = sim_level_write_csv(arguments->out, counts, fault);
+            error = write_files(arguments, counts, fault);
         }
     }
     return error;
@@ -130,7 +184,8 @@ static int play_corpora(struct arguments *arguments, enum sim_level_crowd crowd,
 static int run(void *target, struct iso_fault *fault)
 {
     struct arguments *arguments = target;
-    struct sim_level_counts counts[SIM_LEVELS] = {0};
+    static const char *const labels[SETTINGS] = {"", ", adapted"};
+    struct counts counts = {0};
     if (arguments->people.n + arguments->alike.n == 0 || !arguments->out) {
         return iso_fault_set(fault, -EINVAL, "--corpus or --alike, and --out are needed");
     }
@@ -138,20 +193,26 @@ static int run(void *target, struct iso_fault *fault)
     if (error) {
         return error;
     }
-    error = play_corpora(arguments, SIM_CROWD_PEOPLE, &arguments->people, counts, fault);
+    error = play_corpora(arguments, SIM_CROWD_PEOPLE, &arguments->people, &counts, fault);
     if (!error) {
-        error = play_corpora(arguments, SIM_CROWD_ALIKE, &arguments->alike, counts, fault);
+        error = play_corpora(arguments, SIM_CROWD_ALIKE, &arguments->alike, &counts, fault);
     }
     if (error) {
         return error;
     }
-    sim_level_print(counts, stdout);
+    sim_level_print_head(stdout);
+    for (int setting = 0; setting < SETTINGS; setting++) {
+        if (is_measured(arguments->adapt, setting)) {
+            sim_level_print(counts.of[setting], labels[setting], stdout);
+        }
+    }
     const size_t absent = arguments->not_enrolled[SIM_CROWD_PEOPLE];
     if (absent > 0) {
         printf("\n%zu %s could not be enrolled: each of their visits counts as refused.\n", absent,
                iso_plural(absent, "person", "people"));
     }
-    arguments->strangers = counts[ISO_LEVEL_BALANCED].strangers;
+    const int first = arguments->adapt == ADAPT_YES ? ADAPTED : AS_SHIPPED;
+    arguments->strangers = counts.of[first][ISO_LEVEL_BALANCED].strangers.visits;
     return 0;
 }
 
@@ -165,7 +226,9 @@ int sim_cmd_levels(int argc, char **argv)
         .summary =
             "Counts the visits in which people are refused and let in at each security level.\n"
             "Every visitor stands before three appliances at once, one of each level, on a\n"
-            "virtual clock. Exit status 1: balanced let strangers in at more than 0.1 % of their\n"
+            "virtual clock; with --adapt both, before three more that adapt the metric to the\n"
+            "enrolled people. The intervals take people, not visits, as independent. Exit status "
+            "1: balanced let strangers in at more than 0.1 % of their\n"
             "visits.",
         .run = run,
     };

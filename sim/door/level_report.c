@@ -1,27 +1,62 @@
 #include "sim/door/level_report.h"
 
+#include <stdbool.h>
+#include <string.h>
+
 #include "sim/base/result_file.h"
 
-static void add(struct sim_rate *rate, size_t events, size_t trials)
+static bool is_stranger(const struct sim_visit *visit)
 {
-    rate->events += events;
-    rate->trials += trials;
+    return visit->row->role != SIM_ROLE_PROBE;
+}
+
+/* Whether a visit is the first one of its subject in its role. */
+static bool is_new(const struct sim_visit *visits, size_t visit)
+{
+    for (size_t i = 0; i < visit; i++) {
+        if (is_stranger(&visits[i]) == is_stranger(&visits[visit]) &&
+            strcmp(visits[i].row->subject, visits[visit].row->subject) == 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Counts the visits of the subject whose first visit is visits[0]. */
+static struct sim_rate count_person(const struct sim_visit *visits, size_t n_visits)
+{
+    const struct sim_visit *first = &visits[0];
+    struct sim_rate rate = {0, 0};
+    for (size_t i = 0; i < n_visits; i++) {
+        if (is_stranger(&visits[i]) != is_stranger(first) ||
+            strcmp(visits[i].row->subject, first->row->subject) != 0) {
+            continue;
+        }
+        const struct sim_visit_summary one = sim_visit_judge(&visits[i], 1);
+        rate.events += is_stranger(first) ? one.impostors_let_in : one.probes - one.probes_admitted;
+        rate.trials++;
+    }
+    return rate;
 }
 
 void sim_level_count(enum sim_level_crowd crowd, const struct sim_visit *visits, size_t n_visits,
                      struct sim_level_counts *counts)
 {
-    const struct sim_visit_summary summary = sim_visit_judge(visits, n_visits);
-    if (crowd == SIM_CROWD_PEOPLE) {
-        add(&counts->refused, summary.probes - summary.probes_admitted, summary.probes);
+    struct sim_people_rate *strangers = crowd == SIM_CROWD_PEOPLE ? &counts->strangers
+                                                                  : &counts->alike;
+    for (size_t i = 0; i < n_visits; i++) {
+        if (!is_new(visits, i) || (crowd == SIM_CROWD_ALIKE && !is_stranger(&visits[i]))) {
+            continue;
+        }
+        sim_people_rate_add(is_stranger(&visits[i]) ? strangers : &counts->refused,
+                            count_person(&visits[i], n_visits - i));
     }
-    add(crowd == SIM_CROWD_PEOPLE ? &counts->strangers : &counts->alike, summary.impostors_let_in,
-        summary.impostors);
 }
 
-static void print_rate(struct sim_rate rate, FILE *out)
+static void print_rate(const struct sim_people_rate *of, FILE *out)
 {
-    const struct sim_interval interval = sim_rate_exact_interval(rate);
+    const struct sim_interval interval = sim_people_rate_interval(of);
+    const struct sim_rate rate = of->visits;
     if (rate.trials == 0) {
         fputs(" not measured |", out);
         return;
@@ -30,40 +65,48 @@ static void print_rate(struct sim_rate rate, FILE *out)
             100.0 * interval.low, 100.0 * interval.high, rate.events, rate.trials);
 }
 
-void sim_level_print(const struct sim_level_counts counts[SIM_LEVELS], FILE *out)
+void sim_level_print_head(FILE *out)
 {
     fputs("| `level` | enrolled people refused | strangers let in | look-alikes let in |\n"
           "| --- | --- | --- | --- |\n",
           out);
+}
+
+void sim_level_print(const struct sim_level_counts counts[SIM_LEVELS], const char *setting,
+                     FILE *out)
+{
     for (int level = 0; level < SIM_LEVELS; level++) {
-        fprintf(out, "| `%s` |", sim_level_name((enum iso_level)level));
-        print_rate(counts[level].refused, out);
-        print_rate(counts[level].strangers, out);
-        print_rate(counts[level].alike, out);
+        fprintf(out, "| `%s`%s |", sim_level_name((enum iso_level)level), setting);
+        print_rate(&counts[level].refused, out);
+        print_rate(&counts[level].strangers, out);
+        print_rate(&counts[level].alike, out);
         fputc('\n', out);
     }
 }
 
-static void write_row(enum iso_level level, const char *who, struct sim_rate rate, FILE *out)
+static void write_row(enum iso_level level, const char *who, const struct sim_people_rate *rate,
+                      FILE *out)
 {
-    const struct sim_interval interval = sim_rate_exact_interval(rate);
-    fprintf(out, "%s,%s,%zu,%zu,%.6f,%.6f,%.6f\n", sim_level_name(level), who, rate.events,
-            rate.trials, rate.trials > 0 ? sim_rate_value(rate) : 0.0, interval.low, interval.high);
+    const struct sim_interval interval = sim_people_rate_interval(rate);
+    const struct sim_rate visits = rate->visits;
+    fprintf(out, "%s,%s,%zu,%zu,%.6f,%.6f,%.6f,%zu\n", sim_level_name(level), who, visits.events,
+            visits.trials, visits.trials > 0 ? sim_rate_value(visits) : 0.0, interval.low,
+            interval.high, rate->people);
 }
 
 static void write_levels(const void *context, FILE *out)
 {
     const struct sim_level_counts *counts = context;
-    fputs("level,who,errors,visits,rate,low,high\n", out);
+    fputs("level,who,errors,visits,rate,low,high,people\n", out);
     for (int level = 0; level < SIM_LEVELS; level++) {
-        write_row((enum iso_level)level, "refused", counts[level].refused, out);
-        write_row((enum iso_level)level, "strangers", counts[level].strangers, out);
-        write_row((enum iso_level)level, "alike", counts[level].alike, out);
+        write_row((enum iso_level)level, "refused", &counts[level].refused, out);
+        write_row((enum iso_level)level, "strangers", &counts[level].strangers, out);
+        write_row((enum iso_level)level, "alike", &counts[level].alike, out);
     }
 }
 
-int sim_level_write_csv(const char *directory, const struct sim_level_counts counts[SIM_LEVELS],
-                        struct iso_fault *fault)
+int sim_level_write_csv(const char *directory, const char *name,
+                        const struct sim_level_counts counts[SIM_LEVELS], struct iso_fault *fault)
 {
-    return sim_result_file(directory, "levels.csv", write_levels, counts, fault);
+    return sim_result_file(directory, name, write_levels, counts, fault);
 }

@@ -7,7 +7,7 @@
 #include <stdio.h>
 
 #include "sim/door/rehearsal.h"
-#include "sim/lab/measure/rate.h"
+#include "sim/lab/measure/people_rate.h"
 
 /* The kinds of people in a corpus. */
 enum sim_level_crowd {
@@ -18,22 +18,28 @@ enum sim_level_crowd {
 /* Counted visits of one level. */
 struct sim_level_counts {
     /* Enrolled people who are not admitted, or admitted under another name. */
-    struct sim_rate refused;
-    struct sim_rate strangers; /* admitted strangers */
-    struct sim_rate alike;     /* admitted strangers who look like enrolled people */
+    struct sim_people_rate refused;
+    struct sim_people_rate strangers; /* admitted strangers */
+    struct sim_people_rate alike;     /* admitted strangers who look like enrolled people */
 };
 
-/* Adds the visits of one corpus at one level. From SIM_CROWD_ALIKE only the strangers count. */
+/* Adds the visits of one corpus at one level. From SIM_CROWD_ALIKE only the strangers count. Equal
+ * subjects of one corpus are one person; the people of different corpora are different. */
 void sim_level_count(enum sim_level_crowd crowd, const struct sim_visit *visits, size_t n_visits,
                      struct sim_level_counts *counts);
 
-/* Prints a table in Markdown with a row for each level: rates in percent, exact 95 % intervals
- * (sim_rate_exact_interval) and counts. */
-void sim_level_print(const struct sim_level_counts counts[SIM_LEVELS], FILE *out);
+/* Prints the head of a table in Markdown. */
+void sim_level_print_head(FILE *out);
 
-/* Writes DIRECTORY/levels.csv: level,who,errors,visits,rate,low,high. `who` is refused,
- * strangers or alike; the last three are fractions. The errno of writing. */
-int sim_level_write_csv(const char *directory, const struct sim_level_counts counts[SIM_LEVELS],
-                        struct iso_fault *fault) __attribute__((warn_unused_result));
+/* Prints a row of the table for each level: rates in percent, 95 % intervals over people
+ * (people_rate.h) and counts. `setting` follows the name of the level; it may be "". */
+void sim_level_print(const struct sim_level_counts counts[SIM_LEVELS], const char *setting,
+                     FILE *out);
+
+/* Writes DIRECTORY/NAME: level,who,errors,visits,rate,low,high,people. `who` is refused, strangers
+ * or alike; rate, low and high are fractions. The errno of writing. */
+int sim_level_write_csv(const char *directory, const char *name,
+                        const struct sim_level_counts counts[SIM_LEVELS], struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 #endif

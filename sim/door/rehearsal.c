@@ -27,7 +27,7 @@ struct rehearsal {
     char slot[PATH_MAX];
     struct sim_shared_extraction shared;
     size_t n_doors;
-    struct sim_rehearsal_door doors[SIM_LEVELS];
+    struct sim_rehearsal_door doors[SIM_DOORS_MAX];
     struct sim_trace *trace; /* of the visit to draw; NULL: none */
 };
 
@@ -37,19 +37,26 @@ const char *sim_level_name(enum iso_level level)
     return (unsigned)level < SIM_LEVELS ? names[level] : NULL;
 }
 
+/* One door's place and settings. */
+struct door_plan {
+    enum iso_level level;
+    bool adapt;
+};
+
 /* The directory of a door's gallery and log. Each of several doors has its own folder. */
-static int make_state(const struct rehearsal *r, enum iso_level level, char state[PATH_MAX])
+static int make_state(const struct rehearsal *r, struct door_plan plan, char state[PATH_MAX])
 {
     const bool alone = r->n_doors == 1;
-    const int n = snprintf(state, PATH_MAX, "%s%s%s", r->options->state, alone ? "" : "/",
-                           alone ? "" : sim_level_name(level));
+    const int n = snprintf(state, PATH_MAX, "%s%s%s%s", r->options->state, alone ? "" : "/",
+                           alone ? "" : sim_level_name(plan.level),
+                           !alone && r->options->adapt_too && plan.adapt ? "-adapted" : "");
     if (n < 0 || n >= PATH_MAX) {
         return iso_fault_set(r->fault, -ENAMETOOLONG, "%s: path too long", r->options->state);
     }
     return alone ? 0 : sim_make_new_directory(state, r->fault);
 }
 
-static int open_door(struct rehearsal *r, enum iso_level level, struct sim_rehearsal_door *door)
+static int open_door(struct rehearsal *r, struct door_plan plan, struct sim_rehearsal_door *door)
 {
     char state[PATH_MAX];
     const struct sim_rehearsal_setup setup = {
@@ -58,13 +65,24 @@ static int open_door(struct rehearsal *r, enum iso_level level, struct sim_rehea
         .model = r->options->model,
         .metric = r->options->metric,
         .threshold = r->options->threshold,
-        .level = level,
+        .level = plan.level,
+        .adapt = plan.adapt,
     };
-    const int error = make_state(r, level, state);
+    const int error = make_state(r, plan, state);
     if (error) {
         return error;
     }
     return sim_rehearsal_door_open(door, &setup, &r->clock, &r->shared, r->trace, r->fault);
+}
+
+/* The settings of door number i. */
+static struct door_plan plan_door(const struct sim_rehearsal_options *o, size_t i)
+{
+    const enum iso_level one = o->level ? *o->level : iso_config_default().decision.level;
+    return (struct door_plan){
+        .level = o->all_levels ? (enum iso_level)(i % SIM_LEVELS) : one,
+        .adapt = o->adapt || i >= SIM_LEVELS,
+    };
 }
 
 static int open_doors(struct rehearsal *r)
@@ -74,11 +92,20 @@ static int open_doors(struct rehearsal *r)
     if (n < 0 || (size_t)n >= sizeof r->slot) {
         return iso_fault_set(r->fault, -ENAMETOOLONG, "%s: path too long", o->state);
     }
-    const enum iso_level one = o->level ? *o->level : iso_config_default().decision.level;
-    r->n_doors = o->all_levels ? SIM_LEVELS : 1;
+    const size_t beside = o->adapt_too ? SIM_DOORS_MAX : SIM_LEVELS;
+    r->n_doors = o->all_levels ? beside : 1;
     int error = 0;
     for (size_t i = 0; !error && i < r->n_doors; i++) {
-        error = open_door(r, o->all_levels ? (enum iso_level)i : one, &r->doors[i]);
+        error = open_door(r, plan_door(o, i), &r->doors[i]);
+    }
+    return error;
+}
+
+static int settle_doors(struct rehearsal *r)
+{
+    int error = 0;
+    for (size_t i = 0; !error && i < r->n_doors; i++) {
+        error = sim_rehearsal_door_settle(&r->doors[i], r->fault);
     }
     return error;
 }
@@ -168,6 +195,9 @@ static int enrol_person(struct rehearsal *r, const struct sim_corpus_row *row)
     if (!error) {
         error = clear_doors(r);
     }
+    if (!error) {
+        error = settle_doors(r);
+    }
     if (error) {
         return error;
     }
@@ -187,7 +217,7 @@ static bool all_through(const struct rehearsal *r)
 /* Runs until every door has a verdict, or until all frames were examined without one. out[i] is
  * the result of door i. */
 static int await_verdicts(struct rehearsal *r, const struct sim_corpus_row *row,
-                          struct sim_visit *out[SIM_LEVELS])
+                          struct sim_visit *out[SIM_DOORS_MAX])
 {
     const int64_t end_ns = r->clock.now_ns + limit_ns;
     for (size_t i = 0; i < r->n_doors; i++) {
@@ -211,7 +241,7 @@ static int await_verdicts(struct rehearsal *r, const struct sim_corpus_row *row,
 
 /* Plays a visit at one door and draws it. */
 static int visit_and_draw(struct rehearsal *r, const struct sim_corpus_row *row,
-                          struct sim_visit *out[SIM_LEVELS])
+                          struct sim_visit *out[SIM_DOORS_MAX])
 {
     const struct iso_appliance_borrowed *lent = &r->doors[0].lent;
     sim_trace_begin(r->trace, r->clock.now_ns);
@@ -251,7 +281,7 @@ static int enrol_all(struct rehearsal *r, const struct sim_corpus *corpus)
 static int play_visit(struct rehearsal *r, const struct sim_corpus_row *row, size_t n_rows,
                       sim_visit_listener *listener, void *context, struct sim_visit *visits)
 {
-    struct sim_visit *out[SIM_LEVELS] = {NULL};
+    struct sim_visit *out[SIM_DOORS_MAX] = {NULL};
     for (size_t i = 0; i < r->n_doors; i++) {
         out[i] = &visits[i * n_rows];
     }
@@ -307,7 +337,7 @@ int sim_rehearse(const struct sim_rehearsal_options *options, const struct sim_c
     if (!error) {
         error = play_rows(r, corpus, listener, context, visits, n_visits);
     }
-    for (size_t i = 0; i < SIM_LEVELS; i++) {
+    for (size_t i = 0; i < SIM_DOORS_MAX; i++) {
         sim_rehearsal_door_close(&r->doors[i]);
     }
     sim_shared_extraction_done(&r->shared);

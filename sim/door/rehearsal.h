@@ -7,7 +7,7 @@
 #include "firmware/config/config.h"
 #include "sim/door/visit.h"
 
-enum { SIM_LEVELS = ISO_LEVEL_STRICT + 1 };
+enum { SIM_LEVELS = ISO_LEVEL_STRICT + 1, SIM_DOORS_MAX = 2 * SIM_LEVELS };
 
 /* "convenient", "balanced", "strict"; NULL outside the range. */
 const char *sim_level_name(enum iso_level level);
@@ -19,7 +19,9 @@ struct sim_rehearsal_options {
     double threshold;            /* decision.threshold; NaN: that of the level */
     const enum iso_level *level; /* decision.level; NULL: the configuration's default */
     bool all_levels;             /* run SIM_LEVELS doors side by side, one for each level */
-    bool allow_duplicate;        /* also enrol people who look like enrolled ones */
+    bool adapt;                  /* match.adapt: the metric adapts to the enrolled people */
+    bool adapt_too;       /* with all_levels: SIM_LEVELS more doors, which adapt, beside others */
+    bool allow_duplicate; /* also enrol people who look like enrolled ones */
     size_t *not_enrolled; /* NULL: it is an error if a person cannot be enrolled; otherwise counts
                              these people, whose visits are then visits of unknown people */
     const char *visit;    /* after enrolling, play only this recording; NULL: all */
@@ -34,7 +36,10 @@ struct sim_rehearsal_options {
  * once. Each door decides on its own, exactly as if it were alone, but the template of a frame is
  * computed only once. *visits then has room for SIM_LEVELS times the rows, and the visits of level
  * l begin at visits[l * corpus->n_rows]. The listener is called once for each level, in the order
- * of the levels. Each door has a folder in `state` with the name of its level.
+ * of the levels. Each door has a folder in `state` with the name of its level. With adapt_too,
+ * *visits has room for SIM_DOORS_MAX times the rows, the doors that adapt come after the others,
+ * and their folders end in "-adapted". After each enrolment a door that adapts waits for its
+ * metric.
  *
  * Errors of iso_components_open, the appliance and the slot; -ENOMSG if a person cannot be
  * enrolled; -ETIMEDOUT if a door does not lock again; -ENOENT if no row other than an enrolment

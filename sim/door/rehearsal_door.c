@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 static void on_enroll(void *context, const char *result, bool done, unsigned stage, unsigned stages,
                       double quality, const char *person)
@@ -120,6 +121,7 @@ static int make_config(const struct sim_rehearsal_setup *setup, struct iso_confi
     c->lockout.failures = 0; /* a corpus has more strangers one after another than a real door */
     c->lockout.attacks = 0;
     c->decision.level = setup->level;
+    c->match.adapt = setup->adapt;
     c->decision.threshold = isnan(setup->threshold) ? c->decision.threshold : setup->threshold;
     return iso_config_set_sensor_option(c, "path", setup->slot, fault);
 }
@@ -185,6 +187,22 @@ int sim_rehearsal_door_enrol(struct sim_rehearsal_door *door, const char *person
         return error;
     }
     return iso_appliance_enroll(door->appliance, &request, fault);
+}
+
+int sim_rehearsal_door_settle(struct sim_rehearsal_door *door, struct iso_fault *fault)
+{
+    const struct timespec pause = {.tv_nsec = 200000};
+    struct iso_gallery *gallery = door->lent.gallery;
+    struct iso_site_state state = iso_gallery_site(gallery);
+    while (state.due && !state.error) {
+        if (!iso_gallery_follow_site(gallery)) {
+            (void)nanosleep(&pause, NULL);
+        }
+        state = iso_gallery_site(gallery);
+    }
+    return state.error ? iso_fault_set(fault, state.error, "the metric cannot be adapted: %s",
+                                       strerror(-state.error))
+                       : 0;
 }
 
 void sim_rehearsal_door_visit(struct sim_rehearsal_door *door, size_t n_frames)

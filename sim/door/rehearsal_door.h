@@ -16,6 +16,7 @@ struct sim_rehearsal_setup {
     const char *model, *metric; /* files */
     double threshold;           /* decision.threshold; NaN: that of the level */
     enum iso_level level;
+    bool adapt; /* match.adapt */
 };
 
 struct sim_rehearsal_door {
@@ -51,6 +52,12 @@ void sim_rehearsal_door_close(struct sim_rehearsal_door *door);
  * (iso_appliance_release) even on failure. */
 int sim_rehearsal_door_enrol(struct sim_rehearsal_door *door, const char *person,
                              bool allow_duplicate, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Waits until the metric is adapted to the present people, if the door adapts it. The daemon does
+ * not wait; here the result must not depend on the speed of the machine. The error of the site's
+ * statistics, with a fault. */
+int sim_rehearsal_door_settle(struct sim_rehearsal_door *door, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Begins a visit of the given number of frames. */

@@ -79,8 +79,8 @@ static size_t add_comparisons(const struct analysing *w, size_t probe, struct si
     const struct sim_analysis *a = w->analysis;
     for (size_t p = 0; p < w->gallery->n_people; p++) {
         if (is_comparable(w, probe, p)) {
-            struct sim_score score = {w->matches->score[probe * w->matches->n_people + p],
-                                      a->person[probe]};
+            const double value = sim_matches_compared(w->matches, probe, p, a->mate[probe]);
+            const struct sim_score score = {value, a->person[probe]};
             if (p == a->mate[probe]) {
                 scores->mated[scores->n_mated++] = score;
             } else {

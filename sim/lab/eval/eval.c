@@ -97,9 +97,13 @@ static int search_gallery(struct sim_eval *eval, struct sim_eval_method *m, stru
             scoring.metric = NULL;
             memcpy(scoring.match.left_out, sim_landmarks_below, sizeof sim_landmarks_below);
         }
-        return out_of_range(sim_match(eval->corpus, eval->acquisition, eval->gallery, &scoring,
-                                      o->threads, &m->matches),
-                            fault);
+        int error = sim_match(eval->corpus, eval->acquisition, eval->gallery, &scoring, o->threads,
+                              &m->matches);
+        if (!error && scoring.site && scoring.metric) {
+            error = sim_site_judge_strangers(eval->corpus, eval->acquisition, eval->gallery,
+                                             eval->metric, &scoring, o->threads, m->matches);
+        }
+        return out_of_range(error, fault);
     }
     const void *knowledge;
     int error = teach_method(eval, m->method, &knowledge, fault);
@@ -239,10 +243,25 @@ static int look_closer(struct sim_eval *eval, struct iso_fault *fault)
     return error;
 }
 
+/* Whether the scores keep what they promise. Only those of a metric promise error rates. */
+static int judge_promises(struct sim_eval *eval, struct iso_fault *fault)
+{
+    const struct sim_scores *scores = &eval->analysis->verification.scores;
+    if (sim_eval_score_kind(eval) != SIM_SCORE_METRIC) {
+        return 0;
+    }
+    const int error = sim_calibration_of(scores, eval->analysis->n_subjects,
+                                         (double)scores->n_non_mated, &eval->calibration);
+    return error ? iso_fault_set(fault, error, "%s: %s", eval->options.corpus, strerror(-error))
+                 : 0;
+}
+
 static int split_people(struct sim_eval *eval, struct iso_fault *fault)
 {
-    const struct sim_scoring scoring = {eval->metric, eval->cohort, eval->options.match, true,
-                                        NULL};
+    const struct sim_scoring scoring = {.metric = eval->metric,
+                                        .cohort = eval->cohort,
+                                        .match = eval->options.match,
+                                        .rerank = true};
     if (!eval->metric || eval->options.site != SIM_SITE_SPLIT) {
         return 0;
     }
@@ -301,6 +320,9 @@ int sim_eval_run(const struct sim_eval_options *options, struct sim_eval **out,
     }
     if (!error) {
         error = look_closer(eval, fault);
+    }
+    if (!error) {
+        error = judge_promises(eval, fault);
     }
     if (!error) {
         error = split_people(eval, fault);

@@ -10,6 +10,7 @@
 #include "sim/lab/eval/site_gallery.h"
 #include "sim/lab/eval/site_split.h"
 #include "sim/lab/match/training_set.h"
+#include "sim/lab/measure/calibration.h"
 
 struct sim_eval_options {
     const char *corpus; /* directory */
@@ -56,6 +57,7 @@ struct sim_eval {
     struct sim_eval_method methods[SIM_METHODS]; /* in the order of the options */
     struct sim_matches *matches;                 /* of the first method that was not skipped */
     struct sim_analysis *analysis;               /* of the same method */
+    struct sim_calibration calibration;          /* of the same method, if a metric scores */
     struct sim_growth growth;                    /* at an FPIR of 1e-2 */
     struct sim_site_split site;                  /* splits is 0 if they were not requested */
     struct sim_curve curves[SIM_FACTORS];        /* at the threshold of the third FMR */

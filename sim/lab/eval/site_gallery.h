@@ -4,6 +4,7 @@
 
 #include "core/match/site.h"
 #include "sim/lab/match/gallery.h"
+#include "sim/lab/match/match.h"
 
 /* Where the site statistics of an evaluation come from: there are none; the enrolled templates; or
  * half of the people, while the others are judged (site_split.h). */
@@ -17,5 +18,20 @@ int sim_option_site(const char *text, void *field);
  * iso_metric_project and iso_site_adapt. */
 int sim_site_adapt(const struct sim_gallery *gallery, const struct iso_metric *metric,
                    struct iso_site_metric *out) __attribute__((warn_unused_result));
+
+/* Judges the visitors who are enrolled as if they were strangers. A visitor whose own captures are
+ * in the site statistics is told apart from the others better than a stranger is, so that the false
+ * match rate of these comparisons would be too low.
+ *
+ * Sets matches->stranger_score: for each person with searches, the metric is adapted to the
+ * templates of all others, and these searches are compared with the others only. The scores are the
+ * same as if the person had never been enrolled. The place of the person itself, and searches of
+ * people who are not enrolled, have -INFINITY. `metric` is the shipped one; the other arguments are
+ * those of sim_match(), which made the matches. The time grows with the square of the number of
+ * people: some seconds for 100. The errors of sim_site_adapt and sim_match. */
+int sim_site_judge_strangers(const struct sim_corpus *corpus, struct sim_acquisition *acquisition,
+                             const struct sim_gallery *gallery, const struct iso_metric *metric,
+                             const struct sim_scoring *scoring, int threads,
+                             struct sim_matches *matches) __attribute__((warn_unused_result));
 
 #endif

@@ -274,7 +274,12 @@ static int summarise_splits(struct splitting *s)
     s->out->growth /= splits;
     s->out->share /= splits;
     count_refused(s);
-    return sim_site_rates(&s->scores, (uint32_t)s->gallery->n_people, s->out);
+    const size_t searches = s->out->refused.trials - s->out->refused.events;
+    const int error = sim_site_rates(&s->scores, (uint32_t)s->gallery->n_people, s->out);
+    return error ? error
+                 : sim_calibration_of(&s->scores, (uint32_t)s->gallery->n_people,
+                                      (double)(searches * (s->gallery->n_people - 1)),
+                                      &s->out->calibration);
 }
 
 int sim_site_split(const struct sim_corpus *corpus, struct sim_acquisition *acquisition,

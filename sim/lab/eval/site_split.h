@@ -5,6 +5,10 @@
  * All splits are made if there are at most SIM_SITE_SPLITS, otherwise that many at random, the same
  * ones in each run.
  *
+ * Nobody is judged by what he or she has taught. Neither the visitor of a search nor a person whom
+ * the search is compared with is among the people of the statistics: the visitor is judged as a
+ * stranger at the site would be.
+ *
  * Comparisons of all splits are pooled. A comparison is in several splits, so that intervals from
  * counts would be too narrow. The intervals resample the people of the probes (Bolle, Ratha and
  * Pankanti 2004). */
@@ -12,6 +16,7 @@
 #define SIM_LAB_EVAL_SITE_SPLIT_H
 
 #include "sim/lab/match/match.h"
+#include "sim/lab/measure/calibration.h"
 #include "sim/lab/measure/det.h"
 
 enum { SIM_SITE_SPLITS = 40, SIM_SITE_SCORES = 3 };
@@ -29,6 +34,7 @@ struct sim_site_split {
     struct sim_rate rank_1;         /* of acquired mated searches, pooled */
     double eer, eer_with_refused;   /* the second counts a refused search as a false non-match */
     struct sim_site_rate at[SIM_SITE_SCORES];
+    struct sim_calibration calibration;     /* of the pooled comparisons */
     double offset, expected, growth, share; /* means over the splits: struct iso_site_summary */
 };
 

@@ -166,7 +166,8 @@ static int match_probe(void *context, int worker, size_t probe)
     double *distance_mm = m->distance_mm + probe * m->n_people;
     double *score = m->score + probe * m->n_people;
     struct sim_sample *sample = &work->acquisition->samples[m->sample[probe]];
-    if (!sample->acquired) {
+    const bool *wanted = work->scoring->wanted;
+    if (!sample->acquired || (wanted && !wanted[m->sample[probe]])) {
         return 0;
     }
     const int64_t wall_ns = sim_wall_ns(NULL), cpu_ns = sim_thread_cpu_ns(NULL);
@@ -246,6 +247,7 @@ void sim_matches_free(struct sim_matches *m)
         free(m->sample);
         free(m->distance_mm);
         free(m->score);
+        free(m->stranger_score);
         free(m->wall_ns);
         free(m->cpu_ns);
         free(m);

@@ -23,6 +23,7 @@ struct sim_scoring {
                     the metric's score, limited to the lowest score of the reranked ones */
     const struct iso_site_metric *site; /* the metric is adapted to the people of the gallery
                                            themselves (core/match/site.h); NULL: it is not */
+    const bool *wanted; /* [n_samples of the acquisition]: only these are searched; NULL: all */
 };
 
 /* The results of the searches of all samples that are not in a gallery row. */
@@ -31,6 +32,10 @@ struct sim_matches {
     size_t *sample;      /* [n_probes], rising */
     double *distance_mm; /* [n_probes][n_people]; INFINITY: not comparable; NaN with a metric */
     double *score;       /* the same shape; -INFINITY: not comparable */
+    /* The same shape, or NULL. What the scores would be if the visitor were no person of the site.
+     * They are used for comparisons of an enrolled visitor with another person
+     * (sim/lab/eval/site_gallery.h). */
+    double *stranger_score;
     int64_t *wall_ns,
         *cpu_ns; /* [n_probes]: of the whole search; no meaning if the sample was not acquired */
 };
@@ -46,6 +51,15 @@ int sim_matches_new(const struct sim_corpus *corpus, const struct sim_acquisitio
 int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisition,
               const struct sim_gallery *gallery, const struct sim_scoring *scoring, int threads,
               struct sim_matches **out) __attribute__((warn_unused_result));
+
+/* The score of one comparison, for error rates. `mate` is the place of the visitor in the gallery,
+ * or SIM_NOBODY. */
+static inline double sim_matches_compared(const struct sim_matches *matches, size_t probe,
+                                          size_t person, size_t mate)
+{
+    const bool other = matches->stranger_score && mate != SIM_NOBODY && person != mate;
+    return (other ? matches->stranger_score : matches->score)[probe * matches->n_people + person];
+}
 
 /* Frees it and what it holds. NULL is accepted. */
 void sim_matches_free(struct sim_matches *matches);

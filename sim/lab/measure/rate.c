@@ -74,10 +74,18 @@ static double beta_quantile(double a, double b, double share)
 
 struct sim_interval sim_rate_exact_interval(struct sim_rate rate)
 {
-    const double events = (double)rate.events, others = (double)(rate.trials - rate.events);
+    return sim_rate_effective_interval(sim_rate_value(rate), (double)rate.trials);
+}
+
+struct sim_interval sim_rate_effective_interval(double rate, double trials)
+{
+    if (!(trials > 0.0)) {
+        return (struct sim_interval){0.0, 1.0};
+    }
+    const double events = rate * trials, others = (1.0 - rate) * trials;
     return (struct sim_interval){
-        rate.events == 0 ? 0.0 : beta_quantile(events, others + 1.0, 0.025),
-        rate.events == rate.trials ? 1.0 : beta_quantile(events + 1.0, others, 0.975),
+        rate <= 0.0 ? 0.0 : beta_quantile(events, others + 1.0, 0.025),
+        rate >= 1.0 ? 1.0 : beta_quantile(events + 1.0, others, 0.975),
     };
 }
 

@@ -26,6 +26,11 @@ struct sim_interval sim_rate_interval(struct sim_rate rate);
  * independent trials. 0..1 without trials. */
 struct sim_interval sim_rate_exact_interval(struct sim_rate rate);
 
+/* The same interval for a rate (0..1) that has the variance of `trials` independent trials, which
+ * need not be a whole number: the effective sample size of dependent trials (Korn and Graubard
+ * 1998). 0..1 if it is 0. */
+struct sim_interval sim_rate_effective_interval(double rate, double trials);
+
 /* The smallest rate that a number of trials can support with 95% confidence if no event occurs:
  * the rule of 3, 3 / trials (ISO/IEC 19795-1:2021, annex B). 1 for fewer than 3 trials. */
 double sim_rate_smallest(size_t trials);

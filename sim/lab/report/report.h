@@ -18,8 +18,9 @@ int sim_report_csv(const struct sim_eval *eval, const char *directory, struct is
 int sim_report_json(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* cmc.png, det.png, scores.png, growth.png, and curve-FACTOR.png for every factor that varies. A
- * picture is not written if there are too few data for it. */
+/* cmc.png, det.png, scores.png, growth.png, and curve-FACTOR.png for every factor that varies;
+ * promise.png and site-promise.png: the false match rates that the scores of a metric promise, and
+ * those that were measured. A picture is not written if there are too few data for it. */
 int sim_report_plots(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

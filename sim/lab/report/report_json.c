@@ -2,6 +2,7 @@
 #include "sim/lab/measure/promise.h"
 #include "sim/lab/report/json.h"
 #include "sim/lab/report/report.h"
+#include "sim/lab/report/report_calibration.h"
 
 static json_t *settings_json(const struct sim_eval *eval)
 {
@@ -185,6 +186,12 @@ int sim_report_json(const struct sim_eval *eval, const char *directory, struct i
         latencies_json(a));
     if (summary && sim_eval_score_kind(eval) == SIM_SCORE_METRIC) {
         json_object_set_new(summary, "calibration", promises_json(&a->verification.scores));
+    }
+    if (summary && eval->calibration.known) {
+        json_object_set_new(summary, "promise", sim_json_calibration(&eval->calibration));
+    }
+    if (summary && eval->metric) {
+        json_object_set_new(summary, "site", sim_json_site(eval));
     }
     return sim_json_file(summary, path, fault);
 }

@@ -4,6 +4,7 @@
 
 #include "sim/lab/draw/plot.h"
 #include "sim/lab/report/report.h"
+#include "sim/lab/report/report_calibration.h"
 
 static int write_plot(const struct sim_plot *plot, const char *directory, const char *name,
                       struct iso_fault *fault)
@@ -293,6 +294,12 @@ int sim_report_plots(const struct sim_eval *eval, const char *directory, struct 
     }
     if (!error) {
         error = plot_growth(eval, directory, fault);
+    }
+    if (!error) {
+        error = sim_report_promise(&eval->calibration, directory, "promise.png", fault);
+    }
+    if (!error) {
+        error = sim_report_promise(&eval->site.calibration, directory, "site-promise.png", fault);
     }
     for (int f = 0; f < SIM_FACTORS && !error; f++) {
         if (eval->curves[f].n_bins > 1 && eval->analysis->verification.n_det > 0) {

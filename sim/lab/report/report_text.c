@@ -2,6 +2,7 @@
 
 #include "sim/lab/measure/promise.h"
 #include "sim/lab/report/report.h"
+#include "sim/lab/report/report_calibration.h"
 
 static void print_rate(FILE *out, const char *name, struct sim_rate rate)
 {
@@ -235,7 +236,9 @@ void sim_report_text(const struct sim_eval *eval, FILE *out)
     print_acquisition(eval, out);
     print_verification(&a->verification, out);
     print_promises(eval, out);
+    sim_report_calibration(&eval->calibration, out);
     print_site(&eval->site, out);
+    sim_report_calibration(&eval->site.calibration, out);
     print_identification(eval, out);
     if (a->n_kind[SIM_PROBE_NONE] > 0) {
         fprintf(out, "Not faces: %zu of %zu taken for a face, %zu would match at FMR %.0e\n",

@@ -161,11 +161,29 @@ expect 0 '' levels --corpus "$work/corpus" --out "$work/levels"
     failures=$((failures + 1))
 }
 expect 4 'levels: ' levels --corpus "$work/corpus" --out "$work/levels" # it exists
+expect 2 "--adapt: 'perhaps' is no no|yes|both" levels --adapt perhaps
+expect 0 '' levels --adapt both --corpus "$work/corpus" --out "$work/levels-both"
+for file in levels.csv levels-adapted.csv; do
+    [ "$(grep -c '^[a-z]*,strangers,0,1,0.000000,' "$work/levels-both/$file")" -eq 3 ] || {
+        echo "levels --adapt both did not count one visit of a photograph at three levels in $file"
+        failures=$((failures + 1))
+    }
+done
 
 # A program in a build tree takes the shipped data files from the source tree. Any other program takes the installed ones.
 expect 0 '' show --recording "$face" --what isotherms --out "$work/shipped.png"
 expect 0 '' landmarks --corpus "$work/corpus" --out "$work/landmarks-shipped"
 expect 0 '' eval --corpus "$source/sim/stored" --gallery-frames 1 --probe-frames 1 --out "$work/eval-shipped"
+for words in '"cllr"' '"cllr_min"' '"dcf"' '"mode": "none"'; do
+    grep -q "$words" "$work/eval-shipped/summary.json" || {
+        echo "eval does not write $words to summary.json"
+        failures=$((failures + 1))
+    }
+done
+[ -s "$work/eval-shipped/promise.png" ] || {
+    echo 'eval draws no promise.png'
+    failures=$((failures + 1))
+}
 expect 0 '' eval --corpus "$source/sim/stored" --gallery-frames 1 --probe-frames 1 --out "$work/eval-explicit" \
     --model "$model" --metric "$source/core/data/face.metric"
 cmp "$work/eval-shipped/scores.csv" "$work/eval-explicit/scores.csv" || {

@@ -12,6 +12,7 @@
 
 #include "sim/door/level_report.h"
 #include "sim/door/shared_extraction.h"
+#include "tests/support/near.h"
 #include "tests/support/scratch.h"
 
 /* ---- counts ---- */
@@ -38,7 +39,7 @@ static struct sim_level_counts count(enum sim_level_crowd crowd)
         visit_of(&stranger, NULL), visit_of(&stranger, "ada"), visit_of(&stranger, NULL),
         visit_of(&stranger, NULL),
     };
-    struct sim_level_counts counts = {{0, 0}, {0, 0}, {0, 0}};
+    struct sim_level_counts counts = {.refused = {.people = 0}};
     sim_level_count(crowd, visits, sizeof visits / sizeof *visits, &counts);
     return counts;
 }
@@ -47,21 +48,21 @@ static void people_and_strangers_are_counted_apart(void **state)
 {
     (void)state;
     const struct sim_level_counts counts = count(SIM_CROWD_PEOPLE);
-    assert_int_equal(counts.refused.events, 2);
-    assert_int_equal(counts.refused.trials, 3);
-    assert_int_equal(counts.strangers.events, 1);
-    assert_int_equal(counts.strangers.trials, 4);
-    assert_int_equal(counts.alike.trials, 0);
+    assert_int_equal(counts.refused.visits.events, 2);
+    assert_int_equal(counts.refused.visits.trials, 3);
+    assert_int_equal(counts.strangers.visits.events, 1);
+    assert_int_equal(counts.strangers.visits.trials, 4);
+    assert_int_equal(counts.alike.visits.trials, 0);
 }
 
 static void of_people_alike_only_strangers_count(void **state)
 {
     (void)state;
     const struct sim_level_counts counts = count(SIM_CROWD_ALIKE);
-    assert_int_equal(counts.refused.trials, 0);
-    assert_int_equal(counts.strangers.trials, 0);
-    assert_int_equal(counts.alike.events, 1);
-    assert_int_equal(counts.alike.trials, 4);
+    assert_int_equal(counts.refused.visits.trials, 0);
+    assert_int_equal(counts.strangers.visits.trials, 0);
+    assert_int_equal(counts.alike.visits.events, 1);
+    assert_int_equal(counts.alike.visits.trials, 4);
 }
 
 static void corpora_add_up(void **state)
@@ -70,8 +71,27 @@ static void corpora_add_up(void **state)
     const struct sim_visit visits[] = {visit_of(&stranger, "ada")};
     struct sim_level_counts counts = count(SIM_CROWD_PEOPLE);
     sim_level_count(SIM_CROWD_PEOPLE, visits, 1, &counts);
-    assert_int_equal(counts.strangers.events, 2);
-    assert_int_equal(counts.strangers.trials, 5);
+    assert_int_equal(counts.strangers.visits.events, 2);
+    assert_int_equal(counts.strangers.visits.trials, 5);
+}
+
+/* A rate of this many people, each with one visit. */
+static struct sim_people_rate one_visit_each(size_t errors, size_t people)
+{
+    struct sim_people_rate rate = {.people = 0};
+    for (size_t i = 0; i < people; i++) {
+        sim_people_rate_add(&rate, (struct sim_rate){i < errors, 1});
+    }
+    return rate;
+}
+
+static void fill_counts(struct sim_level_counts counts[SIM_LEVELS])
+{
+    for (size_t level = 0; level < SIM_LEVELS; level++) {
+        counts[level].refused = one_visit_each(5 + level, 1000);
+        counts[level].strangers = one_visit_each(level == 0 ? 3 : level % 2, 1000);
+        counts[level].alike = one_visit_each(1, level == SIM_LEVELS - 1 ? 2 : 0);
+    }
 }
 
 /* No event in 1,000: the rate is at most 0.37 % with 95 % confidence (Clopper and Pearson: 1 -
@@ -79,45 +99,95 @@ static void corpora_add_up(void **state)
 static void the_table_has_rates_intervals_and_counts(void **state)
 {
     (void)state;
-    const struct sim_level_counts counts[SIM_LEVELS] = {
-        {{5, 1000}, {3, 1000}, {0, 0}},
-        {{6, 1000}, {0, 1000}, {0, 0}},
-        {{7, 1000}, {0, 1000}, {1, 2}},
-    };
+    struct sim_level_counts counts[SIM_LEVELS];
+    fill_counts(counts);
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     assert_non_null(out);
-    sim_level_print(counts, out);
+    sim_level_print_head(out);
+    sim_level_print(counts, "", out);
+    sim_level_print(counts, ", adapted", out);
     assert_int_equal(fclose(out), 0);
     assert_non_null(strstr(text, "| `convenient` | 0.5 % [0.16, 1.16] (5 of 1000) |"));
+    assert_non_null(strstr(text, "(7 of 1000) | 0.0 % [0.00, 0.37] (0 of 1000) | 50.0 %"));
     assert_non_null(
-        strstr(text, "(6 of 1000) | 0.0 % [0.00, 0.37] (0 of 1000) | not measured |\n"));
+        strstr(text, "(6 of 1000) | 0.1 % [0.00, 0.56] (1 of 1000) | not measured |\n"));
     assert_non_null(strstr(text, "| 50.0 % [1.26, 98.74] (1 of 2) |\n"));
+    assert_non_null(strstr(text, "\n| `convenient`, adapted | 0.5 % [0.16, 1.16] (5 of 1000) |"));
     free(text);
 }
 
 static void the_file_has_a_line_for_each(void **state)
 {
-    const struct sim_level_counts counts[SIM_LEVELS] = {
-        {{5, 1000}, {3, 1000}, {0, 0}},
-        {{6, 1000}, {1, 1000}, {0, 0}},
-        {{7, 1000}, {0, 1000}, {1, 2}},
-    };
+    struct sim_level_counts counts[SIM_LEVELS];
     struct iso_fault fault = {.text = ""};
-    assert_int_equal(sim_level_write_csv(*state, counts, &fault), 0);
+    fill_counts(counts);
+    assert_int_equal(sim_level_write_csv(*state, "levels.csv", counts, &fault), 0);
     size_t size = 0;
     char *bytes = scratch_read(scratch_path(*state, "levels.csv"), &size);
     char *text = strndup(bytes, size);
     assert_non_null(text);
     assert_non_null(
-        strstr(text, "level,who,errors,visits,rate,low,high\nconvenient,refused,5,1000,"));
+        strstr(text, "level,who,errors,visits,rate,low,high,people\nconvenient,refused,5,1000,"));
     assert_non_null(strstr(text, "\nbalanced,strangers,1,1000,0.001000,"));
     assert_non_null(strstr(text, "\nstrict,alike,1,2,0.500000,"));
+    assert_non_null(strstr(text, ",2\n"));
     free(text);
     free(bytes);
-    assert_int_equal(sim_level_write_csv("/nowhere", counts, &fault), -ENOENT);
+    assert_int_equal(sim_level_write_csv("/nowhere", "levels.csv", counts, &fault), -ENOENT);
     assert_non_null(strstr(fault.text, "/nowhere/levels.csv"));
+}
+
+/* ---- intervals over people ---- */
+
+static void assert_interval(struct sim_interval a, struct sim_interval b)
+{
+    assert_near(a.low, b.low, 1e-9);
+    assert_near(a.high, b.high, 1e-9);
+}
+
+/* One visit each: the exact interval. If each of a hundred people always or never is refused, ten
+ * visits of each say hardly more than one. If visits do not depend on people, they all count. */
+static void dependent_visits_say_less(void **state)
+{
+    struct sim_people_rate same = {.people = 0}, even = {.people = 0};
+    const struct sim_people_rate once = one_visit_each(3, 100);
+    (void)state;
+    for (size_t i = 0; i < 100; i++) {
+        sim_people_rate_add(&same, (struct sim_rate){i < 10 ? 10 : 0, 10});
+        sim_people_rate_add(&even, (struct sim_rate){1, 10});
+    }
+    assert_interval(sim_people_rate_interval(&once),
+                    sim_rate_exact_interval((struct sim_rate){3, 100}));
+    assert_near(sim_people_rate_effective(&same), 99.0, 1e-6);
+    assert_near(sim_people_rate_effective(&even), 1000.0, 1e-6);
+    assert_interval(sim_people_rate_interval(&even),
+                    sim_rate_exact_interval((struct sim_rate){100, 1000}));
+    assert_true(sim_people_rate_interval(&same).high > 0.17);
+}
+
+static void no_error_counts_people(void **state)
+{
+    struct sim_people_rate rate = {.people = 0};
+    (void)state;
+    assert_interval(sim_people_rate_interval(&rate), (struct sim_interval){0.0, 1.0});
+    for (size_t i = 0; i < 50; i++) {
+        sim_people_rate_add(&rate, (struct sim_rate){0, 4});
+    }
+    assert_interval(sim_people_rate_interval(&rate),
+                    sim_rate_exact_interval((struct sim_rate){0, 50}));
+}
+
+/* The three visits of ada are those of one person. */
+static void people_are_counted_once(void **state)
+{
+    (void)state;
+    const struct sim_level_counts counts = count(SIM_CROWD_PEOPLE);
+    assert_int_equal(counts.refused.people, 1);
+    assert_int_equal(counts.strangers.people, 1);
+    assert_near(counts.refused.errors_squared, 4.0, 0.0);
+    assert_near(counts.refused.visits_squared, 9.0, 0.0);
 }
 
 /* ---- templates that are shared ---- */
@@ -227,6 +297,9 @@ int main(void)
         cmocka_unit_test(the_table_has_rates_intervals_and_counts),
         cmocka_unit_test_setup_teardown(the_file_has_a_line_for_each, scratch_setup,
                                         scratch_teardown),
+        cmocka_unit_test(dependent_visits_say_less),
+        cmocka_unit_test(no_error_counts_people),
+        cmocka_unit_test(people_are_counted_once),
         cmocka_unit_test(a_frame_is_extracted_once),
         cmocka_unit_test(a_failure_is_not_remembered),
     };

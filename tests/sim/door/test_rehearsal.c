@@ -198,16 +198,73 @@ static void every_level_decides_as_it_would_alone(void **state)
         for (int i = 0; i < VISITS; i++) {
             assert_same_visit(&own[i], &alone[i]);
         }
-        struct sim_level_counts a = {{0, 0}, {0, 0}, {0, 0}}, b = a;
+        struct sim_level_counts a, b;
+        memset(&a, 0, sizeof a);
+        memset(&b, 0, sizeof b);
         sim_level_count(SIM_CROWD_PEOPLE, own, VISITS, &a);
         sim_level_count(SIM_CROWD_PEOPLE, alone, VISITS, &b);
         assert_memory_equal(&a, &b, sizeof a);
-        assert_int_equal(a.refused.trials, 2);
-        assert_int_equal(a.strangers.trials, 2);
+        assert_int_equal(a.refused.visits.trials, 2);
+        assert_int_equal(a.strangers.visits.trials, 2);
     }
     /* The doors have three levels. */
     assert_true(together[0].verdict.threshold < together[ROWS].verdict.threshold);
     assert_true(together[ROWS].verdict.threshold < together[2 * ROWS].verdict.threshold);
+    sim_corpus_free(corpus);
+}
+
+/* Three people, the fewest that a metric adapts to. */
+static const char three_people[] = STORED_CORPUS_HEADER "p01-enrol,0,5,p01,e,gallery,,,\n"
+                                                        "p02-enrol,0,5,p02,e,gallery,,,\n"
+                                                        "p03-enrol,0,5,p03,e,gallery,,,\n"
+                                                        "p01-v1,0,3,p01,v1,probe,,mild,\n"
+                                                        "x01-v1,0,3,x01,v1,impostor,,,\n";
+
+enum { ADAPTED_ROWS = 5, ADAPTED_VISITS = 2 };
+
+static void rehearse_adapted(const char *directory, const char *state,
+                             struct sim_rehearsal_options options, const struct sim_corpus *corpus,
+                             size_t doors, struct sim_visit *visits)
+{
+    struct iso_fault fault = {.text = ""};
+    size_t n_visits = 0, told = 0;
+    options.corpus = directory;
+    options.state = scratch_path(directory, state);
+    options.model = ISOTHERM_SOURCE_DIR "/core/data/head.model";
+    options.metric = ISOTHERM_SOURCE_DIR "/core/data/face.metric";
+    options.threshold = NAN;
+    scratch_mkdir(options.state);
+    if (sim_rehearse(&options, corpus, count_visit, &told, visits, &n_visits, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    assert_int_equal(n_visits, ADAPTED_VISITS);
+    assert_int_equal(told, doors * ADAPTED_VISITS);
+}
+
+/* Doors that adapt their metric stand beside doors that do not. Both decide as they would alone. */
+static void doors_that_adapt_stand_beside_the_others(void **state)
+{
+    const enum iso_level strict = ISO_LEVEL_STRICT;
+    struct sim_corpus *corpus = NULL;
+    struct sim_visit both[SIM_DOORS_MAX * ADAPTED_ROWS], alone[ADAPTED_ROWS];
+    stored_corpus_make(*state, three_people);
+    assert_int_equal(sim_corpus_read(*state, &corpus, NULL), 0);
+    rehearse_adapted(*state, "both",
+                     (struct sim_rehearsal_options){.all_levels = true, .adapt_too = true}, corpus,
+                     SIM_DOORS_MAX, both);
+    for (int adapt = 0; adapt < 2; adapt++) {
+        const size_t door = (size_t)adapt * SIM_LEVELS + ISO_LEVEL_STRICT;
+        rehearse_adapted(*state, adapt ? "yes" : "no",
+                         (struct sim_rehearsal_options){.level = &strict, .adapt = adapt == 1},
+                         corpus, 1, alone);
+        for (int i = 0; i < ADAPTED_VISITS; i++) {
+            assert_same_visit(&both[door * ADAPTED_ROWS + (size_t)i], &alone[i]);
+        }
+    }
+    const struct sim_visit *shipped = &both[ISO_LEVEL_STRICT * ADAPTED_ROWS];
+    const struct sim_visit *adapted = &both[(SIM_LEVELS + ISO_LEVEL_STRICT) * ADAPTED_ROWS];
+    assert_true(shipped->verdict.allow && adapted->verdict.allow);
+    assert_true(shipped->verdict.score != adapted->verdict.score);
     sim_corpus_free(corpus);
 }
 
@@ -262,6 +319,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(two_runs_are_the_same_to_the_bit, setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(the_threshold_decides, setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(every_level_decides_as_it_would_alone, setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(doors_that_adapt_stand_beside_the_others, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(a_person_who_cannot_be_enrolled_is_a_fault, setup,
                                         scratch_teardown),

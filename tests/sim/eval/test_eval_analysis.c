@@ -60,8 +60,13 @@ static double score[PROBES * PEOPLE] = {
 static size_t sample_of_probe[PROBES] = {3, 4, 5, 6, 7, 8, 9, 10, 11};
 static int64_t wall_ns[PROBES],
     cpu_ns[PROBES] = {1000000, 0, 3000000, 2000000, 2000000, 0, 2000000};
-static struct sim_matches matches = {PROBES, PEOPLE,  sample_of_probe, score,
-                                     score,  wall_ns, cpu_ns};
+static struct sim_matches matches = {.n_probes = PROBES,
+                                     .n_people = PEOPLE,
+                                     .sample = sample_of_probe,
+                                     .distance_mm = score,
+                                     .score = score,
+                                     .wall_ns = wall_ns,
+                                     .cpu_ns = cpu_ns};
 
 static int analyse(void **state)
 {

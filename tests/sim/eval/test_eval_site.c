@@ -23,6 +23,14 @@ static const char four_people[] = STORED_CORPUS_HEADER "p01-enrol,0,2,p01,e,gall
                                                        "p02-v1,0,1,p02,v1,probe,,mild,\n"
                                                        "p03-v1,0,1,p03,v1,probe,,mild,\n"
                                                        "x01-v1,0,1,x01,v1,impostor,,,\n";
+/* The same visits, but p01 is a stranger to the site. */
+static const char without_the_first[] = STORED_CORPUS_HEADER "p02-enrol,0,2,p02,e,gallery,,,\n"
+                                                             "p03-enrol,0,2,p03,e,gallery,,,\n"
+                                                             "p04-enrol,0,2,p04,e,gallery,,,\n"
+                                                             "p01-v1,0,2,p01,v1,impostor,,mild,\n"
+                                                             "p02-v1,0,1,p02,v1,probe,,mild,\n"
+                                                             "p03-v1,0,1,p03,v1,probe,,mild,\n"
+                                                             "x01-v1,0,1,x01,v1,impostor,,,\n";
 static const char three_people[] = STORED_CORPUS_HEADER "p01-enrol,0,2,p01,e,gallery,,,\n"
                                                         "p02-enrol,0,2,p02,e,gallery,,,\n"
                                                         "p03-enrol,0,2,p03,e,gallery,,,\n"
@@ -56,8 +64,8 @@ static struct sim_eval *evaluated(void **state, enum sim_site site)
     return eval;
 }
 
-/* Four people have six choices of two, and each counts both ways. A person is judged in six of the
- * twelve, beside one other person. */
+/* Four people have six choices of two, and each counts both ways. A person is judged in the six of
+ * the twelve in which this person is not learned from, beside one other person. */
 static void every_split_counts_both_ways(void **state)
 {
     struct sim_eval *eval = evaluated(state, SIM_SITE_SPLIT);
@@ -72,6 +80,9 @@ static void every_split_counts_both_ways(void **state)
     assert_true(site->offset > 0.0 && site->growth > 0.0);
     assert_true(site->share > 0.0 && site->share < 0.5);
     assert_near(site->eer, 0.0, 1e-12);
+    assert_true(site->calibration.known);
+    assert_near(site->calibration.cllr_min, 0.0, 1e-12);
+    assert_true(eval->calibration.known && eval->calibration.cllr < 0.1);
     for (int i = 0; i < SIM_SITE_SCORES; i++) {
         const struct sim_site_rate *at = &site->at[i];
         assert_near(at->score, 2.0 + i, 0.0);
@@ -90,6 +101,46 @@ static void fewer_than_four_people_are_not_split(void **state)
     assert_null(eval);
 }
 
+/* Compares the searches of p01, place 0 in the gallery of `site`, with those of the stranger in
+ * `without`. Returns the number of comparisons. */
+static size_t compare_strangers(const struct sim_eval *site, const struct sim_eval *without)
+{
+    const struct sim_matches *a = site->matches, *b = without->matches;
+    size_t compared = 0;
+    for (size_t i = 0; i < a->n_probes; i++) {
+        for (size_t p = 1; site->analysis->mate[i] == 0 && p < a->n_people; p++, compared++) {
+            const double score = sim_matches_compared(a, i, p, 0);
+            assert_true(score == b->score[i * b->n_people + p - 1]);
+            assert_true(score != a->score[i * a->n_people + p]);
+        }
+    }
+    return compared;
+}
+
+/* An enrolled visitor who claims to be another person gets exactly the scores that he or she would
+ * get as a stranger at the same site. The own scores, and those of strangers, are the daemon's. */
+static void a_visitor_is_judged_as_a_stranger(void **state)
+{
+    struct sim_eval *site = evaluated(state, SIM_SITE_GALLERY), *without = NULL;
+    struct iso_fault fault = {.text = ""};
+    void *second = NULL;
+    assert_int_equal(scratch_setup(&second), 0);
+    if (evaluate(&second, without_the_first, SIM_SITE_GALLERY, &without, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+    const struct sim_matches *m = site->matches;
+    assert_non_null(m->stranger_score);
+    assert_int_equal(m->n_probes, without->matches->n_probes);
+    assert_int_equal(compare_strangers(site, without), 6); /* two samples, three other people */
+    for (size_t i = 0; i < m->n_probes; i++) {
+        const size_t mate = site->analysis->mate[i], own = mate == SIM_NOBODY ? 0 : mate;
+        assert_true(sim_matches_compared(m, i, own, mate) == m->score[i * m->n_people + own]);
+    }
+    sim_eval_free(site);
+    sim_eval_free(without);
+    (void)scratch_teardown(&second);
+}
+
 /* Without site statistics the metric is the shipped one; with those of the gallery it differs, and
  * so do the scores, but everybody is still found. */
 static void the_gallery_adapts_the_metric(void **state)
@@ -98,6 +149,8 @@ static void the_gallery_adapts_the_metric(void **state)
     struct sim_eval *site = evaluated(state, SIM_SITE_GALLERY);
     assert_int_equal(none->site.splits, 0);
     assert_int_equal(site->site.splits, 0);
+    assert_false(site->site.calibration.known);
+    assert_null(none->matches->stranger_score);
     assert_null(none->adapted.metric);
     assert_true(site->metric->between[0] != site->adapted.metric->between[0]);
     assert_int_equal(site->adapted.people, site->gallery->n_people);
@@ -157,6 +210,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(fewer_than_four_people_are_not_split, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(the_gallery_adapts_the_metric, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(a_visitor_is_judged_as_a_stranger, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test(options_name_the_source),
         cmocka_unit_test(rates_are_counted_at_each_score),
