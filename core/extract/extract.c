@@ -143,8 +143,8 @@ static int fit_head(struct iso_extractor *x, const struct iso_frame *frame,
     }
     *fit = x->head.pose;
     describe_fit(x, out);
-    out->outcome = iso__extract_judge_fit(x, frame, cleaned, out);
     describe_pose(fit, out);
+    out->outcome = iso__extract_judge_fit(x, frame, cleaned, out);
     return 0;
 }
 

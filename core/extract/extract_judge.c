@@ -24,6 +24,10 @@ static const double covered_max[ISO_FACE_PARTS] = {
     [ISO_PART_MOUTH] = 0.6, [ISO_PART_LEFT] = 0.6, [ISO_PART_RIGHT] = 0.6,
 };
 
+/* A head that is turned or bowed further than this, 25 degrees, is told to turn if the gates refuse
+ * it. They do accept such heads. */
+static const double frontal_max_rad = 25.0 * M_PI / 180.0;
+
 /* Walls and tables have at least this share of their surface on one plane. Backs of people, and
  * other things of that size, reach 0.6. */
 static const double wall_flat_share = 0.8;
@@ -69,6 +73,22 @@ static enum iso_capture way_to_the_middle(const struct iso_frame *frame, struct 
     return down > 0.0 ? ISO_CAPTURE_MOVE_UP : ISO_CAPTURE_MOVE_DOWN;
 }
 
+/* The way in which a head should turn whose attitude is beyond a limit, ISO_CAPTURE_OK within both.
+ * The angle that exceeds its limit by more decides. */
+static enum iso_capture way_to_the_front(const struct iso_extraction *out, double yaw_max_rad,
+                                         double pitch_max_rad)
+{
+    const double yaw_over = fabs(out->yaw_rad) - yaw_max_rad;
+    const double pitch_over = fabs(out->pitch_rad) - pitch_max_rad;
+    if (yaw_over > 0.0 && yaw_over >= pitch_over) {
+        return out->yaw_rad > 0.0 ? ISO_CAPTURE_TURN_RIGHT : ISO_CAPTURE_TURN_LEFT;
+    }
+    if (pitch_over > 0.0) {
+        return out->pitch_rad > 0.0 ? ISO_CAPTURE_LOOK_DOWN : ISO_CAPTURE_LOOK_UP;
+    }
+    return ISO_CAPTURE_OK;
+}
+
 enum iso_capture iso__extract_judge_pose(const struct iso_extractor *x,
                                          const struct iso_frame *frame,
                                          const struct iso_pose_fit *fit,
@@ -84,13 +104,7 @@ enum iso_capture iso__extract_judge_pose(const struct iso_extractor *x,
     if (fit->in_image < in_image_min) {
         return way_to_the_middle(frame, fit->camera_from_face.translation_mm);
     }
-    if (fabs(out->yaw_rad) > x->options.yaw_max_rad) {
-        return out->yaw_rad > 0.0 ? ISO_CAPTURE_TURN_RIGHT : ISO_CAPTURE_TURN_LEFT;
-    }
-    if (fabs(out->pitch_rad) > x->options.pitch_max_rad) {
-        return out->pitch_rad > 0.0 ? ISO_CAPTURE_LOOK_DOWN : ISO_CAPTURE_LOOK_UP;
-    }
-    return ISO_CAPTURE_OK;
+    return way_to_the_front(out, x->options.yaw_max_rad, x->options.pitch_max_rad);
 }
 
 /* The outcome for the part that exceeds its limit by most; ISO_CAPTURE_OK if no part does. */
@@ -131,10 +145,10 @@ static bool is_like_a_face(double cost_mm2, double identity_norm)
            sqrt(cost_mm2) + unlikeness_per_sigma_mm * identity_norm <= unlikeness_max_mm;
 }
 
-enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
-                                        const struct iso_frame *frame,
-                                        const struct iso_frame *cleaned,
-                                        const struct iso_extraction *out)
+/* Judges the fit without regard to the attitude. */
+static enum iso_capture judge_head(const struct iso_extractor *x, const struct iso_frame *frame,
+                                   const struct iso_frame *cleaned,
+                                   const struct iso_extraction *out)
 {
     const double norm = x->head.identity_norm;
     const enum iso_capture cover = judge_cover(&out->occlusion);
@@ -147,4 +161,29 @@ enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
     }
     return x->head.pose.coverage < fit_coverage_min ? ISO_CAPTURE_TOO_FEW_POINTS
                                                     : judge_presentation(x, frame, cleaned);
+}
+
+/* Whether the attitude alone may have led to this outcome: the far cheek of a turned head is not
+ * measured, nor are the eyes of one that is bowed. What does not fit a head is not told to turn,
+ * because chairs fit turned heads best. */
+static bool may_be_attitude(enum iso_capture outcome)
+{
+    const bool covered = outcome >= ISO_CAPTURE_COVERED_BROW &&
+                         outcome <= ISO_CAPTURE_COVERED_RIGHT;
+    return covered || outcome == ISO_CAPTURE_WRONG_SIZE || outcome == ISO_CAPTURE_EYES_CUT;
+}
+
+enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
+                                        const struct iso_frame *frame,
+                                        const struct iso_frame *cleaned,
+                                        const struct iso_extraction *out)
+{
+    const enum iso_capture outcome = judge_head(x, frame, cleaned, out);
+    if (!may_be_attitude(outcome)) {
+        return outcome;
+    }
+    const enum iso_capture way = way_to_the_front(out,
+                                                  fmin(frontal_max_rad, x->options.yaw_max_rad),
+                                                  fmin(frontal_max_rad, x->options.pitch_max_rad));
+    return way != ISO_CAPTURE_OK ? way : outcome;
 }

@@ -96,8 +96,9 @@ enum iso_capture iso__extract_judge_pose(const struct iso_extractor *x,
                                          const struct iso_frame *frame,
                                          const struct iso_pose_fit *fit,
                                          const struct iso_extraction *out);
-/* Judges the fit in x->head: ISO_CAPTURE_OK for a face that is not covered and shows no
- * presentation attack. */
+/* Judges the fit in x->head, whose pose is in `out`: ISO_CAPTURE_OK for a face that is not covered
+ * and shows no presentation attack. A head that is refused and turned or bowed far is told to turn:
+ * what the gates measure is uncertain then. */
 enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
                                         const struct iso_frame *frame,
                                         const struct iso_frame *cleaned,

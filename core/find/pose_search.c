@@ -16,8 +16,12 @@ enum { ROUGH_VERTICES = 110 };
 static const double turned_max_rad = 1.05;
 static const double upright_cosine_min = 0.5;
 /* The cost of a turned face, by the square of its angle: of two fits that are equally good, the
- * frontal one is taken. */
-static const double turned_cost_mm2 = 5.0;
+ * frontal one is taken. It is large in the first round, where the mean face fits chairs, shoulders
+ * and hair best when it is turned. In the later rounds it is smaller: with 5 mm2, frontal fits were
+ * taken for some turned heads; with 1.5 mm2, the back of a head was taken for a covered face. */
+static const double turned_rough_cost_mm2 = 5.0, turned_cost_mm2 = 2.0;
+/* What is added to the latter where it decides whether there is a face at all. */
+static const double turned_doubt_mm2 = 3.0;
 
 /* A fit this good is certainly a face; parts of the scene behind it are not searched. */
 static const double beyond_doubt_mm2 = 6.0;
@@ -80,15 +84,23 @@ static double turned_rad(const struct iso_frame *frame, const struct iso_rigid *
 /* Makes costs comparable. A fit must not look good because measurements are missing, or because
  * most of the face is turned out of sight. Returns false for attitudes in which no face can be
  * recognised, and for faces upside down. */
-static bool weigh_up(const struct iso_pose_search *search, struct iso_pose_fit *fit)
+static bool weigh_up(const struct iso_pose_search *search, double turned_mm2,
+                     struct iso_pose_fit *fit)
 {
     const double turned = turned_rad(search->frame, &fit->camera_from_face);
     if (turned > turned_max_rad || -fit->camera_from_face.rotation.m[1][1] < upright_cosine_min) {
         return false;
     }
     fit->cost_mm2 += ISO_POSE_COST_LIMIT_MM2 * fmax(search->coverage_min - fit->coverage, 0.0);
-    fit->cost_mm2 += turned_cost_mm2 * turned * turned;
+    fit->cost_mm2 += turned_mm2 * turned * turned;
     return true;
+}
+
+/* The cost by which a fit of the later rounds is a face, or none. */
+static double doubt_mm2(const struct iso_pose_search *search, const struct iso_pose_fit *fit)
+{
+    const double turned = turned_rad(search->frame, &fit->camera_from_face);
+    return fit->cost_mm2 + turned_doubt_mm2 * turned * turned;
 }
 
 /* Registers the mean face roughly with its nose tip at a candidate, from nine attitudes. */
@@ -109,7 +121,7 @@ static struct rough_poses try_candidate(const struct iso_pose_search *search,
             struct iso_rigid start = posed_at(nose_mm, yaws_rad[y], pitches_rad[p]);
             struct iso_pose_fit fit;
             if (iso_pose_fit(search->vertices, search->frame, &rough, &start, &fit) == 0 &&
-                weigh_up(search, &fit)) {
+                weigh_up(search, turned_rough_cost_mm2, &fit)) {
                 rank_insert(&best, &fit);
             }
         }
@@ -141,7 +153,7 @@ static struct ranking refine_ranking(const struct iso_pose_search *search,
         struct iso_pose_fit fit;
         const struct iso_rigid *start = &from->fit[i].camera_from_face;
         if (iso_pose_fit(search->vertices, search->frame, options, start, &fit) ||
-            !weigh_up(search, &fit)) {
+            !weigh_up(search, turned_cost_mm2, &fit)) {
             continue;
         }
         bool known = false;
@@ -170,7 +182,7 @@ static bool best_of(const struct iso_pose_search *search, const struct ranking *
     for (int i = 0; i < refined.n; i++) {
         struct iso_shape_fit fit;
         if (iso_shape_fit(search->fitter, search->frame, &refined.fit[i].camera_from_face, &fit) ||
-            !weigh_up(search, &fit.pose)) {
+            !weigh_up(search, turned_cost_mm2, &fit.pose)) {
             continue;
         }
         if (!found || fit.pose.cost_mm2 < best->cost_mm2) {
@@ -184,15 +196,15 @@ static bool best_of(const struct iso_pose_search *search, const struct ranking *
 /* Chooses among fits to parts of the scene, sorted from near to far: the nearest fit that is not
  * much worse than the best one. A shoulder in front of a face fits the mean face too, but badly.
  * NULL if no fit is good enough. */
-static const struct iso_pose_fit *nearest_good(const struct iso_pose_fit *fits, int n,
-                                               double cost_max_mm2)
+static const struct iso_pose_fit *nearest_good(const struct iso_pose_search *search,
+                                               const struct iso_pose_fit *fits, int n)
 {
     double limit = INFINITY;
     for (int i = 0; i < n; i++) {
         limit = fmin(limit, fits[i].cost_mm2 + much_worse_mm2);
     }
     for (int i = 0; i < n; i++) {
-        if (fits[i].cost_mm2 <= fmin(limit, cost_max_mm2)) {
+        if (fits[i].cost_mm2 <= limit && doubt_mm2(search, &fits[i]) <= search->cost_max_mm2) {
             return &fits[i];
         }
     }
@@ -219,7 +231,7 @@ static bool another_face(const struct iso_pose_search *search, const struct roug
         return false;
     }
     const struct iso_vec3 apart = iso_sub(other.camera_from_face.translation_mm, nose_mm);
-    return other.cost_mm2 <= beyond_doubt_mm2 && other.coverage >= other_coverage_min &&
+    return doubt_mm2(search, &other) <= beyond_doubt_mm2 && other.coverage >= other_coverage_min &&
            other.in_image >= other_coverage_min && iso_norm(apart) > other_apart_mm;
 }
 
@@ -244,11 +256,11 @@ int iso_pose_search(const struct iso_pose_search *search,
         if (!best_of(search, &finalists, &fits[n])) {
             continue;
         }
-        if (fits[n++].cost_mm2 <= beyond_doubt_mm2) {
+        if (doubt_mm2(search, &fits[n++]) <= beyond_doubt_mm2) {
             break;
         }
     }
-    const struct iso_pose_fit *found = nearest_good(fits, n, search->cost_max_mm2);
+    const struct iso_pose_fit *found = nearest_good(search, fits, n);
     if (!found) {
         return -ENOENT;
     }

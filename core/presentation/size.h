@@ -6,7 +6,13 @@
  * motion and the logarithm of the scale). Then the leading modes of identity become free as well,
  * held by their prior. These modes describe the sizes of people, and which shapes belong to them: a
  * large person has the features of large people, but a large print has those of the person it
- * shows. The remaining scale is what the shapes of people do not explain. */
+ * shows. The remaining scale is what the shapes of people do not explain.
+ *
+ * Hair is not part of the size. Above the eyebrows, where a fringe hangs, a vertex with a surface
+ * in front of it is not bare: from the step at which the modes become free it has no weight, and it
+ * does not count for the cost. Below the eyebrows every vertex counts, and so does a surface behind
+ * the head: there is no hair, but a mask of a wrong size is before the head at one place and behind
+ * it at another. */
 #ifndef ISO_CORE_PRESENTATION_SIZE_H
 #define ISO_CORE_PRESENTATION_SIZE_H
 
@@ -15,7 +21,7 @@
 
 struct iso_size {
     double scale;    /* size of the measured face over the size of people with its shape */
-    double cost_mm2; /* cost of the fit at this scale, as in struct iso_pose_fit */
+    double cost_mm2; /* cost of the fit at this scale over bare vertices; see struct iso_pose_fit */
 };
 
 struct iso_sizer;

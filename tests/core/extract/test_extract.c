@@ -78,6 +78,47 @@ static void hints_say_where_to_look(void **state)
     assert_true(f->out.pitch_rad < 0.0);
 }
 
+static enum iso_capture way_back(double yaw_deg, double pitch_deg)
+{
+    if (yaw_deg != 0.0) {
+        return yaw_deg > 0.0 ? ISO_CAPTURE_TURN_RIGHT : ISO_CAPTURE_TURN_LEFT;
+    }
+    return pitch_deg > 0.0 ? ISO_CAPTURE_LOOK_DOWN : ISO_CAPTURE_LOOK_UP;
+}
+
+/* With the default limits, a head that is turned or bowed by 25 to 55 degrees is either accepted or
+ * told how to look into the camera. Beyond 45 degrees it is not accepted. */
+static void a_turned_head_is_told_to_turn(void **state)
+{
+    struct extract_rig *f = *state;
+    for (int deg = 25; deg <= 50; deg += 5) {
+        for (int way = 0; way < 4; way++) {
+            const double sign = way % 2 ? -1.0 : 1.0;
+            const double yaw = way < 2 ? sign * deg : 0.0, pitch = way < 2 ? 0.0 : sign * deg;
+            const enum iso_capture outcome = extract_rig_outcome(f, yaw, pitch,
+                                                                 iso_vec3(0, 0, 600));
+            print_message("yaw %.0f, pitch %.0f: %s\n", yaw, pitch, iso_capture_name(outcome));
+            assert_true(outcome == way_back(yaw, pitch) ||
+                        (outcome == ISO_CAPTURE_OK && deg <= 45));
+        }
+    }
+}
+
+/* A head of a wrong size is called so if it looks into the camera, and is told to turn if it is
+ * turned by 35 degrees. It is never accepted. */
+static void a_turned_head_of_a_wrong_size_is_told_to_turn(void **state)
+{
+    struct extract_rig *f = *state;
+    for (int yaw = -35; yaw <= 35; yaw += 35) {
+        const struct iso_rigid pose = rendered_head_pose(yaw, 0.0, iso_vec3(0, 0, 600));
+        rendered_head_clear(f->frame);
+        rendered_head_draw(f->frame, f->model, NULL, 1.3, &pose);
+        const enum iso_capture outcome = extract_rig_run(f);
+        print_message("size 1.3, yaw %d: %s\n", yaw, iso_capture_name(outcome));
+        assert_int_equal(outcome, yaw ? way_back(yaw, 0.0) : ISO_CAPTURE_WRONG_SIZE);
+    }
+}
+
 /* The left of the subject is the right of the image. This test checks it without the convention of
  * the pose. */
 static void the_subjects_left_is_the_images_right(void **state)
@@ -216,6 +257,10 @@ int main(void)
                                         extract_rig_new, extract_rig_free),
         cmocka_unit_test_setup_teardown(hints_say_where_to_stand, extract_rig_new,
                                         extract_rig_free),
+        cmocka_unit_test_setup_teardown(a_turned_head_is_told_to_turn, extract_rig_new,
+                                        extract_rig_free),
+        cmocka_unit_test_setup_teardown(a_turned_head_of_a_wrong_size_is_told_to_turn,
+                                        extract_rig_new, extract_rig_free),
         cmocka_unit_test_setup_teardown(hints_say_where_to_look, extract_rig_new, extract_rig_free),
         cmocka_unit_test_setup_teardown(the_subjects_left_is_the_images_right, extract_rig_new,
                                         extract_rig_free),
