@@ -9,8 +9,7 @@
 #include "tests/firmware/rigs/puppets.h"
 
 static const struct iso_enroll_gate gate = {
-    .yaw_max_rad = 15 * ISO_RAD_PER_DEG,
-    .pitch_max_rad = 12 * ISO_RAD_PER_DEG,
+    .angles = {.yaw_max_rad = 15 * ISO_RAD_PER_DEG, .pitch_max_rad = 12 * ISO_RAD_PER_DEG},
     .coverage_min = 0.8,
     .landmark_coverage_min = 0.5,
     .expression_max = 1,
