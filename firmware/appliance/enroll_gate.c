@@ -14,6 +14,7 @@ struct iso_enroll_gate iso_enroll_gate_of(const struct iso_config_enroll *config
                    .pitch_rad = config->pose_pitch_deg * ISO_RAD_PER_DEG,
                    .within_rad = config->pose_within_deg * ISO_RAD_PER_DEG},
         .coverage_min = config->coverage_min,
+        .pose_coverage_min = config->pose_coverage_min,
         .landmark_coverage_min = config->landmark_coverage_min,
         .expression_max = config->expression_max,
         .mouth_max_mm = config->mouth_max_mm,
@@ -101,7 +102,9 @@ enum iso_capture iso_enroll_gate_judge(const struct iso_enroll_gate *gate,
     if (covered != ISO_CAPTURE_OK) {
         return covered;
     }
-    if (extraction->coverage < gate->coverage_min) {
+    const double coverage_min = gate->pose == ISO_ENROLL_FRONTAL ? gate->coverage_min
+                                                                 : gate->pose_coverage_min;
+    if (extraction->coverage < coverage_min) {
         return ISO_CAPTURE_TOO_FEW_POINTS;
     }
     return extraction->expression_norm > gate->expression_max ||

@@ -10,7 +10,8 @@
 struct iso_enroll_gate {
     enum iso_enroll_pose pose; /* the pose that is asked for */
     struct iso_enroll_angles angles;
-    double coverage_min;          /* of the face patch, 0..1 */
+    double coverage_min;          /* of the face patch, 0..1; frontal pose */
+    double pose_coverage_min;     /* the same of the other poses, which hide a part of it */
     double landmark_coverage_min; /* of the isotherms around each landmark, 0..1 */
     double expression_max;        /* iso_extraction.expression_norm */
     double mouth_max_mm;          /* between the lips of the fitted head */

@@ -180,6 +180,8 @@ const struct iso_config_key iso_config_keys[] = {
      "how far the chin goes down and up for a pose"},
     {"enroll", "pose_within_deg", ISO_CONFIG_NUMBER, AT(enroll, pose_within_deg), 1, 20, NULL, "6",
      "how far from these angles a head may be"},
+    {"enroll", "pose_coverage_min", ISO_CONFIG_NUMBER, AT(enroll, pose_coverage_min), 0, 1, NULL,
+     "0.7", "share of the face that must have been measured in such a pose"},
 
     {"log", "path", ISO_CONFIG_TEXT, AT(log, path), 0, 0, NULL, "/var/lib/isotherm/audit.log",
      "the audit log; created if it does not exist"},
