@@ -129,7 +129,7 @@ enroll()
 {
     local recording=$1 person=$2 line tool hints status=0
 
-    "$isotherm" --bus "$address" enroll "$person" --timeout 20 >"$run/hints" 2>&1 &
+    "$isotherm" --bus "$address" enroll "$person" --quick --timeout 20 >"$run/hints" 2>&1 &
     tool=$!
     exec {hints}<"$run/hints"
     read -r line <&"$hints"

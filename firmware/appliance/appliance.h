@@ -73,6 +73,10 @@ struct iso_appliance_events {
      * error of the disk; else "". */
     void (*enroll_status)(void *context, const char *result, bool done, unsigned stage,
                           unsigned stages, double quality, const char *person);
+    /* An enrolment with poses: what became of a step. `pose` and `state` are words
+     * ISO_CONTRACT_POSE_... and ISO_CONTRACT_STEP_...; step: 1..steps. */
+    void (*enroll_step)(void *context, const char *pose, const char *state, unsigned step,
+                        unsigned steps, double turn_deg);
     /* mode: VERIFY or IDENTIFY. person: "" when unknown. score: NaN if there is none. */
     void (*recognition_status)(void *context, enum iso_appliance_mode mode, const char *result,
                                bool done, const char *person, double score, double threshold);
@@ -161,6 +165,7 @@ struct iso_enroll_request {
     /* A limit that is not named stays as it is stored; a new person has none. */
     struct iso_validity_change validity;
     bool allow_duplicate;
+    bool poses; /* a template of each pose (firmware/recognise/enroll_pose.h), not only frontal */
 };
 
 /* Begins an action. Errors of all three, each with a fault: -EACCES not claimed, -EBUSY an action

@@ -224,12 +224,15 @@ void iso__appliance_action_disconnect(struct iso_appliance *appliance)
 
 int64_t iso__appliance_action_due_ns(const struct iso_appliance *appliance)
 {
+    if (appliance->mode == ISO_APPLIANCE_ENROLL) {
+        return iso__appliance_enrolment_due_ns(appliance);
+    }
     return appliance->mode == ISO_APPLIANCE_WATCH ? ISO_NEVER_NS : appliance->claim.deadline_ns;
 }
 
 void iso__appliance_action_deadline(struct iso_appliance *appliance, int64_t now)
 {
-    if (appliance->mode == ISO_APPLIANCE_WATCH || now < appliance->claim.deadline_ns) {
+    if (now < iso__appliance_action_due_ns(appliance)) {
         return;
     }
     if (appliance->mode == ISO_APPLIANCE_CLAIMED) {

@@ -360,8 +360,9 @@ void iso__appliance_tell_enrolment_hint(struct iso_appliance *appliance, const c
 /* Ends the enrolment because the sensor is lost. */
 void iso__appliance_disconnect_enrolment(struct iso_appliance *appliance);
 
-/* Ends the enrolment if its time is over at now_ns. */
+/* Ends the enrolment, or its step, if its time is over at now_ns. */
 void iso__appliance_time_enrolment(struct iso_appliance *appliance, int64_t now_ns);
+int64_t iso__appliance_enrolment_due_ns(const struct iso_appliance *appliance);
 
 /* Wipes the templates of the enrolment. */
 void iso__appliance_wipe_enrolment(struct iso_appliance *appliance);

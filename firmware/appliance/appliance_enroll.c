@@ -1,4 +1,4 @@
-/* ENROLL: adds a person, or a template of a person, to the gallery. */
+/* ENROLL: adds a person, or templates of a person, to the gallery. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -26,8 +26,62 @@ static int check_request(const struct iso_appliance *appliance,
     if (!iso_validity_is_fine(&before, &request->validity, now_s, validity_flaw)) {
         return iso_fault_set(fault, -EINVAL, "%s", validity_flaw);
     }
-    return iso_gallery_room(appliance->borrowed.gallery, request->person, fault);
+    return iso_gallery_room(appliance->borrowed.gallery, request->person,
+                            request->poses ? ISO_ENROLL_POSES : 1, fault);
 }
+
+/* ---- the steps of an enrolment with poses ---- */
+
+static void tell_step(const struct iso_appliance *appliance, enum iso_enroll_pose pose,
+                      const char *state, double turn_deg)
+{
+    const struct iso_appliance_events *events = &appliance->borrowed.events;
+    events->enroll_step(events->context, iso_enroll_pose_name(pose), state, (unsigned)pose + 1,
+                        ISO_ENROLL_POSES, turn_deg);
+}
+
+/* Reports the steps that have ended since the present step was `before`, and the one that has
+ * begun. */
+static void tell_steps_since(struct iso_appliance *appliance, enum iso_enroll_pose before)
+{
+    const struct iso_enrolment *enrolment = &appliance->enrolling.enrolment;
+    if (!enrolment->options.poses || enrolment->pose == before) {
+        return;
+    }
+    for (enum iso_enroll_pose pose = before; pose < enrolment->pose; pose++) {
+        tell_step(appliance, pose,
+                  enrolment->kept[pose] ? ISO_CONTRACT_STEP_PASSED : ISO_CONTRACT_STEP_LEFT_OUT,
+                  0.0);
+    }
+    iso__appliance_reset_hints(appliance); /* frames of the step before count no more */
+    if (enrolment->state == ISO_ENROLMENT_ACTIVE) {
+        tell_step(appliance, enrolment->pose, ISO_CONTRACT_STEP_BEGUN, 0.0);
+    }
+}
+
+static struct iso_enroll_gate gate_of(const struct iso_appliance *appliance)
+{
+    struct iso_enroll_gate gate = iso_enroll_gate_of(&appliance->borrowed.config->enroll);
+    if (appliance->mode == ISO_APPLIANCE_ENROLL) {
+        gate.pose = appliance->enrolling.enrolment.pose;
+    }
+    return gate;
+}
+
+/* Reports how far the head is from the pose, if that is what hinders the enrolment. */
+static void tell_turn(const struct iso_appliance *appliance)
+{
+    const struct iso_extraction *extraction = &appliance->face.extraction;
+    const struct iso_enroll_gate gate = gate_of(appliance);
+    double turn_rad = 0.0;
+    if (appliance->enrolling.enrolment.options.poses && extraction->fitted &&
+        iso_enroll_pose_judge(gate.pose, &gate.angles, extraction->yaw_rad, extraction->pitch_rad,
+                              &turn_rad) != ISO_CAPTURE_OK) {
+        tell_step(appliance, gate.pose, ISO_CONTRACT_STEP_TURN, turn_rad / ISO_RAD_PER_DEG);
+    }
+}
+
+/* ---- beginning ---- */
 
 int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enroll_request *request,
                          struct iso_fault *fault)
@@ -35,6 +89,9 @@ int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enrol
     const struct iso_config_enroll *config = &appliance->borrowed.config->enroll;
     const struct iso_enrolment_options options = {
         .stages = config->stages,
+        .poses = request->poses,
+        .pose_stages = config->pose_stages,
+        .pose_timeout_ns = config->pose_timeout_ms * ISO_NS_PER_MS,
         .agree_score = config->agree_score,
         .duplicate_score = config->duplicate_score,
         .attack_frames = appliance->borrowed.config->decision.attack_frames,
@@ -56,8 +113,13 @@ int iso_appliance_enroll(struct iso_appliance *appliance, const struct iso_enrol
     iso_enrolment_begin(&appliance->enrolling.enrolment, &options,
                         iso__appliance_now_ns(appliance));
     iso__appliance_begin_action(appliance, ISO_APPLIANCE_ENROLL, config->timeout_ms);
+    if (request->poses) {
+        tell_step(appliance, ISO_ENROLL_FRONTAL, ISO_CONTRACT_STEP_BEGUN, 0.0);
+    }
     return 0;
 }
+
+/* ---- the end ---- */
 
 /* The person whose face the enrolment shows under another name; NULL: nobody. */
 static const struct iso_person *duplicate_of(const struct iso_appliance *appliance)
@@ -75,7 +137,7 @@ static void tell_enrolment(const struct iso_appliance *appliance, const char *re
     const struct iso_appliance_events *events = &appliance->borrowed.events;
     events->enroll_status(events->context, result, done,
                           (unsigned)appliance->enrolling.enrolment.stage,
-                          (unsigned)appliance->enrolling.enrolment.options.stages, quality, detail);
+                          (unsigned)appliance->enrolling.enrolment.stages, quality, detail);
 }
 
 static struct iso_audit_record enrolment_record(const struct iso_appliance *appliance,
@@ -98,11 +160,25 @@ static int record_enrolment(struct iso_appliance *appliance, const char *reason,
     return iso__appliance_record(appliance, &record);
 }
 
-/* Records that the enrolment is complete, and which limits it changes. Limits that were not named
- * stay as the gallery has them. */
+/* Writes the poses that are kept, such as "poses: frontal left up"; "" without poses. */
+static void write_poses(const struct iso_enrolment *enrolment, char out[static 64])
+{
+    size_t used = 0;
+    out[0] = '\0';
+    for (int pose = 0; enrolment->options.poses && pose < ISO_ENROLL_POSES; pose++) {
+        if (enrolment->kept[pose]) {
+            used += (size_t)snprintf(out + used, 64 - used, "%s %s", used ? "" : "poses:",
+                                     iso_enroll_pose_name((enum iso_enroll_pose)pose));
+        }
+    }
+}
+
+/* Records that the enrolment is complete, with which poses, and which limits it changes. Limits
+ * that were not named stay as the gallery has them. */
 static int record_completion(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     struct iso_audit_record record = enrolment_record(appliance, ISO_CONTRACT_RESULT_COMPLETED);
+    char poses[64];
     const struct iso_person *known = iso_gallery_find_id(appliance->borrowed.gallery,
                                                          appliance->enrolling.person.id);
     if (appliance->enrolling.person.id != 0 && !known) {
@@ -121,13 +197,29 @@ static int record_completion(struct iso_appliance *appliance, struct iso_fault *
         record.before = known ? before_text : NULL;
         record.after = after_text;
     }
+    write_poses(&appliance->enrolling.enrolment, poses);
+    record.note = *poses ? poses : NULL;
     return iso__appliance_record_first(appliance, &record, fault);
+}
+
+/* Points `out` [ISO_ENROLL_POSES] to the templates to be kept, and returns their number. */
+static int kept_templates(const struct iso_enrolment *enrolment, const struct iso_template **out)
+{
+    int n = 0;
+    for (int pose = 0; pose < ISO_ENROLL_POSES; pose++) {
+        if (enrolment->kept[pose]) {
+            out[n++] = &enrolment->fused[pose];
+        }
+    }
+    return n;
 }
 
 static int add_person(struct iso_appliance *appliance, struct iso_fault *fault)
 {
-    const int error = iso_gallery_add(appliance->borrowed.gallery, &appliance->enrolling.person,
-                                      &appliance->enrolling.enrolment.fused, fault);
+    const struct iso_template *templates[ISO_ENROLL_POSES];
+    const int n = kept_templates(&appliance->enrolling.enrolment, templates);
+    const int error = iso_gallery_add_all(appliance->borrowed.gallery, &appliance->enrolling.person,
+                                          templates, n, fault);
     if (error) {
         (void)record_enrolment(appliance, "not-stored", fault->text);
         iso__appliance_note_storage(appliance, error, fault);
@@ -135,7 +227,7 @@ static int add_person(struct iso_appliance *appliance, struct iso_fault *fault)
     return error;
 }
 
-/* Stores the template, after the record of it. Without a record nothing is stored. */
+/* Stores the templates, after the record of them. Without a record nothing is stored. */
 static int keep_enrolment(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     appliance->enrolling.person.enrolled_s = iso_times_wall_ns(&appliance->borrowed.times) /
@@ -208,14 +300,16 @@ static void finish_enrolment(struct iso_appliance *appliance)
                                                : ISO_CONTRACT_RESULT_FAILED;
         has_quality = false;
     }
-    tell_enrolment(appliance, result, true,
-                   has_quality ? (double)appliance->enrolling.enrolment.fused.quality : 0,
-                   enrolment_detail(appliance, error, &fault));
+    tell_enrolment(
+        appliance, result, true,
+        has_quality ? (double)appliance->enrolling.enrolment.fused[ISO_ENROLL_FRONTAL].quality : 0,
+        enrolment_detail(appliance, error, &fault));
     iso__appliance_end_action(appliance);
 }
 
 void iso__appliance_tell_enrolment_hint(struct iso_appliance *appliance, const char *word)
 {
+    tell_turn(appliance);
     tell_enrolment(appliance, word, false, 0, "");
 }
 
@@ -227,8 +321,15 @@ void iso__appliance_disconnect_enrolment(struct iso_appliance *appliance)
 
 void iso__appliance_time_enrolment(struct iso_appliance *appliance, int64_t now_ns)
 {
+    const enum iso_enroll_pose pose = appliance->enrolling.enrolment.pose;
     iso_enrolment_time(&appliance->enrolling.enrolment, now_ns);
+    tell_steps_since(appliance, pose);
     finish_enrolment(appliance);
+}
+
+int64_t iso__appliance_enrolment_due_ns(const struct iso_appliance *appliance)
+{
+    return iso_enrolment_due_ns(&appliance->enrolling.enrolment);
 }
 
 void iso__appliance_wipe_enrolment(struct iso_appliance *appliance)
@@ -244,7 +345,7 @@ void iso__appliance_forget_enrolment(struct iso_appliance *appliance)
 
 enum iso_capture iso__appliance_enroll_gate(const struct iso_appliance *appliance)
 {
-    const struct iso_enroll_gate gate = iso_enroll_gate_of(&appliance->borrowed.config->enroll);
+    const struct iso_enroll_gate gate = gate_of(appliance);
     return iso_enroll_gate_judge(&gate, &appliance->face.extraction);
 }
 
@@ -258,10 +359,12 @@ void iso__appliance_enroll_face(struct iso_appliance *appliance)
 {
     const struct iso_template *tmpl = &appliance->face.extraction.tmpl;
     struct iso_enrolment_gallery gallery = {.person = appliance->enrolling.person.id};
+    const enum iso_enroll_pose pose = appliance->enrolling.enrolment.pose;
     bool passed = false;
     gallery.everybody = iso_gallery_everybody(appliance->borrowed.gallery);
     gallery.own = iso_gallery_only(appliance->borrowed.gallery, gallery.person);
     const int error = iso_enrolment_frame(&appliance->enrolling.enrolment, tmpl,
+                                          iso__appliance_now_ns(appliance),
                                           &appliance->borrowed.pipeline, &gallery, &passed);
     if (error) {
         struct iso_fault fault;
@@ -275,5 +378,6 @@ void iso__appliance_enroll_face(struct iso_appliance *appliance)
     } else if (!error) {
         tell_enrolment(appliance, ISO_CONTRACT_RESULT_STAGE_MISFIT, false, 0, "");
     }
+    tell_steps_since(appliance, pose);
     finish_enrolment(appliance);
 }

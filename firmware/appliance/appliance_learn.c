@@ -59,7 +59,7 @@ static void keep(struct iso_appliance *appliance, const struct iso_verdict *verd
     const struct iso_person *known = iso_gallery_find_id(gallery, verdict->person);
     struct iso_audit_record record = iso_audit_record_of("learn");
     struct iso_fault fault = {.text = ""};
-    if (!known || iso_gallery_room(gallery, known->name, NULL)) {
+    if (!known || iso_gallery_room(gallery, known->name, 1, NULL)) {
         return;
     }
     const struct iso_person person = *known; /* a copy: the gallery's array may move */

@@ -7,9 +7,14 @@
 struct iso_enroll_gate iso_enroll_gate_of(const struct iso_config_enroll *config)
 {
     return (struct iso_enroll_gate){
-        .yaw_max_rad = config->yaw_max_deg * ISO_RAD_PER_DEG,
-        .pitch_max_rad = config->pitch_max_deg * ISO_RAD_PER_DEG,
+        .pose = ISO_ENROLL_FRONTAL,
+        .angles = {.yaw_max_rad = config->yaw_max_deg * ISO_RAD_PER_DEG,
+                   .pitch_max_rad = config->pitch_max_deg * ISO_RAD_PER_DEG,
+                   .yaw_rad = config->pose_yaw_deg * ISO_RAD_PER_DEG,
+                   .pitch_rad = config->pose_pitch_deg * ISO_RAD_PER_DEG,
+                   .within_rad = config->pose_within_deg * ISO_RAD_PER_DEG},
         .coverage_min = config->coverage_min,
+        .pose_coverage_min = config->pose_coverage_min,
         .landmark_coverage_min = config->landmark_coverage_min,
         .expression_max = config->expression_max,
         .mouth_max_mm = config->mouth_max_mm,
@@ -86,18 +91,20 @@ static enum iso_capture judge_landmarks(const struct iso_template *tmpl, double 
 enum iso_capture iso_enroll_gate_judge(const struct iso_enroll_gate *gate,
                                        const struct iso_extraction *extraction)
 {
-    if (fabs(extraction->yaw_rad) > gate->yaw_max_rad) {
-        return extraction->yaw_rad > 0.0 ? ISO_CAPTURE_TURN_RIGHT : ISO_CAPTURE_TURN_LEFT;
-    }
-    if (fabs(extraction->pitch_rad) > gate->pitch_max_rad) {
-        return extraction->pitch_rad > 0.0 ? ISO_CAPTURE_LOOK_DOWN : ISO_CAPTURE_LOOK_UP;
+    double turn_rad = 0.0;
+    const enum iso_capture turn = iso_enroll_pose_judge(
+        gate->pose, &gate->angles, extraction->yaw_rad, extraction->pitch_rad, &turn_rad);
+    if (turn != ISO_CAPTURE_OK) {
+        return turn;
     }
     const enum iso_capture covered = judge_landmarks(&extraction->tmpl,
                                                      gate->landmark_coverage_min);
     if (covered != ISO_CAPTURE_OK) {
         return covered;
     }
-    if (extraction->coverage < gate->coverage_min) {
+    const double coverage_min = gate->pose == ISO_ENROLL_FRONTAL ? gate->coverage_min
+                                                                 : gate->pose_coverage_min;
+    if (extraction->coverage < coverage_min) {
         return ISO_CAPTURE_TOO_FEW_POINTS;
     }
     return extraction->expression_norm > gate->expression_max ||

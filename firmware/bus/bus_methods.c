@@ -130,6 +130,12 @@ static int read_option(sd_bus_message *call, struct iso_enroll_request *request,
         if (r >= 0) {
             r = 1;
         }
+    } else if (strcmp(name, ISO_CONTRACT_POSES) == 0) {
+        r = sd_bus_message_read(call, "v", "b", &flag);
+        request->poses = flag != 0;
+        if (r >= 0) {
+            r = 1;
+        }
     } else {
         r = iso__bus_read_validity_option(call, name, &request->validity);
     }
@@ -350,6 +356,7 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_AIM_STOP, "", NOTHING, "", NOTHING, iso__bus_aim_stop),
     METHOD(ISO_CONTRACT_PICTURE, "", NOTHING, "h", "file\0", iso__bus_picture),
     SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuuds", "result\0done\0stage\0stages\0quality\0person\0"),
+    SIGNAL(ISO_CONTRACT_ENROLL_STEP, "ssuud", "pose\0state\0step\0steps\0turn_deg\0"),
     SIGNAL(ISO_CONTRACT_VERIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
     SIGNAL(ISO_CONTRACT_IDENTIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
     SIGNAL(ISO_CONTRACT_VISIT, "ssdduxsss",

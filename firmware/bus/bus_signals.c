@@ -38,6 +38,18 @@ static void on_enroll_status(void *context, const char *result, bool done, unsig
     iso__bus_send_signal(signal, bus->claimant, r);
 }
 
+static void on_enroll_step(void *context, const char *pose, const char *state, unsigned step,
+                           unsigned steps, double turn_deg)
+{
+    const struct iso_bus *bus = context;
+    sd_bus_message *signal = NULL;
+    int r = iso__bus_new_signal(bus, ISO_CONTRACT_ENROLL_STEP, &signal);
+    if (r >= 0) {
+        r = sd_bus_message_append(signal, "ssuud", pose, state, step, steps, turn_deg);
+    }
+    iso__bus_send_signal(signal, bus->claimant, r);
+}
+
 static void on_recognition_status(void *context, enum iso_appliance_mode mode, const char *result,
                                   bool done, const char *person, double score, double threshold)
 {
@@ -104,6 +116,7 @@ struct iso_appliance_events iso_bus_events(struct iso_bus *bus,
 {
     return (struct iso_appliance_events){
         .enroll_status = on_enroll_status,
+        .enroll_step = on_enroll_step,
         .recognition_status = on_recognition_status,
         .visit = on_visit,
         .hint = on_hint,

@@ -101,6 +101,8 @@ struct iso_config_hint {
 
 struct iso_config_enroll {
     int stages, timeout_ms;
+    int pose_stages, pose_timeout_ms; /* of each pose but the frontal one */
+    double pose_yaw_deg, pose_pitch_deg, pose_within_deg, pose_coverage_min;
     double agree_score, duplicate_score;
     double yaw_max_deg, pitch_max_deg, coverage_min, landmark_coverage_min, expression_max;
     double mouth_max_mm;

@@ -8,7 +8,10 @@
  * + EnrollStart(s person, a{sv}) -> a{sv}
  *                                        options ISO_CONTRACT_ALLOW_DUPLICATE b, ..._VALID_FROM x,
  *                                        ..._VALID_UNTIL x (seconds since 1970; 0: no limit),
- *                                        ..._EXPIRED b. A limit that is not named stays as it is
+ *                                        ..._EXPIRED b, ..._POSES b: after the frontal face also
+ *                                        the other poses, each as a template of its own; without
+ *                                        it the frontal face alone, as before there were poses.
+ *                                        A limit that is not named stays as it is
  *                                        stored. An end in the past is refused without EXPIRED. If
  *                                        the name is in use, the reply describes the person, else
  *                                        it is empty: "person" s (as it is spelt), "enrolled" x,
@@ -68,6 +71,12 @@
  *   EnrollStatus(s result, b done, u stage, u stages, d quality, s person)
  *       person: for a duplicate, the name under which the face is enrolled; for
  *       "enroll-not-stored", the error of the disk; else ""
+ *       stage and stages count the usable frames of all steps that are not left out
+ *   EnrollStep(s pose, s state, u step, u steps, d turn_deg)
+ *       only of an enrolment with ISO_CONTRACT_POSES: what became of step 1, 2, ... `steps`. pose is
+ *       a word ISO_CONTRACT_POSE_..., state a word ISO_CONTRACT_STEP_.... turn_deg: with
+ *       ISO_CONTRACT_STEP_TURN, how far the head is from the pose, in degrees; else 0. The frontal
+ *       pose is necessary, every other one is left out if it is not reached in time
  *   VerifyStatus, IdentifyStatus(s result, b done, s person, d score, d threshold)
  *       result: "enroll-", "verify-" or "identify-", followed by one of the words
  *       ISO_CONTRACT_RESULT_..., or by "retry-" and a word of isotherm/capture.h. The latter is a
@@ -211,6 +220,22 @@
 #define ISO_CONTRACT_VALID_UNTIL     "valid-until"
 #define ISO_CONTRACT_EXPIRED         "expired"
 
+/* Option of EnrollStart alone. */
+#define ISO_CONTRACT_POSES "poses"
+
+/* The poses of an enrolment, in the order of its steps. Left and right are the subject's. */
+#define ISO_CONTRACT_POSE_FRONTAL "frontal"
+#define ISO_CONTRACT_POSE_LEFT    "left"
+#define ISO_CONTRACT_POSE_RIGHT   "right"
+#define ISO_CONTRACT_POSE_DOWN    "down" /* the chin down */
+#define ISO_CONTRACT_POSE_UP      "up"   /* the chin up */
+
+/* The states of a step in EnrollStep. */
+#define ISO_CONTRACT_STEP_BEGUN    "begun"
+#define ISO_CONTRACT_STEP_TURN     "turn"     /* the head is not yet in the pose; a hint follows */
+#define ISO_CONTRACT_STEP_PASSED   "passed"   /* the step is complete */
+#define ISO_CONTRACT_STEP_LEFT_OUT "left-out" /* it was not complete in time */
+
 /* Of the person whose name is in use, in the reply of EnrollStart; and the limits above. */
 #define ISO_CONTRACT_PERSON    "person"
 #define ISO_CONTRACT_ENROLLED  "enrolled"
@@ -240,6 +265,7 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 
 /* Signals. */
 #define ISO_CONTRACT_ENROLL_STATUS   "EnrollStatus"
+#define ISO_CONTRACT_ENROLL_STEP     "EnrollStep"
 #define ISO_CONTRACT_VERIFY_STATUS   "VerifyStatus"
 #define ISO_CONTRACT_IDENTIFY_STATUS "IdentifyStatus"
 #define ISO_CONTRACT_VISIT           "Visit"

@@ -43,7 +43,8 @@ void iso_gallery_close(struct iso_gallery *gallery)
 
 /* ---- changing ---- */
 
-int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct iso_fault *fault)
+int iso_gallery_room(const struct iso_gallery *gallery, const char *name, int n,
+                     struct iso_fault *fault)
 {
     const struct iso_person *person = iso_gallery_find(gallery, name);
     const char *flaw = person ? NULL : iso_person_name_flaw(name);
@@ -61,13 +62,41 @@ int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct
                                   "%s has %u templates, the most that one person can have",
                                   person->name, person->templates);
     }
+    const uint32_t before = person ? person->templates : 0;
+    if (before + (uint32_t)n > ISO_GALLERY_TEMPLATES_MAX) {
+        return iso_fault_set_code(fault, ISO_FAULT_GALLERY_FULL, -EDQUOT,
+                                  "%s has %u templates, and %d more exceed the %d that one person "
+                                  "can have",
+                                  person ? person->name : name, before, n,
+                                  ISO_GALLERY_TEMPLATES_MAX);
+    }
+    return 0;
+}
+
+/* A template to be added: as it is stored, and as it is kept in memory. */
+struct addition {
+    uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
+    size_t size;
+    struct iso_gallery_kept kept;
+};
+
+static int put_templates(struct iso_gallery *gallery, int64_t person,
+                         const struct addition *additions, int n, struct iso_fault *fault)
+{
+    for (int i = 0; i < n; i++) {
+        const int error = iso_gallery_db_put_template(gallery->db, person,
+                                                      gallery->memory.algorithm, additions[i].bytes,
+                                                      additions[i].size, fault);
+        if (error) {
+            return error;
+        }
+    }
     return 0;
 }
 
 /* Ends the transaction first, and then changes the memory, which cannot fail. */
 static int add_prepared(struct iso_gallery *gallery, const struct iso_person *person,
-                        const void *bytes, size_t size, struct iso_gallery_kept *kept,
-                        struct iso_fault *fault)
+                        struct addition *additions, int n, struct iso_fault *fault)
 {
     const struct iso_person *known = iso_gallery_find(gallery, person->name);
     struct iso_person row = *person;
@@ -86,51 +115,76 @@ static int add_prepared(struct iso_gallery *gallery, const struct iso_person *pe
     }
     error = iso_gallery_db_put_person(gallery->db, &row, &row.id, fault);
     if (!error) {
-        error = iso_gallery_db_put_template(gallery->db, row.id, gallery->memory.algorithm, bytes,
-                                            size, fault);
+        error = put_templates(gallery, row.id, additions, n, fault);
     }
     error = iso_gallery_db_end(gallery->db, error, fault);
-    if (!error) {
-        iso_gallery_memory_add(&gallery->memory, &row, kept);
+    for (int i = 0; !error && i < n; i++) {
+        iso_gallery_memory_add(&gallery->memory, &row, &additions[i].kept);
     }
     return error;
 }
 
-static int check_addition(const struct iso_gallery *gallery, const struct iso_person *person,
-                          const struct iso_template *tmpl, struct iso_fault *fault)
+/* Makes the forms in which a template is stored and kept. It is written and read back, so that the
+ * search sees the same before and after a restart. */
+static int prepare_addition(struct iso_gallery *gallery, const struct iso_template *tmpl,
+                            struct addition *out, struct iso_fault *fault)
 {
     if (tmpl->algorithm != gallery->memory.algorithm) {
         return iso_fault_set(fault, -EINVAL, "the template is of another algorithm");
     }
-    return iso_gallery_room(gallery, person->name, fault);
+    const int size = iso_template_serialise(tmpl, out->bytes, sizeof out->bytes);
+    if (size < 0) {
+        return iso_fault_set(fault, -EINVAL, "the template is out of range");
+    }
+    out->size = (size_t)size;
+    const int error = iso_gallery_memory_prepare(&gallery->memory, out->bytes, out->size,
+                                                 &out->kept);
+    if (error == -ENOMEM) {
+        return iso_fault_set(fault, error, "gallery: out of memory");
+    }
+    return error ? iso_fault_set(fault, -EINVAL, "the template is out of range") : 0;
+}
+
+static int add_additions(struct iso_gallery *gallery, const struct iso_person *person,
+                         const struct iso_template *const *templates, struct addition *additions,
+                         int n, struct iso_fault *fault)
+{
+    for (int i = 0; i < n; i++) {
+        const int error = prepare_addition(gallery, templates[i], &additions[i], fault);
+        if (error) {
+            return error;
+        }
+    }
+    if (iso_gallery_memory_reserve(&gallery->memory, n)) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
+    return add_prepared(gallery, person, additions, n, fault);
+}
+
+int iso_gallery_add_all(struct iso_gallery *gallery, const struct iso_person *person,
+                        const struct iso_template *const *templates, int n, struct iso_fault *fault)
+{
+    int error = iso_gallery_room(gallery, person->name, n, fault);
+    if (error) {
+        return error;
+    }
+    struct addition *additions = calloc((size_t)n, sizeof *additions);
+    if (!additions) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
+    error = add_additions(gallery, person, templates, additions, n, fault);
+    for (int i = 0; i < n; i++) {
+        iso_gallery_memory_discard(&additions[i].kept);
+    }
+    sodium_memzero(additions, (size_t)n * sizeof *additions);
+    free(additions);
+    return error;
 }
 
 int iso_gallery_add(struct iso_gallery *gallery, const struct iso_person *person,
                     const struct iso_template *tmpl, struct iso_fault *fault)
 {
-    uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
-    int error = check_addition(gallery, person, tmpl, fault);
-    if (error) {
-        return error;
-    }
-    const int size = iso_template_serialise(tmpl, bytes, sizeof bytes);
-    if (size < 0) {
-        return iso_fault_set(fault, -EINVAL, "the template is out of range");
-    }
-    /* The template is written and read back, so that the search sees the same before and after a
-     * restart. */
-    struct iso_gallery_kept kept = {.tmpl = NULL};
-    error = iso_gallery_memory_prepare(&gallery->memory, bytes, (size_t)size, &kept);
-    if (error) {
-        error = iso_fault_set(fault, error == -ENOMEM ? error : -EINVAL, "%s",
-                              error == -ENOMEM ? "gallery: out of memory"
-                                               : "the template is out of range");
-    } else {
-        error = add_prepared(gallery, person, bytes, (size_t)size, &kept, fault);
-    }
-    iso_gallery_memory_discard(&kept);
-    sodium_memzero(bytes, sizeof bytes);
-    return error;
+    return iso_gallery_add_all(gallery, person, &tmpl, 1, fault);
 }
 
 int iso_gallery_remove(struct iso_gallery *gallery, const char *name, struct iso_fault *fault)

@@ -96,6 +96,12 @@ int iso_gallery_add(struct iso_gallery *gallery, const struct iso_person *person
                     const struct iso_template *tmpl, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* Adds n templates (1..ISO_GALLERY_TEMPLATES_MAX) of one person in the same way, all of them or
+ * none, in one transaction. Errors of iso_gallery_add. */
+int iso_gallery_add_all(struct iso_gallery *gallery, const struct iso_person *person,
+                        const struct iso_template *const *templates, int n, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* Deletes a person with all templates. -ENOENT nobody has this name, else as add. */
 int iso_gallery_remove(struct iso_gallery *gallery, const char *name, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -115,10 +121,10 @@ int iso_gallery_set_validity(struct iso_gallery *gallery, const char *name,
                              const struct iso_validity *validity, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Returns 0 if a template can be added for this name, else an error with a fault: -EINVAL the name
- * is new and bad, -EDQUOT there is no room. */
-int iso_gallery_room(const struct iso_gallery *gallery, const char *name, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+/* Returns 0 if n templates (1 or more) can be added for this name, else an error with a fault:
+ * -EINVAL the name is new and bad, -EDQUOT there is no room. */
+int iso_gallery_room(const struct iso_gallery *gallery, const char *name, int n,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* ---- out of service ---- */
 

@@ -32,13 +32,14 @@ void iso_gallery_memory_done(struct iso_gallery_memory *memory)
 
 /* ---- room ---- */
 
-/* Makes room for one more item in an array. */
-static int reserve_item(void **items, size_t item_size, size_t n, size_t *capacity)
+/* Makes room for `least` items in an array. */
+static int reserve_items(void **items, size_t item_size, size_t least, size_t *capacity)
 {
-    if (n < *capacity) {
+    if (least <= *capacity) {
         return 0;
     }
-    const size_t more = *capacity ? 2 * *capacity : 16;
+    const size_t doubled = *capacity ? 2 * *capacity : 16;
+    const size_t more = least > doubled ? least : doubled;
     void *grown = reallocarray(*items, more, item_size);
     if (!grown) {
         return -ENOMEM;
@@ -51,20 +52,20 @@ static int reserve_item(void **items, size_t item_size, size_t n, size_t *capaci
 static int reserve_person(struct iso_gallery_memory *memory)
 {
     void *people = memory->people;
-    const int error = reserve_item(&people, sizeof *memory->people, memory->n_people,
-                                   &memory->people_capacity);
+    const int error = reserve_items(&people, sizeof *memory->people, memory->n_people + 1,
+                                    &memory->people_capacity);
     memory->people = people;
     return error;
 }
 
-static int reserve_template(struct iso_gallery_memory *memory)
+static int reserve_templates(struct iso_gallery_memory *memory, size_t n)
 {
     void *entries = memory->entries;
     if (memory->site) {
-        return iso_site_index_reserve(memory->site);
+        return iso_site_index_reserve(memory->site, n);
     }
-    const int error = reserve_item(&entries, sizeof *memory->entries, memory->n_entries,
-                                   &memory->entries_capacity);
+    const int error = reserve_items(&entries, sizeof *memory->entries, memory->n_entries + n,
+                                    &memory->entries_capacity);
     memory->entries = entries;
     return error;
 }
@@ -110,7 +111,7 @@ static int prepare_template(struct iso_gallery_memory *memory, const void *bytes
     struct iso_gallery_kept kept = {.tmpl = NULL};
     int error = read_template(memory, bytes, size, &kept);
     if (!error) {
-        error = reserve_template(memory);
+        error = reserve_templates(memory, 1);
     }
     if (error) {
         iso_gallery_memory_discard(&kept);
@@ -130,6 +131,11 @@ int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *by
         error = -ENOMEM;
     }
     return error;
+}
+
+int iso_gallery_memory_reserve(struct iso_gallery_memory *memory, int n)
+{
+    return reserve_templates(memory, (size_t)n);
 }
 
 void iso_gallery_memory_discard(struct iso_gallery_kept *kept)

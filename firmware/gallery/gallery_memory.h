@@ -49,6 +49,10 @@ int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *by
 /* Wipes and frees what is still in it. */
 void iso_gallery_memory_discard(struct iso_gallery_kept *kept);
 
+/* Makes room for n prepared templates (1 or more) of one person. -ENOMEM. */
+int iso_gallery_memory_reserve(struct iso_gallery_memory *memory, int n)
+    __attribute__((warn_unused_result));
+
 /* Adds the prepared template to this person. A person who is not known yet is added with the values
  * of the row. Limits and counts are updated. */
 void iso_gallery_memory_add(struct iso_gallery_memory *memory, const struct iso_person *row,

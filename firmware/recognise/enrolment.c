@@ -12,11 +12,47 @@ void iso_enrolment_begin(struct iso_enrolment *enrolment,
     enrolment->options = *options;
     enrolment->state = ISO_ENROLMENT_ACTIVE;
     enrolment->deadline_ns = now_ns + options->timeout_ns;
+    enrolment->pose_deadline_ns = INT64_MAX;
+    enrolment->pose = ISO_ENROLL_FRONTAL;
     enrolment->stage = 0;
+    enrolment->stages = options->stages +
+                        (iso_enrolment_steps(enrolment) - 1) * options->pose_stages;
+    enrolment->taken = 0;
     enrolment->misfits = 0;
     enrolment->attack_frames = 0;
     enrolment->cue = ISO_CAPTURE_OK;
     enrolment->duplicate_of = 0;
+}
+
+static bool is_frontal(const struct iso_enrolment *enrolment)
+{
+    return enrolment->pose == ISO_ENROLL_FRONTAL;
+}
+
+static int stages_of_step(const struct iso_enrolment *enrolment)
+{
+    return is_frontal(enrolment) ? enrolment->options.stages : enrolment->options.pose_stages;
+}
+
+/* Goes on with the next step, or ends the enrolment after the last one. */
+static void end_step(struct iso_enrolment *enrolment, int64_t now_ns)
+{
+    enrolment->pose++;
+    if ((int)enrolment->pose >= iso_enrolment_steps(enrolment)) {
+        enrolment->state = ISO_ENROLMENT_COMPLETED;
+        return;
+    }
+    enrolment->taken = 0;
+    enrolment->misfits = 0;
+    enrolment->pose_deadline_ns = now_ns + enrolment->options.pose_timeout_ns;
+}
+
+/* Goes on without the present pose. */
+static void leave_out(struct iso_enrolment *enrolment, int64_t now_ns)
+{
+    enrolment->stages -= stages_of_step(enrolment);
+    enrolment->stage -= enrolment->taken;
+    end_step(enrolment, now_ns);
 }
 
 /* The best score of a probe among these templates; -INFINITY if there are none, or if too few
@@ -34,13 +70,16 @@ static int best_score(const struct iso_pipeline *pipeline, const struct iso_cand
     return 0;
 }
 
-/* The lowest score of a frame compared with the frames before it; INFINITY for the first frame. */
+/* The lowest score of a frame compared with the frontal template and with the frames of the step
+ * before it; INFINITY if there are none. */
 static int lowest_score(const struct iso_enrolment *enrolment, const struct iso_template *frame,
                         const struct iso_pipeline *pipeline, double *out)
 {
     double lowest = INFINITY;
-    for (int i = 0; i < enrolment->stage; i++) {
-        const struct iso_search_entry entry = {.person = 1, .tmpl = &enrolment->frames[i]};
+    for (int i = is_frontal(enrolment) ? 0 : -1; i < enrolment->taken; i++) {
+        const struct iso_search_entry entry = {.person = 1,
+                                               .tmpl = i < 0 ? &enrolment->fused[ISO_ENROLL_FRONTAL]
+                                                             : &enrolment->frames[i]};
         const struct iso_candidate_list before = {.entries = &entry, .n_entries = 1};
         double score = 0;
         const int error = best_score(pipeline, &before, frame, &score);
@@ -55,14 +94,13 @@ static int lowest_score(const struct iso_enrolment *enrolment, const struct iso_
 
 /* Searches the gallery for another person with this face. *out is the number of that person; it
  * stays unchanged if there is none. */
-static int find_duplicate(const struct iso_enrolment *enrolment,
+static int find_duplicate(const struct iso_enrolment *enrolment, const struct iso_template *tmpl,
                           const struct iso_pipeline *pipeline,
                           const struct iso_enrolment_gallery *gallery, int64_t *out)
 {
     struct iso_search_hit hits[2]; /* one of the hits may be the enrolled person */
     int n = 0;
-    const int error = pipeline->ops->search(pipeline->self, &gallery->everybody, &enrolment->fused,
-                                            hits, 2, &n);
+    const int error = pipeline->ops->search(pipeline->self, &gallery->everybody, tmpl, hits, 2, &n);
     if (error) {
         return error == -ENODATA ? 0 : error;
     }
@@ -76,19 +114,21 @@ static int find_duplicate(const struct iso_enrolment *enrolment,
     return 0;
 }
 
-/* Compares the complete enrolment with the gallery, and sets the state that follows. Returns an
- * error of a comparison. */
-static int judge(struct iso_enrolment *enrolment, const struct iso_pipeline *pipeline,
-                 const struct iso_enrolment_gallery *gallery)
+/* Compares the template of a step with the gallery, and sets the state that follows. Turned heads
+ * differ more, so only the frontal template is compared with those that the person has already.
+ * Returns an error of a comparison. */
+static int judge(struct iso_enrolment *enrolment, const struct iso_template *tmpl,
+                 const struct iso_pipeline *pipeline, const struct iso_enrolment_gallery *gallery,
+                 int64_t now_ns)
 {
     double own = INFINITY;
     int64_t duplicate = 0;
     int error = 0;
-    if (!iso_candidates_none(&gallery->own)) {
-        error = best_score(pipeline, &gallery->own, &enrolment->fused, &own);
+    if (is_frontal(enrolment) && !iso_candidates_none(&gallery->own)) {
+        error = best_score(pipeline, &gallery->own, tmpl, &own);
     }
     if (!error && !enrolment->options.allow_duplicate) {
-        error = find_duplicate(enrolment, pipeline, gallery, &duplicate);
+        error = find_duplicate(enrolment, tmpl, pipeline, gallery, &duplicate);
     }
     if (error) {
         return error;
@@ -99,25 +139,30 @@ static int judge(struct iso_enrolment *enrolment, const struct iso_pipeline *pip
     } else if (own < enrolment->options.agree_score) {
         enrolment->state = ISO_ENROLMENT_OTHER_FACE;
     } else {
-        enrolment->state = ISO_ENROLMENT_COMPLETED;
+        enrolment->kept[enrolment->pose] = true;
+        end_step(enrolment, now_ns);
     }
     return 0;
 }
 
-static int complete(struct iso_enrolment *enrolment, const struct iso_pipeline *pipeline,
-                    const struct iso_enrolment_gallery *gallery)
+static int complete_step(struct iso_enrolment *enrolment, const struct iso_pipeline *pipeline,
+                         const struct iso_enrolment_gallery *gallery, int64_t now_ns)
 {
     const struct iso_template *frames[ISO_ENROLMENT_STAGES_MAX];
-    for (int i = 0; i < enrolment->stage; i++) {
+    struct iso_template *fused = &enrolment->fused[enrolment->pose];
+    for (int i = 0; i < enrolment->taken; i++) {
         frames[i] = &enrolment->frames[i];
     }
-    const int error = iso_template_fuse(&enrolment->registration, frames, enrolment->stage,
-                                        &enrolment->fused);
-    return error ? error : judge(enrolment, pipeline, gallery);
+    const int error = iso_template_fuse(&enrolment->registration, frames, enrolment->taken, fused);
+    if (error == -ENODATA && !is_frontal(enrolment)) {
+        leave_out(enrolment, now_ns);
+        return 0;
+    }
+    return error ? error : judge(enrolment, fused, pipeline, gallery, now_ns);
 }
 
 int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_template *frame,
-                        const struct iso_pipeline *pipeline,
+                        int64_t now_ns, const struct iso_pipeline *pipeline,
                         const struct iso_enrolment_gallery *gallery, bool *passed)
 {
     double score = 0;
@@ -133,10 +178,11 @@ int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_templa
         }
         return 0;
     }
-    enrolment->frames[enrolment->stage++] = *frame;
+    enrolment->frames[enrolment->taken++] = *frame;
+    enrolment->stage++;
     enrolment->attack_frames = 0;
-    if (enrolment->stage == enrolment->options.stages) {
-        error = complete(enrolment, pipeline, gallery);
+    if (enrolment->taken == stages_of_step(enrolment)) {
+        error = complete_step(enrolment, pipeline, gallery, now_ns);
         if (error) {
             enrolment->state = ISO_ENROLMENT_FAILED;
             return error;
@@ -157,9 +203,19 @@ void iso_enrolment_attack(struct iso_enrolment *enrolment, enum iso_capture cue)
 
 void iso_enrolment_time(struct iso_enrolment *enrolment, int64_t now_ns)
 {
-    if (now_ns >= enrolment->deadline_ns) {
+    if (now_ns >= enrolment->deadline_ns && is_frontal(enrolment)) {
         enrolment->state = ISO_ENROLMENT_TIMED_OUT;
+        return;
     }
+    while (enrolment->state == ISO_ENROLMENT_ACTIVE && now_ns >= iso_enrolment_due_ns(enrolment)) {
+        leave_out(enrolment, now_ns);
+    }
+}
+
+int64_t iso_enrolment_due_ns(const struct iso_enrolment *enrolment)
+{
+    return enrolment->pose_deadline_ns < enrolment->deadline_ns ? enrolment->pose_deadline_ns
+                                                                : enrolment->deadline_ns;
 }
 
 void iso_enrolment_disconnect(struct iso_enrolment *enrolment)
@@ -172,5 +228,8 @@ void iso_enrolment_wipe(struct iso_enrolment *enrolment)
     for (int i = 0; i < ISO_ENROLMENT_STAGES_MAX; i++) {
         iso_template_wipe(&enrolment->frames[i]);
     }
-    iso_template_wipe(&enrolment->fused);
+    for (int i = 0; i < ISO_ENROLL_POSES; i++) {
+        iso_template_wipe(&enrolment->fused[i]);
+        enrolment->kept[i] = false;
+    }
 }

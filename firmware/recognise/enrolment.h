@@ -1,19 +1,27 @@
-/* One enrolment: several usable frames of one face become a template to keep. Pure: the given
- * pipeline makes the comparisons, and time is an argument.
+/* One enrolment: usable frames of one face become templates to keep, one for each pose. Pure: the
+ * given pipeline makes the comparisons, and time is an argument.
  *
- *   ACTIVE  a frame that agrees with all frames before    -> ACTIVE, a stage is passed
- *           such a frame in the last stage                -> COMPLETED, unless
+ * The steps are the poses of enroll_pose.h, in their order; without `poses` there is the frontal
+ * step alone. The frontal template is necessary. Any other pose may be left out: not everybody can
+ * turn the head, and the frontal template alone is what an enrolment without poses keeps.
+ *
+ *   ACTIVE  a frame that agrees with the face            -> ACTIVE, a stage is passed
+ *           the last such frame of a step                -> ACTIVE with the next step, or COMPLETED
+ *                                                           after the last one, unless
  *             another person of the gallery has this face -> DUPLICATE (unless that is allowed)
- *             else the person of this name has another    -> OTHER_FACE
- *           as many misfits as there are stages           -> FAILED
+ *             else the person of this name has another    -> OTHER_FACE (frontal step)
+ *           pose_timeout_ns in a step but the frontal     -> the same, without the pose
+ *           `stages` misfits in a step                    -> FAILED
  *           attack_frames attack frames since a stage     -> ATTACK
- *           timeout_ns after its start                    -> TIMED_OUT
+ *           timeout_ns after its start                    -> COMPLETED with the poses that are
+ *                                                            complete, or TIMED_OUT without frontal
  *           the sensor is gone                            -> DISCONNECTED
  *
- * A misfit is a usable frame that is not similar to the frames before it: another face, or a bad
- * registration. It is not used, and the person is told the reason. An attack frame has a cue of a
- * presentation attack and no template; those of one stage count together. All states but ACTIVE are
- * final. */
+ * A frame agrees with the face if it is similar to the frames of its step before it and to the
+ * frontal template. Any other usable frame is a misfit: another face, or a bad registration. It is
+ * not used, and the person is told the reason. An attack frame has a cue of a presentation attack
+ * and no template; those of one stage count together. All states but ACTIVE are final, and nothing
+ * is to be kept of any but COMPLETED. */
 #ifndef ISO_FIRMWARE_RECOGNISE_ENROLMENT_H
 #define ISO_FIRMWARE_RECOGNISE_ENROLMENT_H
 
@@ -21,6 +29,7 @@
 #include <stdint.h>
 
 #include "core/registration/icp.h"
+#include "firmware/recognise/enroll_pose.h"
 #include "firmware/recognise/pipeline.h"
 #include "isotherm/template.h"
 
@@ -38,12 +47,15 @@ enum iso_enrolment_state {
 };
 
 struct iso_enrolment_options {
-    int stages;         /* 1..ISO_ENROLMENT_STAGES_MAX */
-    double agree_score; /* of a frame with every frame before it, and of the new template with those
+    int stages;         /* usable frames of the frontal step, 1..ISO_ENROLMENT_STAGES_MAX */
+    bool poses;         /* go on with the other poses */
+    int pose_stages;    /* usable frames of each of them, 1..ISO_ENROLMENT_STAGES_MAX */
+    double agree_score; /* of a frame with those before it, and of the frontal template with those
                            that the person has already */
-    double duplicate_score; /* the score from which on two people count as the same */
-    int attack_frames;      /* 1 or more */
-    int64_t timeout_ns;
+    double duplicate_score;  /* the score from which on two people count as the same */
+    int attack_frames;       /* 1 or more */
+    int64_t timeout_ns;      /* longest enrolment */
+    int64_t pose_timeout_ns; /* longest step but the frontal one */
     bool allow_duplicate;
 };
 
@@ -56,34 +68,50 @@ struct iso_enrolment_gallery {
 struct iso_enrolment {
     struct iso_enrolment_options options;
     enum iso_enrolment_state state;
-    int64_t deadline_ns;
-    int stage; /* number of frames used */
-    int misfits;
-    int attack_frames;    /* number since the last stage */
-    enum iso_capture cue; /* cue of the last of them */
-    struct iso_template frames[ISO_ENROLMENT_STAGES_MAX];
-    struct iso_template fused; /* the template made of all frames; COMPLETED: to be kept */
-    struct iso_icp_workspace registration; /* for the registration of the frames */
-    int64_t duplicate_of;                  /* DUPLICATE: the number of the other person */
+    int64_t deadline_ns;       /* of all steps */
+    int64_t pose_deadline_ns;  /* of the present step; INT64_MAX for the frontal one */
+    enum iso_enroll_pose pose; /* the present step; ISO_ENROLL_POSES after the last one */
+    int stage;                 /* number of frames used in all steps */
+    int stages;                /* of so many, without the steps that are left out */
+    int taken;                 /* number of frames used in the present step */
+    int misfits;               /* number in the present step */
+    int attack_frames;         /* number since the last stage */
+    enum iso_capture cue;      /* cue of the last of them */
+    struct iso_template frames[ISO_ENROLMENT_STAGES_MAX]; /* of the present step */
+    bool kept[ISO_ENROLL_POSES];                          /* which poses are complete */
+    struct iso_template fused[ISO_ENROLL_POSES];          /* their templates */
+    struct iso_icp_workspace registration;                /* for the registration of the frames */
+    int64_t duplicate_of; /* DUPLICATE: the number of the other person */
 };
+
+/* How many steps an enrolment has. */
+static inline int iso_enrolment_steps(const struct iso_enrolment *enrolment)
+{
+    return enrolment->options.poses ? ISO_ENROLL_POSES : 1;
+}
 
 /* Begins in ACTIVE, with no frame yet. */
 void iso_enrolment_begin(struct iso_enrolment *enrolment,
                          const struct iso_enrolment_options *options, int64_t now_ns);
 
-/* Handles a usable frame; only while ACTIVE. *passed: the frame was used (otherwise it was a
- * misfit). Check the state after the call. Returns a negative errno if a comparison fails for a
- * reason other than the frame. Such an error ends the enrolment only in the last stage: FAILED. */
+/* Handles a usable frame in the pose of the present step; only while ACTIVE. *passed: the frame was
+ * used (otherwise it was a misfit). Check the state after the call. Returns a negative errno if a
+ * comparison fails for a reason other than the frame. Such an error ends the enrolment only in the
+ * last stage of a step: FAILED. */
 int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_template *frame,
-                        const struct iso_pipeline *pipeline,
+                        int64_t now_ns, const struct iso_pipeline *pipeline,
                         const struct iso_enrolment_gallery *gallery, bool *passed)
     __attribute__((warn_unused_result));
 
 /* While ACTIVE: counts a frame with a cue of an attack (iso_capture_is_attack). */
 void iso_enrolment_attack(struct iso_enrolment *enrolment, enum iso_capture cue);
 
-/* While ACTIVE: ends the enrolment if its time is over. */
+/* While ACTIVE: leaves the present step out if its time is over, and ends the enrolment if all its
+ * time is. */
 void iso_enrolment_time(struct iso_enrolment *enrolment, int64_t now_ns);
+
+/* While ACTIVE: the next time at which iso_enrolment_time() does something. */
+int64_t iso_enrolment_due_ns(const struct iso_enrolment *enrolment);
 
 /* While ACTIVE: ends the enrolment because the sensor is gone. */
 void iso_enrolment_disconnect(struct iso_enrolment *enrolment);

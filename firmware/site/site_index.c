@@ -257,12 +257,12 @@ void iso_site_index_free(struct iso_site_index *site)
 
 /* ---- changes ---- */
 
-int iso_site_index_reserve(struct iso_site_index *site)
+int iso_site_index_reserve(struct iso_site_index *site, size_t n)
 {
     int error = iso_index_reserve(site->current.index, iso_index_size(site->current.index) + 1);
     if (!error && site->adapt) {
         (void)pthread_mutex_lock(&site->mutex);
-        error = iso_site_rows_reserve(&site->rows);
+        error = iso_site_rows_reserve(&site->rows, n);
         (void)pthread_mutex_unlock(&site->mutex);
     }
     return error;

@@ -51,8 +51,9 @@ int iso_site_index_start(struct iso_site_index *site) __attribute__((warn_unused
 /* Ends the thread; wipes and frees everything. NULL is accepted. */
 void iso_site_index_free(struct iso_site_index *site);
 
-/* Makes room for one more template. -ENOMEM. */
-int iso_site_index_reserve(struct iso_site_index *site) __attribute__((warn_unused_result));
+/* Makes room for n more templates (1 or more) of one person. -ENOMEM. */
+int iso_site_index_reserve(struct iso_site_index *site, size_t n)
+    __attribute__((warn_unused_result));
 
 /* Adds the vector of one template of a person; the vector is by the shipped metric. Before, the
  * caller has made room with iso_site_index_reserve(). -EINVAL if the person already has

@@ -11,13 +11,14 @@ static float *mean_at(const struct iso_site_rows *rows, size_t at)
     return &rows->mean[at * rows->width];
 }
 
-int iso_site_rows_reserve(struct iso_site_rows *rows)
+int iso_site_rows_reserve(struct iso_site_rows *rows, size_t n)
 {
-    if (rows->n < rows->capacity) {
+    if (rows->n + n <= rows->capacity) {
         return 0;
     }
     /* Not realloc, which would leave a copy in the old memory. */
-    const size_t capacity = rows->capacity ? 2 * rows->capacity : 16;
+    const size_t doubled = rows->capacity ? 2 * rows->capacity : 16;
+    const size_t capacity = rows->n + n > doubled ? rows->n + n : doubled;
     int64_t *person = calloc(capacity, sizeof *person);
     float *mean = calloc(capacity, rows->width * sizeof *mean);
     if (!person || !mean) {

@@ -17,8 +17,8 @@ struct iso_site_rows {
     float *mean;     /* [capacity][width] */
 };
 
-/* Makes room for one more row. -ENOMEM. */
-int iso_site_rows_reserve(struct iso_site_rows *rows) __attribute__((warn_unused_result));
+/* Makes room for n more rows. -ENOMEM. */
+int iso_site_rows_reserve(struct iso_site_rows *rows, size_t n) __attribute__((warn_unused_result));
 
 /* Inserts a row behind the last one of its person. The caller has made room. */
 void iso_site_rows_insert(struct iso_site_rows *rows, int64_t person,

@@ -22,6 +22,19 @@ struct arguments {
     const char *out, *train;
 };
 
+/* The value of --gallery. */
+static int parse_enrolled(const char *text, void *field)
+{
+    static const char *const names[] = {"role", "frontal", "poses"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            *(enum sim_enrolled *)field = (enum sim_enrolled)i;
+            return 0;
+        }
+    }
+    return -EINVAL;
+}
+
 #define FIELD(name) offsetof(struct arguments, name)
 
 static const struct sim_option own_options[] = {
@@ -38,6 +51,11 @@ static const struct sim_option own_options[] = {
      sim_option_site, FIELD(eval.site)},
     {"fuse", "N", "fuse N frames of a row to one template (0: all)", sim_option_count,
      FIELD(eval.fuse)},
+    {"gallery", "role|frontal|poses",
+     "enrol the rows of the role gallery; rows of the same session in another pose are left out, "
+     "or "
+     "enrolled",
+     parse_enrolled, FIELD(eval.enrolled)},
     {"gallery-frames", "N", "use the first N frames of a row of the gallery (0: all)",
      sim_option_count, FIELD(eval.gallery_frames)},
     {"probe-frames", "N", "use the first N frames of any other row (0: all)", sim_option_count,

@@ -90,6 +90,7 @@ static void print_notes(FILE *out)
           "  texas       recorded like the Texas 3DFRD\n"
           "  hard        mild, people who look alike\n"
           "  pose        mild, turned by up to 35 degrees\n"
+          "  poses       pose, and enrolled in five poses\n"
           "  far         mild, 0.9 to 1.2 m away\n"
           "  landmarks   strong, noisy, turned, every person several times\n"
           "  training    every person at rest, mild and strong, to train the metric\n"

@@ -18,6 +18,17 @@ static void on_enroll(void *context, const char *result, bool done, unsigned sta
     (void)snprintf(door->enrol_result, sizeof door->enrol_result, "%s", result);
 }
 
+static void on_enroll_step(void *context, const char *pose, const char *state, unsigned step,
+                           unsigned steps, double turn_deg)
+{
+    (void)context;
+    (void)pose;
+    (void)state;
+    (void)step;
+    (void)steps;
+    (void)turn_deg;
+}
+
 static void on_recognition(void *context, enum iso_appliance_mode mode, const char *result,
                            bool done, const char *person, double score, double threshold)
 {
@@ -128,6 +139,7 @@ static int make_config(const struct sim_rehearsal_setup *setup, struct iso_confi
 
 static const struct iso_appliance_events all_events = {
     .enroll_status = on_enroll,
+    .enroll_step = on_enroll_step,
     .recognition_status = on_recognition,
     .visit = on_visit,
     .hint = on_hint,

@@ -73,7 +73,7 @@ daemon=$!
 wait_for 60 'the daemon does not answer' client status
 # The daemon computes a frame for seconds, so ask it only while nobody is before the camera.
 mkfifo "$run/hints"
-client enroll p01 --timeout 500 >"$run/hints" 2>&1 &
+client enroll p01 --quick --timeout 500 >"$run/hints" 2>&1 &
 tool=$!
 exec 3<"$run/hints"
 read -r _ <&3

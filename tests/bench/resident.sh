@@ -1,11 +1,14 @@
 #!/bin/bash
 # Measures the daemon with many enrolled people: the seconds from its start until it answers, and its memory after some frames, now and at
 # most. It checks no limit.
-# usage: resident.sh BUILD PEOPLE [FRAMES]        (BUILD with bench_gallery, isothermd, isotherm)
+# usage: resident.sh BUILD PEOPLE [FRAMES [TEMPLATES [ADAPT]]]    (BUILD with bench_gallery, isothermd, isotherm)
+# TEMPLATES of each person (1); ADAPT (no): whether the metric adapts to the people
 set -euo pipefail
 build=$(cd "$1" && pwd)
 people=$2
 frames=${3:-100}
+templates=${4:-1}
+adapt=${5:-no}
 source_dir=$(cd "$(dirname "$0")/../.." && pwd)
 run=$(mktemp -d -p "${TMPDIR:-/var/tmp}")
 bus_pid='' daemon_pid=''
@@ -23,7 +26,7 @@ clean_up() {
 }
 trap clean_up EXIT
 
-"$build/tests/bench/bench_gallery" --dir "$run" --people "$people" --metric "$source_dir/core/data/face.metric" --keep 1
+"$build/tests/bench/bench_gallery" --dir "$run" --people "$people" --templates "$templates" --metric "$source_dir/core/data/face.metric" --keep 1
 
 cat >"$run/bus.conf" <<END
 <!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
@@ -56,6 +59,8 @@ path = $run/audit.log
 sync = no
 [bus]
 address = $address
+[match]
+adapt = $adapt
 [model]
 head = $run/head.model
 metric = $run/face.metric
@@ -81,6 +86,6 @@ while [ "${seen:-0}" -lt "$frames" ]; do
     sleep 0.2
     seen=$(status | sed -n 's/^ *"frames": \([0-9]*\),\{0,1\}$/\1/p')
 done
-echo "isothermd, $people people: answers after $(((ready - begin) / 1000000)) ms ($((ticks * 1000 / $(getconf CLK_TCK))) ms of processor time)"
+echo "isothermd, $people people with $templates templates each, adapt = $adapt: answers after $(((ready - begin) / 1000000)) ms ($((ticks * 1000 / $(getconf CLK_TCK))) ms of processor time)"
 awk '/^VmRSS|^RssAnon/ { printf "%s %.1f MiB\n", $1, $2 / 1024 } /^VmHWM/ { printf "at most %.1f MiB\n", $2 / 1024 }' \
     "/proc/$daemon_pid/status"

@@ -115,7 +115,7 @@ for memory_mib in 100 150 200 400; do
     try 60 "$build/enroll/isotherm" --bus "$story_address" list
     try 60 "$build/enroll/isotherm" --bus "$story_address" log
     try 60 "$build/enroll/isotherm" --bus "$story_address" status
-    try 60 "$build/enroll/isotherm" --bus "$story_address" enroll p01
+    try 60 "$build/enroll/isotherm" --bus "$story_address" enroll --quick p01
 done
 kill "$daemon"
 code=0

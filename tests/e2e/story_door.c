@@ -81,9 +81,11 @@ void removed_and_expired_people_are_refused(void **state)
     static const char *const recordings[] = {"p03-v1", "p04-v1", NULL};
 
     appliance_expect(appliance_run(*state, "remove p03", NULL), 0);
-    answer_expect_error(*state, "enroll p04 --valid-until 2026-01-01", 2, "invalid-argument");
+    answer_expect_error(*state, "enroll --quick p04 --valid-until 2026-01-01", 2,
+                        "invalid-argument");
     appliance_expect(
-        appliance_run(*state, "enroll p04 --valid-until 2026-01-01 --expired", "p04-enrol"), 0);
+        appliance_run(*state, "enroll --quick p04 --valid-until 2026-01-01 --expired", "p04-enrol"),
+        0);
     const struct appliance_result *result = appliance_visit(*state, recordings);
     appliance_expect(result, 1);
     assert_non_null(strstr(result->out, "0 of 2 enrolled people admitted"));
@@ -116,7 +118,8 @@ void limits_and_names_are_changed_on_record(void **state)
 {
     static const char *const recordings[] = {"p04-v1", NULL};
     struct appliance *appliance = *state;
-    const struct appliance_result *result = appliance_run(appliance, "enroll p04", "p04-enrol");
+    const struct appliance_result *result = appliance_run(appliance, "enroll --quick p04",
+                                                          "p04-enrol");
 
     assert_int_equal(result->exit, 0); /* again, and the limit stays */
     assert_non_null(strstr(result->out, "The door has not opened to p04 since "));

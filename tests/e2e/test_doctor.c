@@ -62,11 +62,11 @@ static void an_empty_gallery_is_found(void **state)
 
 static void people_whose_time_has_not_come_are_found(void **state)
 {
-    assert_int_equal(appliance_run(*state, "enroll p01 --valid-from 2037-01-01", "p01-enrol")->exit,
-                     0);
+    assert_int_equal(
+        appliance_run(*state, "enroll --quick p01 --valid-from 2037-01-01", "p01-enrol")->exit, 0);
     expect_finding(*state, 4, "gallery", "fault", "1 people, none of whom is valid at this time",
                    ISO_FAULT_NOBODY_VALID);
-    assert_int_equal(appliance_run(*state, "enroll p02", "p02-enrol")->exit, 0);
+    assert_int_equal(appliance_run(*state, "enroll --quick p02", "p02-enrol")->exit, 0);
     expect_finding(*state, 0, "gallery", "ok", "2 people", ISO_FAULT_NONE);
 }
 

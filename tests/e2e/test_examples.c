@@ -42,7 +42,7 @@ static void the_client_in_c_prints_each_visit(void **state)
     const char *const visits[] = {"p01-v1", "x01-v1", NULL};
     struct run run;
 
-    appliance_expect(appliance_run(appliance, "enroll p01", "p01-enrol"), 0);
+    appliance_expect(appliance_run(appliance, "enroll --quick p01", "p01-enrol"), 0);
     run_start(&run, argv);
     run_until(&run, "watching\n");
     expect_state(&run);

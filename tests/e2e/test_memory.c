@@ -149,15 +149,15 @@ static void remove_and_search(struct appliance *appliance)
 static void a_person_enrolled_by_this_process_leaves_no_trace(void **state)
 {
     struct appliance *appliance = *state;
-    appliance_expect(appliance_run(appliance, "enroll " OTHER, "p02-enrol"), 0);
-    appliance_expect(appliance_run(appliance, "enroll " NAME, "p01-enrol"), 0);
+    appliance_expect(appliance_run(appliance, "enroll --quick " OTHER, "p02-enrol"), 0);
+    appliance_expect(appliance_run(appliance, "enroll --quick " NAME, "p01-enrol"), 0);
     remove_and_search(appliance);
 }
 
 static void a_person_read_from_the_gallery_leaves_no_trace(void **state)
 {
     struct appliance *appliance = *state;
-    appliance_expect(appliance_run(appliance, "enroll " NAME, "p01-enrol"), 0);
+    appliance_expect(appliance_run(appliance, "enroll --quick " NAME, "p01-enrol"), 0);
     appliance_end_daemon(appliance, SIGTERM);
     appliance_start_daemon(appliance);
     remove_and_search(appliance);

@@ -64,8 +64,8 @@ static void the_camera_is_listed_for_programs(void **state)
 
 static void people_are_enrolled(void **state)
 {
-    appliance_expect(appliance_run(*state, "enroll p01", "p01-enrol"), 0);
-    appliance_expect(appliance_run(*state, "enroll p02", "p02-enrol"), 0);
+    appliance_expect(appliance_run(*state, "enroll --quick p01", "p01-enrol"), 0);
+    appliance_expect(appliance_run(*state, "enroll --quick p02", "p02-enrol"), 0);
     expect_status(*state, "sensor-model", "astra");
 }
 

@@ -59,10 +59,10 @@ static void the_metric_adapts_to_three_people(void **state)
     appliance_configure(appliance);
     appliance_start_daemon(appliance);
     expect_state(appliance, "provisional", 0, 4);
-    appliance_expect(appliance_run(appliance, "enroll p01", "p01-enrol"), 0);
-    appliance_expect(appliance_run(appliance, "enroll p02", "p02-enrol"), 0);
+    appliance_expect(appliance_run(appliance, "enroll --quick p01", "p01-enrol"), 0);
+    appliance_expect(appliance_run(appliance, "enroll --quick p02", "p02-enrol"), 0);
     expect_state(appliance, "provisional", 2, 4);
-    appliance_expect(appliance_run(appliance, "enroll p03", "p03-enrol"), 0);
+    appliance_expect(appliance_run(appliance, "enroll --quick p03", "p03-enrol"), 0);
     json_t *status = expect_site(appliance, "adapted", 3);
     assert_true(number_of(status, "threshold") == 3);
     assert_true(number_of(status, "site-offset") > 0 && number_of(status, "site-expected") > 0);

@@ -44,7 +44,7 @@ static void enrolling_guides_the_person(void **state)
                                     "anna is enrolled.\n");
     assert_string_equal(result.err, "");
     cli_expect_exit(&result, 0);
-    assert_string_equal(result.calls, "Claim;EnrollStart anna;EnrollStop;Release");
+    assert_string_equal(result.calls, "Claim;EnrollStart anna poses=1;EnrollStop;Release");
 }
 
 static void enrolling_hands_the_options_on(void **state)
@@ -57,7 +57,7 @@ static void enrolling_hands_the_options_on(void **state)
 
     (void)state;
     assert_string_equal(result.calls,
-                        "Claim;EnrollStart anna allow-duplicate=1 valid-from=1796083200 "
+                        "Claim;EnrollStart anna poses=1 allow-duplicate=1 valid-from=1796083200 "
                         "valid-until=1798675200;EnrollStop;Release");
     json_t *document = cli_json(&result);
     assert_string_equal(json_string_value(json_object_get(document, "person")), "anna");
@@ -68,7 +68,7 @@ static void enrolling_hands_the_options_on(void **state)
     assert_string_equal(result.err, "Enrolling anna: look straight at the camera.\n");
     cli_expect_exit(&result, 0);
     assert_non_null(strstr(cli_run(&script, "enroll anna --valid-until none --expired").calls,
-                           "EnrollStart anna valid-until=0 expired=1;"));
+                           "EnrollStart anna poses=1 valid-until=0 expired=1;"));
 }
 
 static const struct fake_person ada = {"Ada", 1795248000, 0, 0, 1};
@@ -252,7 +252,7 @@ static void a_silent_daemon_times_out_and_is_released(void **state)
 {
     static const char *const words[] = {"enroll anna --timeout 0.05", "identify --timeout 0.05",
                                         "verify anna --timeout 0.05"};
-    static const char *const calls[] = {"Claim;EnrollStart anna;EnrollStop;Release",
+    static const char *const calls[] = {"Claim;EnrollStart anna poses=1;EnrollStop;Release",
                                         "Claim;IdentifyStart;IdentifyStop;Release",
                                         "Claim;VerifyStart anna;VerifyStop;Release"};
     const struct fake_script script = {0};
@@ -277,7 +277,7 @@ static void an_interrupt_releases_the_camera(void **state)
     (void)state;
     cli_expect_exit(&result, 130);
     assert_string_equal(result.err, "anna is not enrolled: interrupted.\n");
-    assert_string_equal(result.calls, "Claim;EnrollStart anna;EnrollStop;Release");
+    assert_string_equal(result.calls, "Claim;EnrollStart anna poses=1;EnrollStop;Release");
 
     result = cli_run_interrupt(&identifying, "identify", "picture");
     cli_expect_exit(&result, 130);

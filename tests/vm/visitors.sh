@@ -54,7 +54,7 @@ wake_up() {
 
 p01_is_enrolled() {
     mkfifo hints
-    client enroll p01 --timeout 200 >hints 2>&1 &
+    client enroll p01 --quick --timeout 200 >hints 2>&1 &
     local tool=$!
     exec 3<hints
     read -r hint <&3

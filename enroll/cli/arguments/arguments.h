@@ -43,6 +43,7 @@ struct cli_arguments {
     struct cli_bus bus;
     double timeout_s;                      /* 0: the default of the command */
     bool allow_duplicate;                  /* enroll */
+    bool quick;                            /* enroll: the frontal face alone */
     bool names_from, names_until;          /* enroll, validity: which limits are given */
     int64_t valid_from_s, valid_until_s;   /* these limits, since 1970; 0: no limit */
     bool expired;                          /* enroll, validity: an end in the past is accepted */

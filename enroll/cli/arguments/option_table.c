@@ -3,7 +3,7 @@
 #include <stddef.h>
 
 static const struct cli_option_help timeout_help[] = {
-    {CLI_ENROLL, "give up after S seconds (60)"},
+    {CLI_ENROLL, "give up after S seconds (70; 60 with --quick)"},
     {CLI_IDENTIFY, "give up after S seconds (30)"},
     {CLI_VERIFY, "give up after S seconds (30)"},
     {CLI_AIM, "end after S seconds (never)"},
@@ -31,6 +31,9 @@ const struct cli_option cli_options[CLI_OPTIONS] = {
                             .verbs = CLI_FOR(CLI_ENROLL) | CLI_FOR(CLI_IDENTIFY) |
                                      CLI_FOR(CLI_VERIFY) | CLI_FOR(CLI_AIM),
                             .parts = timeout_help},
+    [CLI_OPTION_QUICK] = {.name = "quick",
+                          .verbs = CLI_FOR(CLI_ENROLL),
+                          .help = "enrol the frontal face alone, without the other poses"},
     [CLI_OPTION_ALLOW_DUPLICATE] = {.name = "allow-duplicate",
                                     .verbs = CLI_FOR(CLI_ENROLL),
                                     .help = "enrol even if this face has another name already"},

@@ -7,6 +7,7 @@
 /* In the order of the help. */
 enum cli_option_id {
     CLI_OPTION_TIMEOUT,
+    CLI_OPTION_QUICK,
     CLI_OPTION_ALLOW_DUPLICATE,
     CLI_OPTION_VALID_FROM,
     CLI_OPTION_VALID_UNTIL,

@@ -14,6 +14,8 @@ static bool *flag_member(struct cli_arguments *out, enum cli_option_id id)
     switch (id) {
     case CLI_OPTION_ALLOW_DUPLICATE:
         return &out->allow_duplicate;
+    case CLI_OPTION_QUICK:
+        return &out->quick;
     case CLI_OPTION_NONE:
         return &out->none;
     case CLI_OPTION_EXPIRED:

@@ -10,14 +10,15 @@
 #include "enroll/cli/client/daemon.h"
 
 struct cli_action {
-    const char *start, *stop, *signal; /* names of firmware/contract/contract.h */
+    const char *start, *stop; /* names of firmware/contract/contract.h */
+    const char *signal;       /* the same; NULL: `status` is called for every signal */
     /* Appends the arguments of `start`. Returns 0 or more, or a negative errno. NULL: none. */
     int (*append)(sd_bus_message *call, const void *context);
     /* Reads the answer to `start`. NULL: the answer is empty. */
     void (*answered)(sd_bus_message *reply, void *context);
     /* Called when the action has started, to tell the person in front of the camera what to do. */
     void (*started)(void *context);
-    /* Reads a status signal. Returns true if it is the last one or cannot be read. */
+    /* Reads such a signal. Returns true if it is the last one or cannot be read. */
     bool (*status)(sd_bus_message *signal, void *context);
     void *context;    /* passed to these functions */
     double timeout_s; /* longest wait for the last status; 0: no limit */

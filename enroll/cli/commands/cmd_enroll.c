@@ -13,7 +13,9 @@
 #include "enroll/cli/text/report.h"
 #include "firmware/contract/contract.h"
 
-enum { DEFAULT_TIMEOUT_S = 60, RESULT_SIZE = 64, WHAT_SIZE = 300 };
+/* The daemon gives up after 60 s; with poses it then keeps those that are complete, and tells so.
+ */
+enum { QUICK_TIMEOUT_S = 60, POSES_TIMEOUT_S = 70, RESULT_SIZE = 64, WHAT_SIZE = 300 };
 
 struct enrolment {
     const struct cli_arguments *arguments;
@@ -21,6 +23,7 @@ struct enrolment {
     char result[RESULT_SIZE]; /* the last word from the daemon that was not a hint */
     unsigned stage, stages;
     double quality;
+    json_t *poses, *left_out;            /* arrays of the poses; NULL: none */
     struct cli_known known;              /* the enrolled person who has the name already */
     char refused[256];                   /* why the disk did not store it; "" if it did */
     char duplicate[CLI_KNOWN_NAME_SIZE]; /* name under which the face is known; "": unknown */
@@ -32,6 +35,9 @@ static int append_options(sd_bus_message *call, const struct cli_arguments *argu
 {
     int r = sd_bus_message_open_container(call, 'a', "{sv}");
 
+    if (r >= 0 && !arguments->quick) {
+        r = sd_bus_message_append(call, "{sv}", ISO_CONTRACT_POSES, "b", 1);
+    }
     if (r >= 0 && arguments->allow_duplicate) {
         r = sd_bus_message_append(call, "{sv}", ISO_CONTRACT_ALLOW_DUPLICATE, "b", 1);
     }
@@ -88,6 +94,56 @@ static void read_detail(sd_bus_message *signal, const char *result, struct enrol
     }
 }
 
+/* What a pose asks of the person. An unknown one, of a later daemon, is named as it is. */
+static const char *pose_text(const char *pose)
+{
+    static const struct {
+        const char *pose, *text;
+    } texts[] = {
+        {ISO_CONTRACT_POSE_FRONTAL, "look straight at the camera"},
+        {ISO_CONTRACT_POSE_LEFT, "turn your head a little to your left"},
+        {ISO_CONTRACT_POSE_RIGHT, "turn your head a little to your right"},
+        {ISO_CONTRACT_POSE_DOWN, "lower your chin a little"},
+        {ISO_CONTRACT_POSE_UP, "lift your chin a little"},
+    };
+
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        if (strcmp(texts[i].pose, pose) == 0) {
+            return texts[i].text;
+        }
+    }
+    return pose;
+}
+
+static void note_pose(json_t **poses, const char *pose)
+{
+    *poses = *poses ? *poses : json_array();
+    (void)json_array_append_new(*poses, json_string(pose));
+}
+
+/* Handles what became of a step. The progress line is removed meanwhile. */
+static void take_step(sd_bus_message *signal, struct enrolment *enrolment)
+{
+    const char *pose, *state;
+    unsigned step, steps;
+    double turn_deg;
+
+    if (sd_bus_message_read(signal, "ssuud", &pose, &state, &step, &steps, &turn_deg) < 0) {
+        return;
+    }
+    enrolment->hints.turn_deg = turn_deg;
+    if (strcmp(state, ISO_CONTRACT_STEP_BEGUN) == 0) {
+        enrolment->hints.last[0] = '\0';
+        fprintf(enrolment->hints.out, "step %u of %u: %s\n", step, steps, pose_text(pose));
+    } else if (strcmp(state, ISO_CONTRACT_STEP_PASSED) == 0) {
+        note_pose(&enrolment->poses, pose);
+    } else if (strcmp(state, ISO_CONTRACT_STEP_LEFT_OUT) == 0) {
+        note_pose(&enrolment->left_out, pose);
+        fprintf(enrolment->hints.out,
+                "step %u of %u is left out: the pose was not reached in time\n", step, steps);
+    }
+}
+
 /* Handles a status and prints its meaning. The progress line is removed meanwhile. */
 static bool take_status(sd_bus_message *signal, struct enrolment *enrolment)
 {
@@ -121,12 +177,27 @@ static bool take_status(sd_bus_message *signal, struct enrolment *enrolment)
     return done;
 }
 
-static bool on_status(sd_bus_message *signal, void *context)
+static bool is_signal(sd_bus_message *signal, const char *member)
+{
+    return sd_bus_message_is_signal(signal, ISO_CONTRACT_INTERFACE, member) > 0;
+}
+
+/* Any signal of the daemon. */
+static bool on_signal(sd_bus_message *signal, void *context)
 {
     struct enrolment *enrolment = context;
+    const bool step = is_signal(signal, ISO_CONTRACT_ENROLL_STEP);
+    bool done = false;
 
+    if (!step && !is_signal(signal, ISO_CONTRACT_ENROLL_STATUS)) {
+        return false;
+    }
     iso_progress_pause(enrolment->progress);
-    const bool done = take_status(signal, enrolment);
+    if (step) {
+        take_step(signal, enrolment);
+    } else {
+        done = take_status(signal, enrolment);
+    }
     fflush(enrolment->hints.out);
     iso_progress_resume(enrolment->progress);
     iso_progress_set(enrolment->progress, enrolment->stage, enrolment->stages);
@@ -174,7 +245,23 @@ static void print_outcome(const struct enrolment *enrolment, const struct outcom
     } else {
         fprintf(terminal.out, "%s %s.", name_of(enrolment), outcome->text);
     }
+    if (good && enrolment->left_out) {
+        fprintf(terminal.out, " Poses that are left out:");
+        for (size_t i = 0; i < json_array_size(enrolment->left_out); i++) {
+            fprintf(terminal.out, " %s", json_string_value(json_array_get(enrolment->left_out, i)));
+        }
+        fprintf(terminal.out, ".");
+    }
     fprintf(terminal.out, "%s\n", iso_terminal_paint(&terminal, ISO_PAINT_PLAIN));
+}
+
+/* Returns the array, which the caller releases, or an empty one. */
+static json_t *take(json_t **poses)
+{
+    json_t *taken = *poses ? *poses : json_array();
+
+    *poses = NULL;
+    return taken;
 }
 
 static enum cli_exit report_enrolment(struct enrolment *enrolment, struct cli_fault *fault)
@@ -190,9 +277,10 @@ static enum cli_exit report_enrolment(struct enrolment *enrolment, struct cli_fa
             return outcomes[i].exit;
         }
         const enum cli_exit written = cli_report_json(json_pack(
-            "{s:s, s:s, s:i, s:i, s:f, s:s?, s:s?, s:I, s:o}", "person", name_of(enrolment),
-            "result", enrolment->result, "stage", (int)enrolment->stage, "stages",
-            (int)enrolment->stages, "quality", enrolment->quality, "duplicate_of",
+            "{s:s, s:s, s:i, s:i, s:f, s:o, s:o, s:s?, s:s?, s:I, s:o}", "person",
+            name_of(enrolment), "result", enrolment->result, "stage", (int)enrolment->stage,
+            "stages", (int)enrolment->stages, "quality", enrolment->quality, "poses",
+            take(&enrolment->poses), "left_out", take(&enrolment->left_out), "duplicate_of",
             named ? enrolment->duplicate : NULL, "fault",
             enrolment->refused[0] ? enrolment->refused : NULL, "templates_before",
             (json_int_t)enrolment->known.templates, "hints", cli_hints_take(&enrolment->hints)));
@@ -203,6 +291,13 @@ static enum cli_exit report_enrolment(struct enrolment *enrolment, struct cli_fa
                          enrolment->result);
 }
 
+static void forget_json(const struct enrolment *enrolment)
+{
+    json_decref(enrolment->hints.said);
+    json_decref(enrolment->poses);
+    json_decref(enrolment->left_out);
+}
+
 enum cli_exit cli_enroll(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
@@ -210,16 +305,17 @@ enum cli_exit cli_enroll(struct cli_daemon *daemon, const struct cli_arguments *
         .arguments = arguments,
         .hints.out = arguments->json ? stderr : stdout,
     };
+    const double default_s = arguments->quick ? QUICK_TIMEOUT_S : POSES_TIMEOUT_S;
     const struct cli_action action = {
         .start = ISO_CONTRACT_ENROLL_START,
         .stop = ISO_CONTRACT_ENROLL_STOP,
-        .signal = ISO_CONTRACT_ENROLL_STATUS,
+        .signal = NULL, /* a status or a step */
         .append = append_arguments,
         .answered = on_answered,
         .started = on_started,
-        .status = on_status,
+        .status = on_signal,
         .context = &enrolment,
-        .timeout_s = arguments->timeout_s > 0 ? arguments->timeout_s : DEFAULT_TIMEOUT_S,
+        .timeout_s = arguments->timeout_s > 0 ? arguments->timeout_s : default_s,
     };
 
     enum cli_exit exit = cli_action_run(daemon, &action, fault);
@@ -229,10 +325,10 @@ enum cli_exit cli_enroll(struct cli_daemon *daemon, const struct cli_arguments *
     } else if (exit == CLI_EXIT_INTERRUPTED) {
         strcpy(enrolment.result, "interrupted");
     } else if (exit) {
-        json_decref(enrolment.hints.said);
+        forget_json(&enrolment);
         return exit;
     }
     exit = report_enrolment(&enrolment, fault);
-    json_decref(enrolment.hints.said);
+    forget_json(&enrolment);
     return exit;
 }

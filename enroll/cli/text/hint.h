@@ -18,12 +18,15 @@ bool cli_hint_is_retry(const char *result, const char *prefix, const char **capt
 /* Hints that are printed for a person, and collected for the JSON result. */
 struct cli_hints {
     FILE *out;
-    char last[32]; /* the last word that was printed; "": the next one is printed in any case */
-    json_t *said;  /* array of the printed words, in order; NULL: none was printed */
+    char last[32];   /* the last word that was printed; "": the next one is printed in any case */
+    double turn_deg; /* with a word to turn, how far; 0: not known */
+    double last_deg; /* the same of the last hint that was printed */
+    json_t *said;    /* array of the printed words, in order; NULL: none was printed */
 };
 
 /* Prints the hint on a line of its own, unless it is the same as the last one, because the daemon
- * repeats a hint that is still valid. An unknown word is printed as it is. */
+ * repeats a hint that is still valid. A hint to turn by another angle, more than 5 degrees from the
+ * last one, is printed again. An unknown word is printed as it is. */
 void cli_hints_say(struct cli_hints *hints, const char *capture_word);
 
 /* Returns the array of words, which the caller releases, and begins a new one. NULL if there is no

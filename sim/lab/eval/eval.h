@@ -12,6 +12,14 @@
 #include "sim/lab/match/training_set.h"
 #include "sim/lab/measure/calibration.h"
 
+/* Which rows are enrolled. The rows in question are of the session of a row of the gallery, by the
+ * same person with the same expression, in another pose, and have the role probe. */
+enum sim_enrolled {
+    SIM_ENROLLED_ROLE,    /* rows with the role gallery; those in question are probes */
+    SIM_ENROLLED_FRONTAL, /* the same, without the rows in question: the searches of _POSES */
+    SIM_ENROLLED_POSES,   /* also the rows in question */
+};
+
 struct sim_eval_options {
     const char *corpus; /* directory */
     const char *model;  /* file */
@@ -20,6 +28,7 @@ struct sim_eval_options {
     size_t fuse;        /* frames in a sample; 0: all frames of a row */
     /* Use only the first frames of each row, up to this number; 0: all. */
     size_t gallery_frames, probe_frames;
+    enum sim_enrolled enrolled;
     size_t gallery_limit; /* people to enrol; 0: all. Probes of the others count as strangers */
     int threads;          /* 1 with ISO_HEAT_SPECTRAL, whose solver is not reentrant */
     struct iso_extract_options extract; /* the evaluation sets its clock and sensor */

@@ -1,6 +1,7 @@
 #include "sim/lab/eval/eval_files.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "drivers/model/model_file.h"
@@ -17,6 +18,50 @@ static void shorten_rows(struct sim_corpus *corpus, const struct sim_eval_option
     }
 }
 
+/* Whether a row is of the enrolment of another row, in another pose. */
+static bool is_posed(const struct sim_corpus_row *row, const struct sim_corpus_row *gallery)
+{
+    return row->role == SIM_ROLE_PROBE && gallery->role == SIM_ROLE_GALLERY &&
+           strcmp(row->subject, gallery->subject) == 0 &&
+           strcmp(row->session, gallery->session) == 0 &&
+           strcmp(row->expression, gallery->expression) == 0 &&
+           strcmp(row->pose, gallery->pose) != 0;
+}
+
+/* Marks the rows that is_posed() finds for any row of the gallery. */
+static void mark_posed(const struct sim_corpus *corpus, bool *posed)
+{
+    for (size_t i = 0; i < corpus->n_rows; i++) {
+        for (size_t j = 0; j < corpus->n_rows && !posed[i]; j++) {
+            posed[i] = is_posed(&corpus->rows[i], &corpus->rows[j]);
+        }
+    }
+}
+
+/* Enrols the rows of the enrolment in other poses, or drops them. -ENOMEM. */
+static int choose_enrolled(struct sim_corpus *corpus, enum sim_enrolled enrolled)
+{
+    size_t kept = 0;
+    if (enrolled == SIM_ENROLLED_ROLE) {
+        return 0;
+    }
+    bool *posed = calloc(corpus->n_rows, sizeof *posed);
+    if (!posed) {
+        return -ENOMEM;
+    }
+    mark_posed(corpus, posed);
+    for (size_t i = 0; i < corpus->n_rows; i++) {
+        struct sim_corpus_row row = corpus->rows[i];
+        row.role = posed[i] ? SIM_ROLE_GALLERY : row.role;
+        if (!posed[i] || enrolled == SIM_ENROLLED_POSES) {
+            corpus->rows[kept++] = row;
+        }
+    }
+    corpus->n_rows = kept;
+    free(posed);
+    return 0;
+}
+
 int sim_eval_load(struct sim_eval *eval, struct iso_fault *fault)
 {
     int error = iso_head_model_load(eval->options.model, &eval->model, fault);
@@ -29,10 +74,14 @@ int sim_eval_load(struct sim_eval *eval, struct iso_fault *fault)
     if (!error) {
         error = sim_corpus_read(eval->options.corpus, &eval->corpus, fault);
     }
-    if (!error) {
-        shorten_rows(eval->corpus, &eval->options);
+    if (error) {
+        return error;
     }
-    return error;
+    if (choose_enrolled(eval->corpus, eval->options.enrolled)) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", eval->options.corpus);
+    }
+    shorten_rows(eval->corpus, &eval->options);
+    return 0;
 }
 
 int sim_eval_check_metric(const struct sim_eval *eval, struct iso_fault *fault)

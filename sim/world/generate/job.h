@@ -22,10 +22,12 @@ struct sim_job_kind {
 /* Sessions of people (people.c).
  * - visits: an enrolment of each enrolled person, later visits of these people, and one visit of
  *   each stranger.
- * - pairs: the same, but a second person stands behind the visitor in every visit, and an enrolment
- *   has three times as many frames.
+ * - poses: the same, but an enrolment also has a recording of each other pose, as a row of the same
+ *   session whose role is probe.
+ * - pairs: as visits, but a second person stands behind the visitor in every visit, and an
+ * enrolment has three times as many frames.
  * - repeats: equally many sessions of each person; nobody is enrolled. */
-extern const struct sim_job_kind sim_job_visits, sim_job_pairs, sim_job_repeats;
+extern const struct sim_job_kind sim_job_visits, sim_job_poses, sim_job_pairs, sim_job_repeats;
 
 struct sim_preset {
     const char *name;

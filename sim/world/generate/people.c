@@ -60,16 +60,13 @@ static int record_session(const struct sim_job *job, char letter, int index, int
     return sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
 }
 
-/* Records a neutral session and later sessions of each enrolled person, then the strangers. */
-static int record_visits(const struct sim_job *job, struct iso_fault *fault)
+/* Records later sessions of the enrolled people, then the strangers. */
+static int record_later_visits(const struct sim_job *job, struct iso_fault *fault)
 {
     const int people = sim_job_people(job);
     const int strangers = sim_job_strangers(job);
     const int probes = sim_job_probes(job);
     int error = 0;
-    for (int i = 0; error == 0 && i < people; i++) {
-        error = record_session(job, 'p', i, 0, SIM_ROLE_GALLERY, fault);
-    }
     for (int i = 0; error == 0 && i < probes; i++) {
         error = record_session(job, 'p', i % people, 1 + i / people, SIM_ROLE_PROBE, fault);
     }
@@ -77,6 +74,61 @@ static int record_visits(const struct sim_job *job, struct iso_fault *fault)
         error = record_session(job, 'x', people + i, 1, SIM_ROLE_IMPOSTOR, fault);
     }
     return error;
+}
+
+/* Records a neutral session of each enrolled person, then the visits. */
+static int record_visits(const struct sim_job *job, struct iso_fault *fault)
+{
+    const int people = sim_job_people(job);
+    int error = 0;
+    for (int i = 0; error == 0 && i < people; i++) {
+        error = record_session(job, 'p', i, 0, SIM_ROLE_GALLERY, fault);
+    }
+    return error == 0 ? record_later_visits(job, fault) : error;
+}
+
+/* The poses of an enrolment, as firmware/recognise/enroll_pose.h has them: yaw above 0 is to the
+ * subject's left, pitch above 0 is up. */
+static const struct {
+    const char *suffix;
+    double yaw_rad, pitch_rad;
+} poses[] = {
+    {"left", SIM_DEGREES(18), 0},
+    {"right", SIM_DEGREES(-18), 0},
+    {"down", 0, SIM_DEGREES(-15)},
+    {"up", 0, SIM_DEGREES(15)},
+};
+
+enum { N_POSES = sizeof poses / sizeof *poses };
+
+/* Records the enrolment of a person: the frontal row of the gallery, and rows of the same session
+ * in the other poses. They have the same random draws, so the hair is the same, too. */
+static int record_enrolment(const struct sim_job *job, int index, struct iso_fault *fault)
+{
+    struct sim_session_plan plan = plan_of(job, 'p', index, 0, SIM_ROLE_GALLERY);
+    const struct sim_corpus_row row = plan.row;
+    plan.open_hall = true;
+    int error = sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
+    for (int i = 0; error == 0 && i < N_POSES; i++) {
+        (void)snprintf(plan.row.recording, sizeof plan.row.recording, "%.20s-%.20s-%s", row.subject,
+                       row.session, poses[i].suffix);
+        plan.row.role = SIM_ROLE_PROBE;
+        plan.yaw_rad = poses[i].yaw_rad;
+        plan.pitch_rad = poses[i].pitch_rad;
+        error = sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
+    }
+    return error;
+}
+
+/* Records the enrolment in every pose, then visits as record_visits() does. */
+static int record_poses(const struct sim_job *job, struct iso_fault *fault)
+{
+    const int people = sim_job_people(job);
+    int error = 0;
+    for (int i = 0; error == 0 && i < people; i++) {
+        error = record_enrolment(job, i, fault);
+    }
+    return error == 0 ? record_later_visits(job, fault) : error;
 }
 
 /* Records a visit of person `index` with person `behind` close behind. `note` describes the second
@@ -140,11 +192,17 @@ static int count_visits(const struct sim_job *job)
     return sim_job_people(job) + sim_job_strangers(job) + sim_job_probes(job);
 }
 
+static int count_poses(const struct sim_job *job)
+{
+    return N_POSES * sim_job_people(job) + count_visits(job);
+}
+
 static int count_repeats(const struct sim_job *job)
 {
     return sim_job_people(job) * sim_job_sessions(job);
 }
 
 const struct sim_job_kind sim_job_visits = {record_visits, count_visits};
+const struct sim_job_kind sim_job_poses = {record_poses, count_poses};
 const struct sim_job_kind sim_job_pairs = {record_pairs, count_visits};
 const struct sim_job_kind sim_job_repeats = {record_repeats, count_repeats};

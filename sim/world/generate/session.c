@@ -56,6 +56,8 @@ static void draw_stance(const struct sim_session_plan *plan, const struct sim_se
 {
     const double off_axis = sensor->face_only ? 0.1 * off_axis_mm : off_axis_mm;
     draw_direction(&plan->pose, random, stance);
+    stance->yaw_rad += plan->yaw_rad;
+    stance->pitch_rad += plan->pitch_rad;
     stance->roll_rad = draw_angle(&plan->pose, random);
     stance->nose_mm.x = sim_random_between(random, -off_axis, off_axis);
     stance->nose_mm.y = sim_random_between(random, -off_axis, off_axis);
@@ -109,8 +111,10 @@ static struct sim_corpus_row row_of(const struct sim_session_plan *plan,
                                     const struct sim_stance *stance, enum sim_expression drawn)
 {
     struct sim_corpus_row row = plan->row;
-    (void)snprintf(row.recording, sizeof row.recording, "%.40s-%.20s", plan->row.subject,
-                   plan->row.session);
+    if (row.recording[0] == '\0') {
+        (void)snprintf(row.recording, sizeof row.recording, "%.40s-%.20s", plan->row.subject,
+                       plan->row.session);
+    }
     if (strcmp(row.subject, "none") != 0) {
         (void)snprintf(row.pose, sizeof row.pose, "y%+03.0fp%+03.0fr%+03.0f",
                        degrees(stance->yaw_rad), degrees(stance->pitch_rad),

@@ -15,11 +15,13 @@ struct sim_pose_range {
 };
 
 struct sim_session_plan {
-    struct sim_corpus_row row; /* the caller sets subject, session, role and count */
+    struct sim_corpus_row row; /* the caller sets subject, session, role and count, and recording if
+                                  it is not to be SUBJECT-SESSION */
     struct sim_person person;
     enum sim_expression expression;
     struct sim_pose_range pose;
-    double near_mm, far_mm; /* distance of the nose tip; both 0: the sensor's own */
+    double yaw_rad, pitch_rad; /* added to what is drawn */
+    double near_mm, far_mm;    /* distance of the nose tip; both 0: the sensor's own */
     bool open_hall; /* no wall within the sensor's range (a sensor for faces only never has one) */
     double body_yaw_rad; /* pi shows the back of the head */
     double sway; /* motion from frame to frame: 1 for a person who shifts from foot to foot, 0.1 for
@@ -33,7 +35,7 @@ struct sim_session_plan {
     struct sim_random random;        /* source of all random draws of the session */
 };
 
-/* Records the session as SUBJECT-SESSION and adds its row to the manifest. In the row of a person
+/* Records the session and adds its row to the manifest. In the row of a person
  * (subject not `none`) it sets the pose, "y+12p-03r+05" (yaw, pitch and roll in degrees), and the
  * expression that was drawn. Errors of sim_studio_record. */
 int sim_session_record(struct sim_studio *studio, const struct sim_ict *ict,

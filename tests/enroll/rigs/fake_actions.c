@@ -35,6 +35,25 @@ int fake_on_release(sd_bus_message *call, void *context, sd_bus_error *error)
     return sd_bus_reply_method_return(call, NULL);
 }
 
+/* Sends EnrollStep for a status "step-...", only to the client that has the claim. */
+static int send_step(sd_bus *bus, const struct fake_service *service,
+                     const struct fake_status *status)
+{
+    sd_bus_message *signal = NULL;
+    int r = sd_bus_message_new_signal(bus, &signal, ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE,
+                                      ISO_CONTRACT_ENROLL_STEP);
+
+    if (r >= 0) {
+        r = sd_bus_message_append(signal, "ssuud", status->person, status->result + strlen("step-"),
+                                  status->stage, status->stages, status->value);
+    }
+    if (r >= 0) {
+        r = sd_bus_send_to(bus, signal, service->claimed_by, NULL);
+    }
+    sd_bus_message_unref(signal);
+    return r;
+}
+
 /* Sends a status signal only to the client that has the claim, as the daemon does. */
 static int send_status(sd_bus *bus, const struct fake_service *service,
                        const struct fake_status *status)
@@ -43,6 +62,9 @@ static int send_status(sd_bus *bus, const struct fake_service *service,
     sd_bus_message *signal = NULL;
     char member[32];
 
+    if (strncmp(status->result, "step-", strlen("step-")) == 0) {
+        return send_step(bus, service, status);
+    }
     (void)snprintf(member, sizeof member, "%sStatus", service->action);
     int r = sd_bus_message_new_signal(bus, &signal, ISO_CONTRACT_PATH, ISO_CONTRACT_INTERFACE,
                                       member);

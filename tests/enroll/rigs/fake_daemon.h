@@ -10,7 +10,9 @@
 #include <sys/types.h>
 
 /* One status signal. It is sent after EnrollStart, VerifyStart or IdentifyStart, in the form of
- * that action. */
+ * that action. A result that begins with "step-" is sent as EnrollStep: with the state that
+ * follows, stage and stages as the step and the number of steps, value as the angle, and person as
+ * the pose. */
 struct fake_status {
     const char *result;
     bool done;

@@ -9,9 +9,9 @@
 #include "tests/firmware/rigs/puppets.h"
 
 static const struct iso_enroll_gate gate = {
-    .yaw_max_rad = 15 * ISO_RAD_PER_DEG,
-    .pitch_max_rad = 12 * ISO_RAD_PER_DEG,
+    .angles = {.yaw_max_rad = 15 * ISO_RAD_PER_DEG, .pitch_max_rad = 12 * ISO_RAD_PER_DEG},
     .coverage_min = 0.8,
+    .pose_coverage_min = 0.7,
     .landmark_coverage_min = 0.5,
     .expression_max = 1,
     .mouth_max_mm = 8,
@@ -64,6 +64,25 @@ static void the_pose_is_named_by_what_to_do(void **state)
     assert_string_equal(judge(), "look-down");
     extraction.pitch_rad = -12.1 * ISO_RAD_PER_DEG;
     assert_string_equal(judge(), "look-up");
+}
+
+/* A turned head hides a part of its face, so less of it has to be measured. */
+static void a_turned_head_may_show_less(void **state)
+{
+    struct iso_enroll_gate turned = gate;
+    (void)state;
+    turned.pose = ISO_ENROLL_LEFT;
+    turned.angles.yaw_rad = 18 * ISO_RAD_PER_DEG;
+    turned.angles.within_rad = 6 * ISO_RAD_PER_DEG;
+    assert_int_equal(iso_enroll_gate_judge(&turned, &extraction), ISO_CAPTURE_TURN_LEFT);
+    extraction.yaw_rad = 18 * ISO_RAD_PER_DEG;
+    extraction.coverage = 0.71;
+    assert_int_equal(iso_enroll_gate_judge(&turned, &extraction), ISO_CAPTURE_OK);
+    extraction.coverage = 0.69;
+    assert_int_equal(iso_enroll_gate_judge(&turned, &extraction), ISO_CAPTURE_TOO_FEW_POINTS);
+    extraction.yaw_rad = 0;
+    extraction.coverage = 0.79;
+    assert_string_equal(judge(), "too-few-points");
 }
 
 static void covered_regions_are_named(void **state)
@@ -182,6 +201,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(a_good_frame_passes, setup),
         cmocka_unit_test_setup(the_pose_is_named_by_what_to_do, setup),
+        cmocka_unit_test_setup(a_turned_head_may_show_less, setup),
         cmocka_unit_test_setup(covered_regions_are_named, setup),
         cmocka_unit_test_setup(half_a_hidden_face_is_named, setup),
         cmocka_unit_test_setup(holes_all_over_are_too_few_points, setup),

@@ -28,6 +28,22 @@ static const char *call_enroll(struct bus_rig *fixture, const char *person, cons
     return dot ? dot + 1 : answer->error;
 }
 
+/* Only who asks for poses gets the signals about them. */
+static void poses_are_an_option(void **state)
+{
+    struct bus_rig *f = bus_rig_need(state);
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_CLAIM, NULL), "");
+    assert_string_equal(call_enroll(f, "anna", ISO_CONTRACT_POSES, "x", 1), "InvalidArgument");
+    assert_string_equal(call_enroll(f, "anna", ISO_CONTRACT_POSES, "b", 1), "");
+    bus_rig_run(f, 50);
+    assert_string_equal(bus_rig_news(f, 0), "EnrollStep frontal");
+    assert_string_equal(bus_rig_news(f, 1), "");
+    assert_string_equal(bus_rig_call(f, 0, ISO_CONTRACT_ENROLL_STOP, NULL), "");
+    assert_string_equal(call_enroll(f, "anna", ISO_CONTRACT_POSES, "b", 0), "");
+    bus_rig_run(f, 50);
+    assert_string_equal(bus_rig_news(f, 0), "");
+}
+
 /* ---- claim ---- */
 
 static void one_client_has_the_claim(void **state)
@@ -300,6 +316,7 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, bus_rig_setup, bus_rig_teardown)
     const struct CMUnitTest tests[] = {
+        TEST(poses_are_an_option),
         TEST(one_client_has_the_claim),
         TEST(a_client_that_leaves_loses_the_claim),
         TEST(an_idle_claim_runs_out),

@@ -211,9 +211,9 @@ mistake 'commit: the head is not read again' firmware/gallery/gallery_truth.c \
     'error = iso__gallery_read_head(db, fault);' 'error = 0;'
 judges=('storage_faults 3 enrol')
 mistake 'commit: an error of an enrolment is swallowed' firmware/gallery/gallery.c \
-    'size, fault);
+    'additions, n, fault);
     }
-    error = iso_gallery_db_end(gallery->db, error, fault);' 'size, fault);
+    error = iso_gallery_db_end(gallery->db, error, fault);' 'additions, n, fault);
     }
     error = iso_gallery_db_end(gallery->db, error, fault) ? 0 : error;'
 mistake 'commit: a store out of service goes on' firmware/gallery/gallery_truth.c 'db->lost = true;' 'db->lost = false;'

@@ -150,13 +150,44 @@ static void refuses_more_than_its_capacity(void **state)
     assert_int_equal(gallery_rig_add(gallery, "eve", 100, NULL), 0);
     assert_int_equal(gallery_rig_add(gallery, "zac", 140, &fault), -EDQUOT);
     assert_string_equal(fault.text, "the gallery is full: 3 people");
-    assert_int_equal(iso_gallery_room(gallery, "zac", NULL), -EDQUOT);
-    assert_int_equal(iso_gallery_room(gallery, "anna", NULL), 0);
+    assert_int_equal(iso_gallery_room(gallery, "zac", 1, NULL), -EDQUOT);
+    assert_int_equal(iso_gallery_room(gallery, "anna", 1, NULL), 0);
     for (int i = 1; i < ISO_GALLERY_TEMPLATES_MAX; i++) {
         assert_int_equal(gallery_rig_add(gallery, "anna", 20 + i, NULL), 0);
     }
     assert_int_equal(gallery_rig_add(gallery, "anna", 19, &fault), -EDQUOT);
     assert_string_equal(fault.text, "anna has 16 templates, the most that one person can have");
+    gallery_rig_expect(gallery, "anna", 16);
+    iso_gallery_close(gallery);
+}
+
+/* The templates of one enrolment are stored together. */
+static void adds_all_templates_or_none(void **state)
+{
+    struct iso_fault fault = {.text = ""};
+    struct iso_gallery *gallery = gallery_rig_open(*state);
+    const struct iso_person anna = {.name = "anna"};
+    struct iso_template templates[ISO_GALLERY_TEMPLATES_MAX + 1];
+    const struct iso_template *all[ISO_GALLERY_TEMPLATES_MAX + 1];
+    for (int i = 0; i <= ISO_GALLERY_TEMPLATES_MAX; i++) {
+        templates[i] = puppet_template(20 + i, PUPPET_ALGORITHM);
+        all[i] = &templates[i];
+    }
+    templates[2].points_mm[0][3][1][2] = 600;
+    assert_int_equal(iso_gallery_add_all(gallery, &anna, all, 3, &fault), -EINVAL);
+    assert_null(iso_gallery_find(gallery, "anna"));
+    templates[2] = puppet_template(22, PUPPET_ALGORITHM);
+    assert_int_equal(
+        iso_gallery_add_all(gallery, &anna, all, ISO_GALLERY_TEMPLATES_MAX + 1, &fault), -EDQUOT);
+    assert_int_equal(iso_gallery_add_all(gallery, &anna, all, 5, &fault), 0);
+    gallery_rig_expect(gallery, "anna", 5);
+    assert_int_equal(iso_gallery_room(gallery, "anna", 11, NULL), 0);
+    assert_int_equal(iso_gallery_room(gallery, "anna", 12, &fault), -EDQUOT);
+    assert_string_equal(fault.text,
+                        "anna has 5 templates, and 12 more exceed the 16 that one person can have");
+    assert_int_equal(iso_gallery_add_all(gallery, &anna, all + 5, 11, &fault), 0);
+    iso_gallery_close(gallery);
+    gallery = gallery_rig_open(*state);
     gallery_rig_expect(gallery, "anna", 16);
     iso_gallery_close(gallery);
 }
@@ -203,10 +234,15 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(begins_empty_and_private),        TEST(keeps_people_over_a_restart),
-        TEST(a_template_is_as_it_was),         TEST(deletes_a_person_whole),
-        TEST(leaves_nothing_behind),           TEST(refuses_more_than_its_capacity),
-        TEST(refuses_bad_names_and_templates), TEST(keeps_templates_of_another_algorithm),
+        TEST(begins_empty_and_private),
+        TEST(keeps_people_over_a_restart),
+        TEST(a_template_is_as_it_was),
+        TEST(deletes_a_person_whole),
+        TEST(leaves_nothing_behind),
+        TEST(refuses_more_than_its_capacity),
+        TEST(adds_all_templates_or_none),
+        TEST(refuses_bad_names_and_templates),
+        TEST(keeps_templates_of_another_algorithm),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,6 +14,7 @@ static struct iso_enrolment enrolment;
 static struct puppet_pipeline puppet;
 static struct iso_pipeline pipeline;
 static struct iso_enrolment_gallery gallery;
+static int64_t now_ns;
 
 static int setup(void **state)
 {
@@ -27,7 +28,8 @@ static int setup(void **state)
     puppet = (struct puppet_pipeline){0};
     pipeline = puppet_pipeline(&puppet);
     gallery = (struct iso_enrolment_gallery){0};
-    iso_enrolment_begin(&enrolment, &options, 5 * ISO_NS_PER_S);
+    now_ns = 5 * ISO_NS_PER_S;
+    iso_enrolment_begin(&enrolment, &options, now_ns);
     return 0;
 }
 
@@ -37,7 +39,8 @@ static bool frame(int face)
     const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
     bool passed = false;
     assert_int_equal(enrolment.state, ISO_ENROLMENT_ACTIVE);
-    assert_int_equal(iso_enrolment_frame(&enrolment, &tmpl, &pipeline, &gallery, &passed), 0);
+    assert_int_equal(iso_enrolment_frame(&enrolment, &tmpl, now_ns, &pipeline, &gallery, &passed),
+                     0);
     return passed;
 }
 
@@ -50,9 +53,9 @@ static void completes_with_frames_that_agree(void **state)
     assert_int_equal(enrolment.state, ISO_ENROLMENT_ACTIVE);
     assert_true(frame(47));
     assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
-    assert_int_equal(puppet_face_of(&enrolment.fused), 50);
-    assert_int_equal(enrolment.fused.n_frames, 3);
-    assert_int_equal(enrolment.fused.algorithm, PUPPET_ALGORITHM);
+    assert_int_equal(puppet_face_of(&enrolment.fused[0]), 50);
+    assert_int_equal(enrolment.fused[0].n_frames, 3);
+    assert_int_equal(enrolment.fused[0].algorithm, PUPPET_ALGORITHM);
 }
 
 static void leaves_a_misfit_out(void **state)
@@ -187,9 +190,97 @@ static void returns_an_error_of_the_search(void **state)
     (void)state;
     assert_true(frame(50));
     puppet.search_error = -ENOMEM;
-    assert_int_equal(iso_enrolment_frame(&enrolment, &tmpl, &pipeline, &gallery, &passed), -ENOMEM);
+    assert_int_equal(iso_enrolment_frame(&enrolment, &tmpl, now_ns, &pipeline, &gallery, &passed),
+                     -ENOMEM);
     assert_true(passed); /* unchanged */
     assert_int_equal(enrolment.stage, 1);
+}
+
+/* ---- poses ---- */
+
+/* Goes on with poses of two frames each, 10 s long. The frontal step is complete with face 50. */
+static void begin_poses(void)
+{
+    struct iso_enrolment_options options = enrolment.options;
+    options.poses = true;
+    options.pose_stages = 2;
+    options.pose_timeout_ns = 10 * ISO_NS_PER_S;
+    iso_enrolment_begin(&enrolment, &options, now_ns);
+    assert_int_equal(enrolment.stages, 11);
+    assert_true(frame(50));
+    assert_true(frame(50));
+    assert_true(frame(50));
+    assert_int_equal(enrolment.pose, ISO_ENROLL_LEFT);
+}
+
+static void keeps_a_template_of_each_pose(void **state)
+{
+    (void)state;
+    begin_poses();
+    for (int pose = ISO_ENROLL_LEFT; pose < ISO_ENROLL_POSES; pose++) {
+        assert_true(frame(50 + pose));
+        assert_int_equal(enrolment.state, ISO_ENROLMENT_ACTIVE);
+        assert_true(frame(50 + pose));
+    }
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
+    for (int pose = 0; pose < ISO_ENROLL_POSES; pose++) {
+        assert_true(enrolment.kept[pose]);
+        assert_int_equal(puppet_face_of(&enrolment.fused[pose]), 50 + pose);
+    }
+}
+
+/* A frame has to agree with the frontal template and with its own step, not with other poses. */
+static void a_pose_has_to_show_the_same_face(void **state)
+{
+    (void)state;
+    begin_poses();
+    assert_false(frame(57));
+    assert_true(frame(56));
+    assert_false(frame(49)); /* agrees with the frontal face alone */
+    assert_true(frame(50));
+    assert_int_equal(enrolment.pose, ISO_ENROLL_RIGHT);
+    assert_true(frame(44)); /* differs by 12 from the other pose */
+    assert_true(frame(44));
+    assert_int_equal(enrolment.misfits, 0);
+    assert_false(frame(80));
+    assert_false(frame(80));
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_ACTIVE);
+    assert_false(frame(80));
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_FAILED);
+}
+
+static void leaves_a_pose_out_in_time(void **state)
+{
+    (void)state;
+    now_ns = 7 * ISO_NS_PER_S;
+    begin_poses();
+    assert_int_equal(iso_enrolment_due_ns(&enrolment), 17 * ISO_NS_PER_S);
+    assert_true(frame(50));
+    iso_enrolment_time(&enrolment, 17 * ISO_NS_PER_S - 1);
+    assert_int_equal(enrolment.pose, ISO_ENROLL_LEFT);
+    iso_enrolment_time(&enrolment, 17 * ISO_NS_PER_S);
+    assert_int_equal(enrolment.pose, ISO_ENROLL_RIGHT);
+    assert_int_equal(enrolment.stage, 3);
+    assert_int_equal(enrolment.stages, 9);
+    assert_int_equal(iso_enrolment_due_ns(&enrolment), 27 * ISO_NS_PER_S);
+    iso_enrolment_time(&enrolment, 67 * ISO_NS_PER_S);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
+    assert_true(enrolment.kept[ISO_ENROLL_FRONTAL]);
+    assert_false(enrolment.kept[ISO_ENROLL_LEFT]);
+}
+
+static void a_frontal_face_alone_is_judged_as_before(void **state)
+{
+    const struct iso_template known = puppet_template(90, PUPPET_ALGORITHM);
+    const struct iso_search_entry entries[] = {{.person = 3, .tmpl = &known}};
+    (void)state;
+    enrolment.options.poses = true;
+    enrolment.options.pose_stages = 2;
+    gallery = (struct iso_enrolment_gallery){first_of(entries, 1), first_of(entries, 1), 3};
+    (void)frame(50);
+    (void)frame(51);
+    (void)frame(52);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_OTHER_FACE); /* before anybody turns */
 }
 
 static void wipes_its_templates(void **state)
@@ -201,7 +292,7 @@ static void wipes_its_templates(void **state)
     (void)frame(52);
     iso_enrolment_wipe(&enrolment);
     assert_memory_equal(&enrolment.frames[1], &nothing, sizeof nothing);
-    assert_memory_equal(&enrolment.fused, &nothing, sizeof nothing);
+    assert_memory_equal(&enrolment.fused[0], &nothing, sizeof nothing);
 }
 
 int main(void)
@@ -219,6 +310,10 @@ int main(void)
         cmocka_unit_test_setup(ends_without_a_sensor, setup),
         cmocka_unit_test_setup(a_frame_without_enough_points_agrees_with_none, setup),
         cmocka_unit_test_setup(returns_an_error_of_the_search, setup),
+        cmocka_unit_test_setup(keeps_a_template_of_each_pose, setup),
+        cmocka_unit_test_setup(a_pose_has_to_show_the_same_face, setup),
+        cmocka_unit_test_setup(leaves_a_pose_out_in_time, setup),
+        cmocka_unit_test_setup(a_frontal_face_alone_is_judged_as_before, setup),
         cmocka_unit_test_setup(wipes_its_templates, setup),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -244,6 +244,7 @@ static int extract(void *self, const struct iso_frame *frame, const char *sensor
         out->camera_from_face.translation_mm = iso_vec3((double)frame->depth_mm[2] - 1100, 0, 700);
         out->distance_mm = 700;
         out->yaw_rad = pipeline->yaw_rad;
+        out->pitch_rad = pipeline->pitch_rad;
         out->fitted = true;
         out->fit_coverage = 0.95;
         out->coverage = 0.9 - pipeline->uncovered;

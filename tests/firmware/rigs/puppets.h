@@ -57,7 +57,7 @@ void puppet_sensor_add_at(struct puppet_sensor *sensor, int64_t t_ns, int face,
 struct puppet_pipeline {
     int extract_error, search_error;
     bool raving; /* searches find people who do not exist, with an infinite score */
-    double yaw_rad, expression, uncovered;
+    double yaw_rad, pitch_rad, expression, uncovered;
     char sensor[32];         /* name of the sensor, as the last extraction got it */
     enum iso_face_seen seen; /* result of the image check for every frame */
 };

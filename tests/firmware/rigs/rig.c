@@ -34,6 +34,16 @@ static void on_enroll_status(void *context, const char *result, bool done, unsig
          *person ? " " : "", person);
 }
 
+static void on_enroll_step(void *context, const char *pose, const char *state, unsigned step,
+                           unsigned steps, double turn_deg)
+{
+    char degrees[16] = "";
+    if (turn_deg != 0.0) {
+        (void)snprintf(degrees, sizeof degrees, " by %.0f", turn_deg);
+    }
+    tell(context, "step %u/%u %s %s%s; ", step, steps, pose, state, degrees);
+}
+
 static void on_recognition_status(void *context, enum iso_appliance_mode mode, const char *result,
                                   bool done, const char *person, double score, double threshold)
 {
@@ -114,8 +124,8 @@ static void open_parts(struct rig *rig)
         .times = {clock, manual_clock_now_ns, &rig->wall_ns, {boot_ns, rig}},
         .sensor = puppet_sensor_source(&rig->sensor),
         .pipeline = puppet_pipeline(&rig->puppet),
-        .events = {on_enroll_status, on_recognition_status, on_visit, on_hint, on_view, on_picture,
-                   on_door_changed, on_claim_lost, on_message, rig},
+        .events = {on_enroll_status, on_enroll_step, on_recognition_status, on_visit, on_hint,
+                   on_view, on_picture, on_door_changed, on_claim_lost, on_message, rig},
     };
     assert_int_equal(iso_door_io_open("null", NULL, 0, &clock, &unpowered, &rig->door_io, NULL), 0);
     struct iso_gallery_options gallery = stores_gallery(rig->directory);

@@ -64,7 +64,7 @@ static void add_template(struct iso_site_index *site, const struct iso_metric *m
                          int64_t person, int i)
 {
     const struct iso_metric_vector vector = vector_of(metric, person, i);
-    assert_int_equal(iso_site_index_reserve(site), 0);
+    assert_int_equal(iso_site_index_reserve(site, 1), 0);
     assert_int_equal(iso_site_index_add(site, person, &vector), 0);
 }
 
@@ -305,7 +305,7 @@ static void too_many_templates_change_nothing(void **state)
     }
     assert_int_equal(iso_site_index_settle(site), 0);
     const struct iso_metric_vector more = vector_of(metric, 1, 99);
-    assert_int_equal(iso_site_index_reserve(site), 0);
+    assert_int_equal(iso_site_index_reserve(site, 1), 0);
     assert_int_equal(iso_site_index_add(site, 1, &more), -EINVAL);
     assert_false(iso_site_index_state(site).due);
     assert_false(iso_site_index_follow(site));

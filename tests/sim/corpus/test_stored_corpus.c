@@ -92,6 +92,31 @@ static void every_frame_is_read(void **state)
     sim_corpus_free(corpus);
 }
 
+/* sim/stored/poses: a person who turns as an enrolment asks. */
+static void a_person_turns_for_an_enrolment(void **state)
+{
+    static const struct {
+        const char *recording;
+        int yaw, pitch;
+    } poses[] = {{"p0000-s0", 0, 0},
+                 {"p0000-s0-left", 18, 0},
+                 {"p0000-s0-right", -18, 0},
+                 {"p0000-s0-down", 0, -15},
+                 {"p0000-s0-up", 0, 15}};
+    struct sim_corpus *corpus = NULL;
+    (void)state;
+    assert_int_equal(sim_corpus_read(ISOTHERM_SOURCE_DIR "/sim/stored/poses", &corpus, NULL), 0);
+    assert_int_equal(corpus->n_rows, sizeof poses / sizeof *poses);
+    for (size_t i = 0; i < corpus->n_rows; i++) {
+        int yaw, pitch;
+        assert_string_equal(corpus->rows[i].recording, poses[i].recording);
+        assert_int_equal(sscanf(corpus->rows[i].pose, "y%dp%d", &yaw, &pitch), 2);
+        assert_in_range(yaw - poses[i].yaw + 3, 0, 6);
+        assert_in_range(pitch - poses[i].pitch + 3, 0, 6);
+    }
+    sim_corpus_free(corpus);
+}
+
 static void it_is_small_enough_to_commit(void **state)
 {
     (void)state;
@@ -105,6 +130,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_person_has_recordings),
         cmocka_unit_test(every_frame_is_read),
+        cmocka_unit_test(a_person_turns_for_an_enrolment),
         cmocka_unit_test(it_is_small_enough_to_commit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -99,6 +99,35 @@ static void test_fuse_and_gallery_limit(void **state)
     sim_eval_free(eval);
 }
 
+/* Rows of an enrolment in other poses are searches, are left out, or are enrolled. The row of
+ * another expression, of another session or of another person is always a search. */
+static void test_poses_of_an_enrolment(void **state)
+{
+    static const char poses[] = STORED_CORPUS_HEADER "p01-enrol,0,1,p01,e,gallery,ahead,neutral,\n"
+                                                     "p02-enrol,0,1,p02,e,gallery,ahead,neutral,\n"
+                                                     "p01-enrol,1,1,p01,e,probe,left,neutral,\n"
+                                                     "p01-enrol,2,1,p01,e,probe,ahead,neutral,\n"
+                                                     "p01-enrol,3,1,p01,e,probe,left,smile,\n"
+                                                     "p01-v1,0,1,p01,v1,probe,left,neutral,\n"
+                                                     "x01-v1,0,1,x01,e,impostor,left,neutral,\n";
+    static const struct {
+        enum sim_enrolled enrolled;
+        size_t templates, searches;
+    } cases[] = {
+        {SIM_ENROLLED_ROLE, 2, 4}, {SIM_ENROLLED_FRONTAL, 2, 3}, {SIM_ENROLLED_POSES, 3, 3}};
+    struct sim_eval_options options = options_for(*state);
+    stored_corpus_make(*state, poses);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        options.enrolled = cases[i].enrolled;
+        struct sim_eval *eval = evaluate(&options);
+        assert_int_equal(eval->gallery->n_people, 2);
+        assert_int_equal(eval->gallery->n_templates, cases[i].templates);
+        assert_int_equal(eval->analysis->n_kind[SIM_PROBE_MATED], cases[i].searches);
+        assert_int_equal(eval->analysis->n_kind[SIM_PROBE_STRANGER], 1);
+        sim_eval_free(eval);
+    }
+}
+
 /* Returns how many lines of a text contain a word. */
 static int lines_with(const char *text, const char *word)
 {
@@ -320,6 +349,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_figures, setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(test_fuse_and_gallery_limit, setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_poses_of_an_enrolment, scratch_setup,
+                                        scratch_teardown),
         cmocka_unit_test_setup_teardown(test_reports, setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(test_subjects_do_not_reach_the_scores, setup,
                                         scratch_teardown),
