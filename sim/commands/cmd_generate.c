@@ -59,6 +59,10 @@ static const struct sim_option options[] = {
      FIELD(n_sessions)},
     {"pose-limit", "DEGREES", "landmarks, training: greatest yaw; pitch has 0.7 of it (35)",
      sim_option_degrees, FIELD(pose_limit_rad)},
+    {"pitch-limit", "DEGREES", "landmarks, training: greatest pitch (0.7 of the yaw)",
+     sim_option_degrees, FIELD(pitch_limit_rad)},
+    {"keep-hair", NULL, "hair stays between a person's sessions; more fringes, more long hair",
+     sim_option_flag, FIELD(keeps_hair)},
     {"near", "MM", "nearest nose tip, except for enrolment (the preset's)", parse_factor,
      FIELD(near_mm)},
     {"far", "MM", "farthest nose tip, except for enrolment (the preset's)", parse_factor,
@@ -91,6 +95,7 @@ static void print_notes(FILE *out)
           "  hard        mild, people who look alike\n"
           "  pose        mild, turned by up to 35 degrees\n"
           "  poses       pose, and enrolled in five poses\n"
+          "  bowed       mild, heads bent down or up by up to 35 degrees\n"
           "  far         mild, 0.9 to 1.2 m away\n"
           "  landmarks   strong, noisy, turned, every person several times\n"
           "  training    every person at rest, mild and strong, to train the metric\n"
@@ -100,7 +105,7 @@ static void print_notes(FILE *out)
           "\nSensors:\n",
           out);
     for (int i = 0; sim_sensors[i]; i++) {
-        fprintf(out, "  %-10s  %s\n", sim_sensors[i]->name, sim_sensors[i]->summary);
+        fprintf(out, "  %-14s  %s\n", sim_sensors[i]->name, sim_sensors[i]->summary);
     }
 }
 

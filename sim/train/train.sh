@@ -5,6 +5,8 @@
 # (1 GB), which do not depend on the extractor; they are rendered only if they are missing.
 # The committed face.metric was learned from 7,409 of the 9,450 frames. The gate of size was corrected later: a new training would use
 # 7,427 frames.
+# Its nodes and means came from all people; now those who calibrate the scores are left out. Neither changes what is measured
+# (sim/results/training.md, which also has what other sets to learn from do).
 # usage: train.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY SCRATCH
 set -eu
 sim=$1 ict=$2 data=$3 scratch=$4

@@ -49,7 +49,8 @@ static int learn_curves(const struct sim_metric_templates *t, struct iso_metric 
         memset(sum, 0, 2 * width * sizeof *sum);
         for (size_t s = 0; s < t->n; s++) {
             sim_progress_step(1);
-            if (pass > 0 && iso_metric_residuals(metric, &t->tmpl[s], residual_mm)) {
+            if (sim_metric_is_held_out(t->person[s]) ||
+                (pass > 0 && iso_metric_residuals(metric, &t->tmpl[s], residual_mm))) {
                 continue;
             }
             add_curves(metric, &t->tmpl[s], pass > 0 ? residual_mm : NULL, sum);
@@ -69,17 +70,21 @@ void sim_metric_choose_nodes(const struct sim_metric_templates *t, struct iso_me
     enum { MISSING_PERMILLE = 5 };
     for (int i = 0; i < ISO_UPPER_NODES; i++) {
         const int row = iso_upper_row(i), column = iso_upper_column(i);
-        size_t missing = 0;
+        size_t missing = 0, n = 0;
         for (size_t s = 0; s < t->n; s++) {
-            missing += t->tmpl[s].upper.kind[row][column] == ISO_UPPER_NONE;
+            if (!sim_metric_is_held_out(t->person[s])) {
+                missing += t->tmpl[s].upper.kind[row][column] == ISO_UPPER_NONE;
+                n++;
+            }
         }
-        if ((row + column) % 2 == 0 && 1000 * missing <= MISSING_PERMILLE * t->n) {
+        if ((row + column) % 2 == 0 && 1000 * missing <= MISSING_PERMILLE * n) {
             shape->node[shape->n_nodes++] = (uint16_t)i;
         }
     }
 }
 
-/* The mean heights of the upper face, over the templates that have one. */
+/* The mean heights of the upper face, over the templates that have one. As everywhere in this file,
+ * the people who calibrate the scores take no part. */
 static void learn_heights(const struct sim_metric_templates *t, struct iso_metric *metric)
 {
     for (int i = 0; i < metric->n_nodes; i++) {
@@ -88,8 +93,11 @@ static void learn_heights(const struct sim_metric_templates *t, struct iso_metri
         double sum_mm = 0.0;
         size_t n = 0;
         for (size_t s = 0; s < t->n; s++) {
-            sum_mm += (double)t->tmpl[s].upper.z_mm[row][column]; /* 0 where there is no height */
-            n += t->tmpl[s].upper.kind[row][column] != ISO_UPPER_NONE;
+            if (!sim_metric_is_held_out(t->person[s]) &&
+                t->tmpl[s].upper.kind[row][column] != ISO_UPPER_NONE) {
+                sum_mm += (double)t->tmpl[s].upper.z_mm[row][column];
+                n++;
+            }
         }
         metric->upper_mm[i] = (float)(sum_mm / fmax((double)n, 1.0));
     }

@@ -1,4 +1,5 @@
-/* Learns the shape of faces for a metric: the mean, and the axes along which people differ.
+/* Learns the shape of faces for a metric: the mean, and the axes along which people differ. The
+ * people held out take part in none of it (sim_metric_is_held_out).
  * Internal to sim/train/metric. */
 #ifndef SIM_TRAIN_METRIC_METRIC_SHAPE_H
 #define SIM_TRAIN_METRIC_METRIC_SHAPE_H
@@ -11,12 +12,11 @@
  * surface is smoothed. */
 void sim_metric_choose_nodes(const struct sim_metric_templates *t, struct iso_metric *shape);
 
-/* Computes the mean curves and the mean heights of the upper face from the templates of all
- * people, including those held out. -ENOMEM. */
+/* Computes the mean curves and the mean heights of the upper face. -ENOMEM. */
 int sim_metric_learn_means(const struct sim_metric_templates *t, struct iso_metric *metric)
     __attribute__((warn_unused_result));
 
-/* Computes the axes from the residuals of all people except those held out. The report gets the
+/* Computes the axes from the residuals. The report gets the
  * number of these people and templates and the explained share of the variance. The means must
  * be set. Errors of sim_metric_learn, -ENOMEM. */
 int sim_metric_learn_axes(const struct sim_metric_templates *t, struct iso_metric *metric,

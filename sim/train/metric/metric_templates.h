@@ -34,8 +34,8 @@ void sim_metric_templates_leave_usable(struct sim_metric_templates *t);
 /* Releases what it holds. */
 void sim_metric_templates_done(struct sim_metric_templates *t);
 
-/* Whether a person is held out. One person in five takes no part in the learning of the axes and
- * calibrates the scores. The nodes and the means come from all people. */
+/* Whether a person is held out. One person in five calibrates the scores and takes no part in
+ * anything else: nodes, means and axes come from the other people. */
 static inline bool sim_metric_is_held_out(size_t person)
 {
     return person % 5 == 0;

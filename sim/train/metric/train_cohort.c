@@ -96,6 +96,7 @@ static int take_frame(struct booth *booth, const struct sim_ict *ict,
     }
     if (!error) {
         sim_view_finish(booth->view);
+        sim_sensor_begin(booth->workspace, random);
         sim_sensor_measure(booth->sensor, booth->view, 1.0, random, booth->workspace, booth->frame);
     }
     sim_room_free(room);

@@ -43,7 +43,7 @@ static struct sim_session_plan person_plan(const struct stage *stage, int person
         .person = sim_person_draw(plan->population, plan->seed, (uint32_t)person,
                                   plan->identity_variance),
         .expression = SIM_MILD,
-        .pose = {0.0, DEGREES(10.0), 0.0},
+        .pose = {.limit_rad = DEGREES(10.0)},
         .sway = 1.0,
     };
     (void)snprintf(session.row.subject, sizeof session.row.subject, "p%04d", person);
@@ -63,7 +63,7 @@ static int record_enrolled(const struct stage *stage, int person)
     struct sim_session_plan session = person_plan(stage, person, "attacks-enrol", 0);
     session.row.role = SIM_ROLE_GALLERY;
     session.expression = SIM_NEUTRAL;
-    session.pose = (struct sim_pose_range){DEGREES(3.0), 0.0, 0.0};
+    session.pose = (struct sim_pose_range){.sd_rad = DEGREES(3.0)};
     (void)snprintf(session.row.session, sizeof session.row.session, "s0");
     return record_session(stage, &session);
 }

@@ -57,6 +57,9 @@ static int check_options(const struct sim_generate_options *o, struct iso_fault 
     if (!(o->pose_limit_rad > 0.0 && o->pose_limit_rad <= SIM_DEGREES(90))) {
         return iso_fault_set(fault, -EINVAL, "pose limit outside 0..90 degrees");
     }
+    if (!(o->pitch_limit_rad >= 0.0 && o->pitch_limit_rad <= SIM_DEGREES(90))) {
+        return iso_fault_set(fault, -EINVAL, "pitch limit outside 0..90 degrees");
+    }
     if (preset->instruments && o->sensor && o->sensor->face_only) {
         return iso_fault_set(fault, -EINVAL, "sensor %s sees only faces and cannot be used for %s",
                              o->sensor->name, preset->name);

@@ -36,6 +36,7 @@ static struct sim_session_plan plan_of(const struct sim_job *job, char letter, i
         .expression = expression_of(preset, role, session),
         .pose = gallery ? preset->gallery_pose : preset->probe_pose,
         .sway = 1.0,
+        .keeps_hair = o->keeps_hair,
         .bystander = !gallery && preset->bystander,
         .open_hall = !gallery && preset->bystander, /* a wall might stand before the bystander */
     };
@@ -182,6 +183,7 @@ static int record_repeats(const struct sim_job *job, struct iso_fault *fault)
         struct sim_session_plan plan = plan_of(job, 'p', i / sessions, 1 + i % sessions,
                                                SIM_ROLE_PROBE);
         plan.pose.disc_rad = job->options->pose_limit_rad;
+        plan.pose.disc_pitch_rad = job->options->pitch_limit_rad;
         error = sim_session_record(job->studio, job->ict, job->sensor, &plan, fault);
     }
     return error;

@@ -35,13 +35,19 @@ static void draw_direction(const struct sim_pose_range *range, struct sim_random
                            struct sim_stance *stance)
 {
     if (range->disc_rad > 0.0) {
+        const double flattening = range->disc_pitch_rad > 0.0
+                                      ? range->disc_pitch_rad / range->disc_rad
+                                      : disc_flattening;
         const double radius = range->disc_rad * sqrt(sim_random_unit(random));
         const double angle = sim_random_between(random, 0.0, 6.283185307179586);
         stance->yaw_rad = radius * cos(angle);
-        stance->pitch_rad = disc_flattening * radius * sin(angle);
+        stance->pitch_rad = flattening * radius * sin(angle);
     } else {
         stance->yaw_rad = draw_angle(range, random);
-        stance->pitch_rad = draw_angle(range, random);
+        stance->pitch_rad = range->pitch_limit_rad > 0.0
+                                ? sim_random_between(random, -range->pitch_limit_rad,
+                                                     range->pitch_limit_rad)
+                                : draw_angle(range, random);
     }
 }
 
@@ -148,7 +154,8 @@ static int add_bystander(struct scene *scene, const struct sim_ict *ict,
 static int prepare(struct scene *scene, const struct sim_ict *ict, const struct sim_sensor *sensor,
                    const struct sim_session_plan *plan)
 {
-    struct sim_sitter_options options = {.hair = true, .torso = !sensor->face_only};
+    struct sim_sitter_options options = {
+        .hair = true, .torso = !sensor->face_only, .keeps_hair = plan->keeps_hair};
     int error = sim_sitter_new(ict, &plan->person, &options, &scene->random, &scene->sitter);
     if (error == 0 && !sensor->face_only && !plan->open_hall) {
         error = sim_room_new(false, &scene->random, &scene->room);

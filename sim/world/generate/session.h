@@ -6,12 +6,15 @@
 #include "sim/world/face/expression.h"
 #include "sim/world/generate/studio.h"
 
-/* How a session's pose is drawn. Either yaw, pitch and roll are each normal or uniform; or yaw
- * and pitch are uniform over a disc that is flattened in pitch, and roll is uniform. */
+/* How a session's pose is drawn. Either yaw, pitch and roll are each normal or uniform, with a
+ * range of its own for pitch or not; or yaw and pitch are uniform over a disc that is flattened in
+ * pitch, and roll is uniform. */
 struct sim_pose_range {
     double sd_rad;    /* if > 0: normal with this standard deviation */
     double limit_rad; /* otherwise: uniform within +- this angle */
     double disc_rad; /* if > 0: radius of the disc in yaw; the two fields above are for roll only */
+    double pitch_limit_rad; /* if > 0 and there is no disc: pitch is uniform within +- this angle */
+    double disc_pitch_rad;  /* if > 0: radius of the disc in pitch; otherwise 0.7 of that in yaw */
 };
 
 struct sim_session_plan {
@@ -27,6 +30,7 @@ struct sim_session_plan {
     double sway; /* motion from frame to frame: 1 for a person who shifts from foot to foot, 0.1 for
                     a person who stands as still as possible, 0 for a statue */
     bool frozen; /* the first frame is repeated bit by bit */
+    bool keeps_hair;                 /* the person's hair stays between sessions */
     bool bystander;                  /* another person stands behind and beside the person */
     const struct sim_person *behind; /* the bystander; NULL: any person */
     double behind_min_mm;            /* least distance of the bystander; 0: 500 mm */

@@ -33,7 +33,7 @@ static int record_person(const struct stage *stage, const char *subject, int ind
         .row = {.role = role, .count = role == SIM_ROLE_GALLERY ? ENROL_FRAMES : VISIT_FRAMES},
         .person = sim_person_draw(SIM_POPULATION_STORED, stage->seed, (uint32_t)index, 1.0),
         .expression = visit->expression,
-        .pose = {0.0, DEGREES(visit->limit_degrees), 0.0},
+        .pose = {.limit_rad = DEGREES(visit->limit_degrees)},
         .sway = 1.0,
         /* A wall's noise takes most of a frame's bytes, so only every fourth session has a wall. */
         .open_hall = (index + visit->number) % 4 != 0,
@@ -79,7 +79,7 @@ static int record_useless(const struct stage *stage, const char *note, int index
         .person = sim_person_draw(SIM_POPULATION_STORED, stage->seed,
                                   (uint32_t)(PEOPLE + STRANGERS + index), 1.0),
         .expression = SIM_NEUTRAL,
-        .pose = {0.0, DEGREES(5.0), 0.0},
+        .pose = {.limit_rad = DEGREES(5.0)},
         .sway = 1.0,
         .open_hall = index % 2 == 0,
         .body_yaw_rad = body_yaw_rad,

@@ -169,6 +169,7 @@ static int record_take(struct sim_studio *studio, const struct sim_corpus_row *r
     (void)snprintf(path, sizeof path, "%s/%s", studio->options.directory, row->recording);
     studio->key = sim_random_hash(row->recording);
     struct sim_recording_writer *writer = NULL;
+    sim_sensor_begin(studio->workspace, take->random);
     int error = sim_recording_writer_create(path, &meta, studio->options.png_level, &writer, fault);
     for (int i = 0; error == 0 && i < (int)row->count; i++) {
         error = record_frame(studio, writer, take, i, fault);

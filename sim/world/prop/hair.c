@@ -50,6 +50,31 @@ struct sim_hair sim_hair_of_session(const struct sim_hair *hair, struct sim_rand
     return today;
 }
 
+struct sim_hair sim_hair_kept(uint64_t person_key)
+{
+    struct sim_random random = sim_random_seeded(person_key, sim_random_hash("kept hair"), 0);
+    struct sim_hair hair = {0};
+    hair.scalp = sim_random_unit(&random) > 1.0 / 12.0;
+    hair.curtain = hair.scalp && sim_random_unit(&random) < 0.5;
+    hair.thickness_mm = sim_random_between(&random, 5.0, 28.0);
+    hair.hairline_mm = 6.0 * sim_random_normal(&random);
+    if (sim_random_unit(&random) < 0.5) {
+        hair.hairline_mm += sim_random_between(&random, 15.0, 50.0);
+    }
+    hair.curtain_front = sim_random_between(&random, 0.1, 0.9);
+    hair.key = sim_random_u64(&random);
+    return hair;
+}
+
+struct sim_hair sim_hair_kept_today(const struct sim_hair *hair, struct sim_random *random)
+{
+    struct sim_hair today = *hair;
+    today.thickness_mm *= 1.0 + 0.06 * fmin(fmax(sim_random_normal(random), -2.0), 2.0);
+    today.hairline_mm += 1.5 * sim_random_normal(random);
+    today.curtain_front += 0.03 * sim_random_normal(random);
+    return today;
+}
+
 /* Approximate distance of a point of the mean head inside the hairline, mm (< 0: bare skin). The
  * line climbs from the top of the ear over the temple to the forehead, and falls behind the ear
  * to the nape. */

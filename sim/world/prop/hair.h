@@ -28,6 +28,14 @@ struct sim_hair sim_hair_of_person(uint64_t person_key);
 /* The same person's hair on another day. */
 struct sim_hair sim_hair_of_session(const struct sim_hair *hair, struct sim_random *random);
 
+/* Hair that stays as it is between visits, as a cut and a habit of combing do: about 1 in 12 people
+ * is bald, 1 in 2 has long hair that reaches farther over the cheeks, and 1 in 2 has a fringe,
+ * which may reach down to the eyebrows. The same key gives the same hair, bumps included. */
+struct sim_hair sim_hair_kept(uint64_t person_key);
+
+/* The kept hair on another day: the same bumps, other thickness and hairline by a little. */
+struct sim_hair sim_hair_kept_today(const struct sim_hair *hair, struct sim_random *random);
+
 /* The shell in the face frame, for a head whose neutral surface is `vertices_mm`
  * (sim_person_surface). -EINVAL if this hair has no shell, -ENOMEM. */
 int sim_hair_scalp(const struct sim_ict *ict, const struct iso_vec3 *vertices_mm,

@@ -147,6 +147,7 @@ int sim_depth_error_measure(const struct sim_depth_error_options *options, doubl
         draw_stance(distance_mm, &random, &stance);
         error = draw(&bench, &stance, i, &random);
         if (!error) {
+            sim_sensor_begin(bench.workspace, &random);
             sim_sensor_measure(options->sensor, bench.view, options->noise_scale, &random,
                                bench.workspace, bench.frame);
             compare(&bench, stance.nose_mm);

@@ -25,10 +25,21 @@ struct sim_sitter {
     int n_worn;
 };
 
-static int put_on_hair(struct sim_sitter *sitter, struct sim_random *random)
+/* The person's hair on one day. */
+static struct sim_hair hair_today(const struct sim_person *person, bool kept,
+                                  struct sim_random *random)
 {
-    struct sim_hair usual = sim_hair_of_person(sitter->person.key);
-    struct sim_hair hair = sim_hair_of_session(&usual, random);
+    if (kept) {
+        const struct sim_hair always = sim_hair_kept(person->key);
+        return sim_hair_kept_today(&always, random);
+    }
+    const struct sim_hair usual = sim_hair_of_person(person->key);
+    return sim_hair_of_session(&usual, random);
+}
+
+static int put_on_hair(struct sim_sitter *sitter, bool kept, struct sim_random *random)
+{
+    const struct sim_hair hair = hair_today(&sitter->person, kept, random);
     int error = 0;
     if (hair.scalp) {
         error = sim_hair_scalp(sitter->ict, sitter->surface_mm, &hair,
@@ -86,7 +97,7 @@ int sim_sitter_new(const struct sim_ict *ict, const struct sim_person *person,
         error = paint_skin(sitter);
     }
     if (error == 0 && options->hair) {
-        error = put_on_hair(sitter, random);
+        error = put_on_hair(sitter, options->keeps_hair, random);
     }
     if (error == 0 && options->torso) {
         error = sim_torso_new(sim_random_u64(random), &sitter->torso);

@@ -29,7 +29,8 @@ struct sim_truth {
 
 struct sim_sitter_options {
     bool hair, torso;
-    bool blank; /* the whole head has one albedo, like a mask without markings */
+    bool keeps_hair; /* hair that stays between visits (sim_hair_kept), not drawn anew each day */
+    bool blank;      /* the whole head has one albedo, like a mask without markings */
 };
 
 struct sim_sitter;

@@ -10,8 +10,11 @@
  *   Autonomous Systems 75 (2016); here an offset common to the frame and a smooth error of half a
  *   millimetre over a face.
  * - Assumed: the albedos in the near infrared, and the loss of mixed pixels. */
+#include <math.h>
+
 #include "sim/world/sensor/noise_plane.h"
 #include "sim/world/sensor/sensor.h"
+#include "sim/world/sensor/time_of_flight.h"
 
 static const double noise_mm = 0.8, noise_distance_mm = 800.0; /* for amplitude 1 */
 static const double multipath_mm = 0.5, offset_mm = 2.0;
@@ -19,60 +22,6 @@ static const double noise_limit_mm = 8.0; /* noisier pixels are reported as not 
 static const double near_mm = 500.0, far_mm = 4500.0;
 /* Pixels whose parts are farther apart than this have no single phase and mostly drop out. */
 static const double mixed_mm = 60.0, mixed_loss = 0.7;
-
-struct pixel {
-    double depth_mm, amplitude, spread_mm;
-};
-
-static double albedo(enum sim_material material)
-{
-    switch (material) {
-    case SIM_HAIR:
-        return 0.25;
-    case SIM_CLOTH:
-        return 0.6;
-    case SIM_SKIN:
-    case SIM_WALL:
-    case SIM_PAPER:
-        return 0.9;
-    case SIM_PLASTIC:
-        return 0.7;
-    case SIM_GLASS:
-        return 0.2;
-    case SIM_NOTHING:
-    case SIM_MIRROR:
-        break;
-    }
-    return 0.0;
-}
-
-/* Combines the view's samples of a sensor pixel: the depth is their mean, weighted by amplitude;
- * the amplitude is their mean, 0 if there is no surface; the spread is from the nearest to the
- * farthest.
- */
-static struct pixel mixed(const struct sim_view *view, int column, int row)
-{
-    const int s = view->supersample;
-    double sum = 0.0, weighted = 0.0, nearest = 1e9, farthest = 0.0;
-    for (int k = 0; k < s * s; k++) {
-        const size_t i = (size_t)(row * s + k / s) * (size_t)view->camera.width_px +
-                         (size_t)(column * s + k % s);
-        const double z = (double)view->depth_mm[i];
-        if (!(z > 0.0)) {
-            continue;
-        }
-        const double amplitude = albedo((enum sim_material)view->material[i]) *
-                                 (double)view->cosine[i];
-        sum += amplitude;
-        weighted += amplitude * z;
-        nearest = fmin(nearest, z);
-        farthest = fmax(farthest, z);
-    }
-    if (!(sum > 0.0)) {
-        return (struct pixel){0.0, 0.0, 0.0};
-    }
-    return (struct pixel){weighted / sum, sum / (s * s), farthest - nearest};
-}
 
 static void measure(const struct sim_view *view, double noise_scale, struct sim_random *random,
                     struct sim_sensor_workspace *workspace, float *depth_mm)
@@ -85,7 +34,7 @@ static void measure(const struct sim_view *view, double noise_scale, struct sim_
     size_t i = 0;
     for (int row = 0; row < height; row++) {
         for (int column = 0; column < width; column++, i++) {
-            struct pixel pixel = mixed(view, column, row);
+            const struct sim_mixed_pixel pixel = sim_time_of_flight_mix(view, column, row, 0);
             const double deviate = sim_random_normal(random), luck = sim_random_unit(random);
             const double z = pixel.depth_mm, ratio = z / noise_distance_mm;
             const double sd = noise_mm * ratio * ratio / fmax(pixel.amplitude, 1e-3);

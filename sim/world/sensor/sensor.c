@@ -7,6 +7,7 @@
 const struct sim_sensor *const sim_sensors[] = {
     &sim_sensor_astra,
     &sim_sensor_kinect2,
+    &sim_sensor_kinect2_coarse,
     &sim_sensor_d435,
     &sim_sensor_truedepth,
     &sim_sensor_texas,
@@ -76,6 +77,13 @@ void sim_sensor_attach(struct sim_sensor_workspace *workspace, struct sim_view *
 {
     if (workspace->sensor->attach) {
         workspace->sensor->attach(workspace->own, view);
+    }
+}
+
+void sim_sensor_begin(struct sim_sensor_workspace *workspace, struct sim_random *random)
+{
+    if (workspace->sensor->session) {
+        workspace->sensor->session(workspace->own, random);
     }
 }
 

@@ -41,13 +41,15 @@ struct sim_sensor {
     int (*own_new)(void **own);
     void (*own_free)(void *own);
     void (*attach)(void *own, struct sim_view *view);
+    /* OPTIONAL: draws what stays the same during a recording, such as the steps of the depths. */
+    void (*session)(void *own, struct sim_random *random);
     /* OPTIONAL: the picture, 0..1, that belongs to the depths measured last, for sensors that
      * take one. `infrared` describes the image of the others. */
     void (*picture)(const void *own, float *intensity);
 };
 
-extern const struct sim_sensor sim_sensor_astra, sim_sensor_kinect2, sim_sensor_d435,
-    sim_sensor_truedepth, sim_sensor_texas;
+extern const struct sim_sensor sim_sensor_astra, sim_sensor_kinect2, sim_sensor_kinect2_coarse,
+    sim_sensor_d435, sim_sensor_truedepth, sim_sensor_texas;
 #ifdef ISOTHERM_STEREO
 extern const struct sim_sensor sim_sensor_stereo, sim_sensor_stereo_passive;
 #endif
@@ -74,6 +76,11 @@ void sim_sensor_workspace_free(struct sim_sensor_workspace *workspace);
 /* Prepares a view for a sensor that sees with more than one eye. Call it before you draw
  * anything that the sensor shall measure. The workspace must outlive the view. */
 void sim_sensor_attach(struct sim_sensor_workspace *workspace, struct sim_view *view);
+
+/* Begins a recording: draws the model's properties that differ between recordings and stay during
+ * one. A model without such properties draws nothing. Before the first call a model has the mean of
+ * these properties. */
+void sim_sensor_begin(struct sim_sensor_workspace *workspace, struct sim_random *random);
 
 /* Measures one frame from a finished view of this sensor (sim_view_new with its camera and
  * supersample; sim_sensor_attach). Depths are rounded to unit_mm as in the sensor's recordings.

@@ -16,6 +16,7 @@
 #include "sim/base/random.h"
 #include "sim/corpus/corpus.h"
 #include "sim/train/metric/metric_learn.h"
+#include "sim/train/metric/metric_shape.h"
 #include "sim/train/metric/rerank_learn.h"
 #include "sim/world/face/person.h"
 
@@ -171,6 +172,48 @@ static void a_fused_score_says_how_rare_it_is_among_strangers(void **state)
     free(fit);
 }
 
+/* A template whose heights are all `z_mm`, and which has a height at the node `gap` or not. */
+static void make_flat(struct iso_template *tmpl, float z_mm, bool gap)
+{
+    memset(tmpl, 0, sizeof *tmpl);
+    for (int row = 0; row < ISO_UPPER_ROWS; row++) {
+        for (int column = 0; column < ISO_UPPER_COLUMNS; column++) {
+            tmpl->upper.z_mm[row][column] = z_mm;
+            tmpl->upper.kind[row][column] = ISO_UPPER_MEASURED;
+        }
+    }
+    if (gap) {
+        tmpl->upper.z_mm[4][4] = 0.0f;
+        tmpl->upper.kind[4][4] = ISO_UPPER_NONE;
+    }
+}
+
+/* The people who calibrate the scores choose no node and shift no mean: here they lack a height
+ * that all others have, and their faces lie 100 mm farther out. */
+static void people_held_out_teach_no_shape(void **state)
+{
+    (void)state;
+    enum { N = 10 };
+    static struct iso_template tmpl[N];
+    static size_t person[N];
+    for (size_t i = 0; i < N; i++) {
+        person[i] = i;
+        const bool held_out = sim_metric_is_held_out(i);
+        make_flat(&tmpl[i], held_out ? 110.0f : 10.0f, held_out);
+    }
+    const struct sim_metric_templates all = {.n = N, .tmpl = tmpl, .person = person, .n_people = N};
+    struct iso_metric shape = {.landmarks = 1, .n_radii = 1, .n_points = 4, .n_dimensions = 3};
+    struct iso_metric *metric = NULL;
+    sim_metric_choose_nodes(&all, &shape);
+    assert_int_equal(shape.n_nodes, (ISO_UPPER_ROWS * ISO_UPPER_COLUMNS + 1) / 2);
+    assert_int_equal(iso_metric_new(&shape, &metric), 0);
+    assert_int_equal(sim_metric_learn_means(&all, metric), 0);
+    for (int i = 0; i < metric->n_nodes; i++) {
+        assert_true(fabsf(metric->upper_mm[i] - 10.0f) < 1e-4f);
+    }
+    iso_metric_free(metric);
+}
+
 /* No person from whom the shipped metric was learned may be in a test. It was learned only from
  * people of the population `train`, and a committed corpus names none of its sources. */
 static void the_shipped_metric_knows_nobody_who_is_tested(void **state)
@@ -220,6 +263,7 @@ int main(void)
         cmocka_unit_test(too_few_people_teach_nothing),
         cmocka_unit_test(a_score_says_how_rare_it_is_among_strangers),
         cmocka_unit_test(a_fused_score_says_how_rare_it_is_among_strangers),
+        cmocka_unit_test(people_held_out_teach_no_shape),
         cmocka_unit_test(the_shipped_metric_knows_nobody_who_is_tested),
         cmocka_unit_test(the_shipped_metric_fits_the_shipped_head_model),
     };

@@ -13,6 +13,7 @@
 #include "sim/world/face/person.h"
 #include "sim/world/prop/face_print.h"
 #include "sim/world/prop/group.h"
+#include "sim/world/prop/hair.h"
 #include "sim/world/prop/hand.h"
 #include "sim/world/view/view.h"
 #include "tests/sim/world/solid_measure.h"
@@ -214,6 +215,32 @@ static void a_grip_leaves_room_for_what_it_holds(void **state)
     }
 }
 
+/* ---- hair ---- */
+
+/* Hair that stays has the same bumps every day, and nearly the same hairline. */
+static void kept_hair_stays(void **state)
+{
+    (void)state;
+    struct sim_random random = sim_random_seeded(4, 5, 6);
+    int fringes = 0, curtains = 0, bald = 0;
+    for (uint64_t person = 0; person < 400; person++) {
+        const struct sim_hair hair = sim_hair_kept(person);
+        const struct sim_hair today = sim_hair_kept_today(&hair, &random);
+        assert_true(today.key == hair.key);
+        assert_true(today.scalp == hair.scalp && today.curtain == hair.curtain);
+        assert_true(fabs(today.thickness_mm / hair.thickness_mm - 1.0) <= 0.1201);
+        assert_true(fabs(today.hairline_mm - hair.hairline_mm) < 7.5);
+        fringes += hair.hairline_mm > 20.0;
+        curtains += hair.curtain;
+        bald += !hair.scalp;
+    }
+    print_message("of 400 people: %d fringes, %d with long hair, %d bald\n", fringes, curtains,
+                  bald);
+    assert_in_range(fringes, 120, 220);
+    assert_in_range(curtains, 140, 220);
+    assert_in_range(bald, 15, 60);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -223,6 +250,7 @@ int main(void)
         cmocka_unit_test(the_wearer_of_a_mask_is_behind_it),
         cmocka_unit_test(hands_have_the_size_of_hands),
         cmocka_unit_test(a_grip_leaves_room_for_what_it_holds),
+        cmocka_unit_test(kept_hair_stays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

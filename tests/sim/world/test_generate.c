@@ -73,15 +73,16 @@ static double depth_error(const struct iso_frame *frame, struct iso_vec3 landmar
     return z > 0.0 ? fabs(z - landmark_mm.z) : 0.0;
 }
 
-static void check_landmarks(const struct iso_frame *frame,
+/* `smooth_mm`: the greatest error of the sensor on a smooth place. */
+static void check_landmarks(const struct iso_frame *frame, double smooth_mm,
                             const struct iso_recording_landmark rows[ISO_LANDMARKS])
 {
     for (int k = 0; k < ISO_LANDMARKS; k++) {
         assert_string_equal(rows[k].name, iso_landmark_name((enum iso_landmark)k));
         /* noses and lips have steep sides, and eyeballs bulge out of the corners */
-        assert_true(depth_error(frame, rows[k].point_mm) < 8.0);
+        assert_true(depth_error(frame, rows[k].point_mm) < smooth_mm + 5.0);
     }
-    assert_true(depth_error(frame, rows[ISO_LM_NASION].point_mm) < 3.0);
+    assert_true(depth_error(frame, rows[ISO_LM_NASION].point_mm) < smooth_mm);
     assert_true(rows[ISO_LM_EYE_OUT_R].point_mm.x < rows[ISO_LM_EYE_IN_R].point_mm.x);
     assert_true(rows[ISO_LM_EYE_IN_R].point_mm.x < rows[ISO_LM_EYE_IN_L].point_mm.x);
     assert_true(rows[ISO_LM_NASION].point_mm.y < rows[ISO_LM_LIP_UPPER].point_mm.y);
@@ -97,6 +98,8 @@ static void every_sensor_sees_the_landmarks(void **state)
         struct iso_recording_landmark *rows = NULL;
         struct iso_frame *frame = NULL;
         size_t n_rows;
+        /* Half a step of up to 8 mm, an offset, wiggling and multipath add up. */
+        const double smooth_mm = sim_sensors[s] == &sim_sensor_kinect2_coarse ? 8.0 : 3.0;
         options.n_people = 1;
         options.n_probes = options.n_strangers = 0;
         options.sensor = sim_sensors[s];
@@ -109,7 +112,7 @@ static void every_sensor_sees_the_landmarks(void **state)
         assert_int_equal(iso_recording_frame_new(recording, &frame), 0);
         for (size_t i = 0; i < 2; i++) {
             assert_int_equal(iso_recording_read(recording, i, frame, NULL), 0);
-            check_landmarks(frame, rows + i * ISO_LANDMARKS);
+            check_landmarks(frame, smooth_mm, rows + i * ISO_LANDMARKS);
         }
         iso_frame_free(frame);
         free(rows);

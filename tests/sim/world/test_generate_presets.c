@@ -133,6 +133,48 @@ static void turned_visits_stay_on_the_disc(void **state)
     sim_corpus_free(corpus);
 }
 
+/* Heads of the preset `bowed` are bent down and up by up to 35 degrees, and turned by no more than
+ * those of `mild`. */
+static void bowed_visits_bend_both_ways(void **state)
+{
+    struct sim_generate_options options = one_frame("bowed", scratch_path(*state, "bowed"));
+    int lowest = 0, highest = 0;
+    options.n_people = 1;
+    options.n_probes = 10;
+    options.n_strangers = 0;
+    struct sim_corpus *corpus = generated_corpus(&options);
+    for (size_t i = 0; i < corpus->n_rows; i++) {
+        const bool gallery = corpus->rows[i].role == SIM_ROLE_GALLERY;
+        int yaw, pitch;
+        assert_int_equal(sscanf(corpus->rows[i].pose, "y%dp%d", &yaw, &pitch), 2);
+        assert_true(abs(yaw) <= (gallery ? 15 : 10) && abs(pitch) <= (gallery ? 15 : 35));
+        lowest = pitch < lowest ? pitch : lowest;
+        highest = pitch > highest ? pitch : highest;
+    }
+    assert_true(lowest < -15 && highest > 15);
+    sim_corpus_free(corpus);
+}
+
+/* pitch_limit_rad sets the disc's radius in pitch. */
+static void training_sessions_bend_as_far_as_they_are_told_to(void **state)
+{
+    struct sim_generate_options options = one_frame("training", scratch_path(*state, "bent"));
+    int farthest = 0;
+    options.n_people = 2;
+    options.n_sessions = 6;
+    options.pose_limit_rad = 5.0 * 3.14159265358979324 / 180.0;
+    options.pitch_limit_rad = 35.0 * 3.14159265358979324 / 180.0;
+    struct sim_corpus *corpus = generated_corpus(&options);
+    for (size_t i = 0; i < corpus->n_rows; i++) {
+        int yaw, pitch;
+        assert_int_equal(sscanf(corpus->rows[i].pose, "y%dp%d", &yaw, &pitch), 2);
+        assert_true(abs(yaw) <= 5 && abs(pitch) <= 35);
+        farthest = abs(pitch) > farthest ? abs(pitch) : farthest;
+    }
+    assert_true(farthest > 15);
+    sim_corpus_free(corpus);
+}
+
 /* Sessions of the preset `landmarks` are on the disc of yaw and pitch, in both bands of pose, and
  * have strong expressions. */
 static void landmark_sessions_cover_the_disc(void **state)
@@ -208,6 +250,8 @@ int main(void)
         cmocka_unit_test(visits_stand_where_they_are_told_to),
         cmocka_unit_test(hard_people_look_alike),
         cmocka_unit_test(turned_visits_stay_on_the_disc),
+        cmocka_unit_test(bowed_visits_bend_both_ways),
+        cmocka_unit_test(training_sessions_bend_as_far_as_they_are_told_to),
         cmocka_unit_test(landmark_sessions_cover_the_disc),
         cmocka_unit_test(landmark_sessions_are_noisy_and_limited),
     };

@@ -82,6 +82,8 @@ static const struct figure {
     {&sim_sensor_astra, 600.0, 0.51, 1.28, 0.4, "0.51 (Khoshelham 2012) .. 1.28 mm (Nguyen 2012)"},
     {&sim_sensor_astra, 1000.0, 1.42, 2.2, 0.4, "1.42 (Khoshelham 2012) .. 1.88 mm (Nguyen 2012)"},
     {&sim_sensor_kinect2, 800.0, 0.85, 1.25, 8.0, "about 1 mm (Sarbolandi 2015)"},
+    {&sim_sensor_kinect2_coarse, 800.0, 1.5, 2.5, 8.0,
+     "at least 1.5 mm (Corti 2016), steps of 4 mm"},
     {&sim_sensor_d435, 600.0, 1.2, 1.6, 0.2, "1.36 mm: 0.08 px (Intel tuning guide)"},
     {&sim_sensor_truedepth, 400.0, 0.34, 0.46, 0.1,
      "0.4 mm assumed; \"mm range\" (Breitbarth 2019)"},
@@ -138,7 +140,9 @@ static void noise_scales_and_leaves_the_quantum(void **state)
         double none = measure(&b, 0.0, 3).sd_mm, twice = measure(&b, 2.0, 3).sd_mm;
         double once = measure(&b, 1.0, 3).sd_mm;
         double expected = sqrt(once * once + 3.0 * (once * once - none * none));
-        assert_true(none > 0.0 && none < 0.6 * once);
+        /* Steps of 4 mm are a larger part of an error. */
+        const double most = sim_sensors[i] == &sim_sensor_kinect2_coarse ? 0.75 : 0.6;
+        assert_true(none > 0.0 && none < most * once);
         assert_true(fabs(twice - expected) < 0.1 * expected);
         sensor_bench_tear_down(&b);
     }
