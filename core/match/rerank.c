@@ -4,13 +4,64 @@
 #include <math.h>
 #include <string.h>
 
+enum {
+    CHOSEN = 2,    /* templates of a person that are registered */
+    STRIDE = 3,    /* nodes, in both directions */
+    NODES_MIN = 30 /* that both faces have */
+};
+
+/* Returns how much the heights of two faces differ before any registration: the standard deviation
+ * of the difference, mm, at nodes that both have; infinity if these are too few. */
+static double rough_misfit(const struct iso_upper_face *one, const struct iso_upper_face *other)
+{
+    double sum = 0.0, square = 0.0;
+    int n = 0;
+    for (int v = 0; v < ISO_UPPER_ROWS; v += STRIDE) {
+        for (int u = 0; u < ISO_UPPER_COLUMNS; u += STRIDE) {
+            if (one->kind[v][u] == ISO_UPPER_MEASURED && other->kind[v][u] == ISO_UPPER_MEASURED) {
+                const double off_mm = (double)one->z_mm[v][u] - (double)other->z_mm[v][u];
+                sum += off_mm;
+                square += off_mm * off_mm;
+                n++;
+            }
+        }
+    }
+    return n < NODES_MIN ? INFINITY : sqrt(fmax(square / n - sum * sum / n / n, 0.0));
+}
+
+/* Chooses the CHOSEN templates that resemble the probe most. A person who was enrolled in several
+ * poses has one of nearly the probe's pose; to register all of them would take too long. Returns
+ * the number of chosen ones. */
+static int choose(const struct iso_upper_face *probe, const struct iso_upper_face *const *person,
+                  int n, const struct iso_upper_face **chosen)
+{
+    double misfit[CHOSEN];
+    int n_chosen = 0;
+    for (int i = 0; i < n; i++) {
+        const double one = n > CHOSEN ? rough_misfit(probe, person[i]) : 0.0;
+        if (n_chosen == CHOSEN && !(one < misfit[CHOSEN - 1])) {
+            continue;
+        }
+        int k = n_chosen < CHOSEN ? n_chosen++ : CHOSEN - 1;
+        for (; k > 0 && one < misfit[k - 1]; k--) {
+            misfit[k] = misfit[k - 1];
+            chosen[k] = chosen[k - 1];
+        }
+        misfit[k] = one;
+        chosen[k] = person[i];
+    }
+    return n_chosen;
+}
+
 int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_face *probe,
                       const struct iso_upper_face *const *person, int n, double *rms_mm)
 {
+    const struct iso_upper_face *chosen[CHOSEN];
+    const int n_chosen = choose(probe, person, n, chosen);
     double least_mm = INFINITY;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n_chosen; i++) {
         struct iso_upper_fit fit;
-        iso_upper_surface_of(person[i], &work->surface);
+        iso_upper_surface_of(chosen[i], &work->surface);
         if (iso_upper_fit(&work->fit, probe, &work->surface, &fit) == 0) {
             least_mm = fmin(least_mm, fit.rms_mm);
         }

@@ -29,7 +29,8 @@ struct iso_rerank_workspace {
 /* The least misfit, mm. */
 #define ISO_RERANK_RMS_MIN_MM 0.05
 
-/* Measures how well the probe's upper face fits those of n templates of one person. *rms_mm is the
+/* Measures how well the probe's upper face fits those of n templates of one person. Of more than
+ * two templates, the two whose heights differ least from the probe's are registered. *rms_mm is the
  * least rms after registration (upper_surface.h), at least ISO_RERANK_RMS_MIN_MM. -ENODATA if none
  * can be registered. */
 int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_face *probe,
@@ -40,7 +41,7 @@ int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_
  * metric. The function returns metric_score unchanged in two cases: the surfaces cannot be compared
  * (a template has no upper face, or the faces have too few points in common), or the weight of the
  * misfit (`upper` in struct iso_rerank_weights) is 0. The
- * function takes about 0.1 ms for each template. */
+ * function takes about 0.1 ms for each template that is registered, two at most. */
 double iso_rerank(struct iso_rerank_workspace *work, const struct iso_metric *metric,
                   const struct iso_upper_face *probe, const struct iso_upper_face *const *person,
                   int n, double metric_score);

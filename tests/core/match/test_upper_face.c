@@ -297,6 +297,30 @@ static void a_fused_score_is_the_weighted_sum(void **state)
     iso_metric_free(m);
 }
 
+/* Of several templates the misfit is that of the likeliest ones, wherever they stand. */
+static void the_likeliest_templates_are_registered(void **state)
+{
+    (void)state;
+    enum { TEMPLATES = 5 };
+    const struct iso_rigid motion = motion_of(0.01, 0.02, 0.0, 1.0, 0.0, 1.0);
+    const struct iso_upper_face probe = face_of(2), own = moved_face(2, &motion), none = {0};
+    struct iso_upper_face others[TEMPLATES];
+    double own_mm, found_mm;
+    assert_int_equal(
+        iso_rerank_misfit(&work, &probe, (const struct iso_upper_face *[]){&own}, 1, &own_mm), 0);
+    for (int place = 0; place < TEMPLATES; place++) {
+        const struct iso_upper_face *person[TEMPLATES];
+        for (int i = 0; i < TEMPLATES; i++) {
+            others[i] = i % 2 ? none : face_of(3 + i);
+            person[i] = i == place ? &own : &others[i];
+        }
+        assert_int_equal(iso_rerank_misfit(&work, &probe, person, TEMPLATES, &found_mm), 0);
+        assert_true(found_mm == own_mm);
+    }
+    const struct iso_upper_face *nothing[] = {&none, &none, &none};
+    assert_int_equal(iso_rerank_misfit(&work, &probe, nothing, 3, &found_mm), -ENODATA);
+}
+
 /* Twelve people whom the metric distinguishes only a little, and in the wrong order. */
 static void a_search_looks_again_at_the_best(void **state)
 {
@@ -344,6 +368,7 @@ int main(void)
         cmocka_unit_test(too_small_an_overlap_is_reported),
         cmocka_unit_test(fusing_averages_in_the_frame_of_the_first),
         cmocka_unit_test(a_fused_score_is_the_weighted_sum),
+        cmocka_unit_test(the_likeliest_templates_are_registered),
         cmocka_unit_test(a_search_looks_again_at_the_best),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
