@@ -175,8 +175,7 @@ static bool may_be_attitude(enum iso_capture outcome)
 
 enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
                                         const struct iso_frame *frame,
-                                        const struct iso_frame *cleaned,
-                                        const struct iso_extraction *out)
+                                        const struct iso_frame *cleaned, struct iso_extraction *out)
 {
     const enum iso_capture outcome = judge_head(x, frame, cleaned, out);
     if (!may_be_attitude(outcome)) {
@@ -185,5 +184,9 @@ enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
     const enum iso_capture way = way_to_the_front(out,
                                                   fmin(frontal_max_rad, x->options.yaw_max_rad),
                                                   fmin(frontal_max_rad, x->options.pitch_max_rad));
-    return way != ISO_CAPTURE_OK ? way : outcome;
+    if (way == ISO_CAPTURE_OK) {
+        return outcome;
+    }
+    out->cue = iso_capture_is_attack(outcome) ? outcome : ISO_CAPTURE_NO_FACE;
+    return way;
 }

@@ -98,11 +98,11 @@ enum iso_capture iso__extract_judge_pose(const struct iso_extractor *x,
                                          const struct iso_extraction *out);
 /* Judges the fit in x->head, whose pose is in `out`: ISO_CAPTURE_OK for a face that is not covered
  * and shows no presentation attack. A head that is refused and turned or bowed far is told to turn:
- * what the gates measure is uncertain then. */
+ * what the gates measure is uncertain then. Sets out->cue. */
 enum iso_capture iso__extract_judge_fit(const struct iso_extractor *x,
                                         const struct iso_frame *frame,
                                         const struct iso_frame *cleaned,
-                                        const struct iso_extraction *out);
+                                        struct iso_extraction *out);
 
 /* extract_isotherms.c: makes a surface of the patch with the sources on it, and the upper face of
  * the template. -ENODATA or -ENOENT if there is no surface, or none at a source. */

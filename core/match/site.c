@@ -157,7 +157,7 @@ static int reserve_person(struct iso_site *site)
 int iso_site_add(struct iso_site *site, int64_t number, const struct iso_metric_vector *captures,
                  int n)
 {
-    double mean[ISO_METRIC_DIMENSIONS_MAX];
+    double mean[ISO_METRIC_DIMENSIONS_MAX] = {0};
     const int used = n < ISO_SITE_CAPTURES ? n : ISO_SITE_CAPTURES;
     if (n < 1 || site->has_directions || iso__site_mean(site, captures, used, mean)) {
         return -EINVAL;

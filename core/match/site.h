@@ -88,7 +88,7 @@ struct iso_site_metric {
     float *turn; /* [n][n]: number k of an adapted vector is the sum of number d times turn[d][k] */
     float *offset;                  /* [n]: o in the adapted coordinates */
     struct iso_metric_steps *steps; /* of the adapted metric (metric_vector.h) */
-    int n_own;                      /* people with an own share: all, or none */
+    int n_own;                      /* people with an own share: all who are left, or none */
     int64_t *number;                /* [n_own]: rising */
     float *own; /* [n_own][n]: a person's mean, as it counts in o, in the adapted coordinates */
 };
@@ -102,6 +102,10 @@ int iso_site_adapt(const struct iso_site *site, const struct iso_metric *metric,
 
 /* Wipes and frees an adapted metric, which may be all zero. */
 void iso_site_metric_free(struct iso_site_metric *adapted);
+
+/* Removes and wipes a person's own share. The offset still contains it, among the others', until
+ * the metric is adapted anew. Nothing happens for a person without one. */
+void iso_site_metric_forget(struct iso_site_metric *adapted, int64_t number);
 
 /* Converts the vector of a template by the shipped metric to its vector by the adapted metric. Up
  * to rounding, iso_metric_project() computes the same vector from the template, but takes longer.
@@ -117,7 +121,8 @@ void iso_site_turn(const struct iso_site_metric *adapted, const struct iso_metri
  *
  * `number` is the one of iso_site_add(); it may be that of nobody. `person` and `probe` are vectors
  * by the adapted metric. If `adapted` has no own shares, this is iso_metric_score(). Returns
- * -INFINITY for a person without templates. Takes some ten microseconds. */
+ * -INFINITY for a person without templates, or if the numbers are not finite. Takes some ten
+ * microseconds. */
 double iso_site_score(const struct iso_site_metric *adapted, int64_t number,
                       const struct iso_metric_vector *person,
                       const struct iso_metric_vector *probe);

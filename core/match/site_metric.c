@@ -179,6 +179,25 @@ void iso_site_metric_free(struct iso_site_metric *adapted)
     *adapted = (struct iso_site_metric){.n = 0};
 }
 
+void iso_site_metric_forget(struct iso_site_metric *adapted, int64_t number)
+{
+    const size_t n = (size_t)adapted->n;
+    int place = 0;
+    while (place < adapted->n_own && adapted->number[place] != number) {
+        place++;
+    }
+    if (place == adapted->n_own) {
+        return;
+    }
+    const size_t behind = (size_t)(adapted->n_own - place - 1);
+    float *own = &adapted->own[(size_t)place * n];
+    memmove(own, own + n, behind * n * sizeof *own);
+    memmove(&adapted->number[place], &adapted->number[place + 1], behind * sizeof *adapted->number);
+    explicit_bzero(own + behind * n, n * sizeof *own);
+    explicit_bzero(&adapted->number[place + (int)behind], sizeof *adapted->number);
+    adapted->n_own--;
+}
+
 void iso_site_turn(const struct iso_site_metric *adapted, const struct iso_metric_vector *one,
                    struct iso_metric_vector *out)
 {

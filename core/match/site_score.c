@@ -244,11 +244,12 @@ double iso_site_score(const struct iso_site_metric *adapted, int64_t number,
     for (int g = 0; g < groups; g++) {
         struct left_out out = {.people = 0};
         leave_out_group(adapted, own, g, groups, &out);
-        if (!compare(adapted, &out, person, probe, &ratio)) {
-            return iso_metric_score(adapted->metric, person, probe);
+        const bool known = compare(adapted, &out, person, probe, &ratio);
+        explicit_bzero(&out, sizeof out);
+        if (!known || !isfinite(ratio)) {
+            return -INFINITY; /* a score that cannot be computed admits nobody */
         }
         least = fmin(least, ratio);
-        explicit_bzero(&out, sizeof out);
     }
     return (double)adapted->metric->gain * least + (double)adapted->metric->bias;
 }

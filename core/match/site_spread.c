@@ -30,6 +30,7 @@ int iso_site_find_directions(struct iso_site *site)
     if (error) {
         return error;
     }
+    free(site->variance); /* of a call that failed; it is still empty */
     site->variance = calloc(site->taught * n + 1, sizeof *site->variance);
     if (!site->variance) {
         return -ENOMEM;
@@ -136,7 +137,7 @@ static void add_person(struct iso_site *site, const struct iso_metric_vector *ca
 int iso_site_review(struct iso_site *site, const struct iso_metric_vector *captures, int n)
 {
     const int used = n < ISO_SITE_CAPTURES ? n : ISO_SITE_CAPTURES;
-    double mean[ISO_METRIC_DIMENSIONS_MAX];
+    double mean[ISO_METRIC_DIMENSIONS_MAX] = {0};
     if (n < 1 || !site->has_directions || site->reviewed == site->people ||
         (used > 1 && site->reviewed_taught == site->taught) ||
         iso__site_mean(site, captures, used, mean)) {
@@ -145,9 +146,15 @@ int iso_site_review(struct iso_site *site, const struct iso_metric_vector *captu
     if (used > 1) {
         add_person(site, captures, used, mean);
     }
-    site->reviewed++;
     explicit_bzero(mean, sizeof mean);
-    return site->reviewed == site->people && site->taught > 0 ? find_values(site) : 0;
+    if (site->reviewed + 1 == site->people && site->taught > 0) {
+        const int error = find_values(site);
+        if (error) {
+            return error; /* the review stays incomplete, so that iso_site_adapt() refuses it */
+        }
+    }
+    site->reviewed++;
+    return 0;
 }
 
 void iso__site_within(const struct iso_site *site, double *within)

@@ -122,12 +122,30 @@ static void follow_track(struct iso_appliance *appliance)
     }
 }
 
+/* Counts a frame of a face in the visit, and ends the visit if that decides it. */
+static void count_face(struct iso_appliance *appliance, struct iso_decision_frame *face,
+                       int64_t arrival_ns)
+{
+    struct iso_verdict verdict;
+    follow_track(appliance);
+    face->track = appliance->face.motion.track;
+    /* The time of day matters for opening the door, and not for telling who a person is. */
+    face->valid = appliance->mode != ISO_APPLIANCE_WATCH ||
+                  iso__appliance_is_valid(appliance, face->person);
+    if (appliance->visit.decision.n_frames == 0) {
+        appliance->visit.arrival_ns = arrival_ns;
+    }
+    iso_decision_set_threshold(&appliance->visit.decision, iso__appliance_threshold(appliance));
+    if (iso_decision_face(&appliance->visit.decision, face, &verdict)) {
+        finish_verdict(appliance, &verdict);
+    }
+}
+
 /* Handles a usable face. Returns OK, or the reason why the face cannot be used after all. */
 static enum iso_capture recognise_face(struct iso_appliance *appliance, int64_t t_ns,
                                        int64_t arrival_ns)
 {
     struct iso_decision_frame face = {.score = NAN};
-    struct iso_verdict verdict;
     const int error = iso__appliance_is_shut(appliance) ? 0 : compare_face(appliance, &face);
     if (error) {
         if (error != -ENODATA) {
@@ -137,19 +155,8 @@ static enum iso_capture recognise_face(struct iso_appliance *appliance, int64_t 
         }
         return ISO_CAPTURE_TOO_FEW_POINTS;
     }
-    follow_track(appliance);
     face.t_ns = t_ns;
-    face.track = appliance->face.motion.track;
-    /* The time of day matters for opening the door, and not for telling who a person is. */
-    face.valid = appliance->mode != ISO_APPLIANCE_WATCH ||
-                 iso__appliance_is_valid(appliance, face.person);
-    if (appliance->visit.decision.n_frames == 0) {
-        appliance->visit.arrival_ns = arrival_ns;
-    }
-    iso_decision_set_threshold(&appliance->visit.decision, iso__appliance_threshold(appliance));
-    if (iso_decision_face(&appliance->visit.decision, &face, &verdict)) {
-        finish_verdict(appliance, &verdict);
-    }
+    count_face(appliance, &face, arrival_ns);
     return ISO_CAPTURE_OK;
 }
 
@@ -178,6 +185,17 @@ static void take_attack(struct iso_appliance *appliance, enum iso_capture cue, i
     }
     if (iso_decision_attack(&appliance->visit.decision, cue, t_ns, &verdict)) {
         finish_verdict(appliance, &verdict);
+    }
+}
+
+/* Handles a frame of a head that is turned far and also has a cue of an attack. The attitude of a
+ * living head may give this cue, so it is no attack frame. It counts as a frame of nobody: whoever
+ * holds a mask askew does not get the frames without a cue for free. */
+static void take_doubtful_face(struct iso_appliance *appliance, int64_t t_ns, int64_t arrival_ns)
+{
+    struct iso_decision_frame nobody = {.score = NAN, .t_ns = t_ns};
+    if (appliance->mode != ISO_APPLIANCE_ENROLL) {
+        count_face(appliance, &nobody, arrival_ns);
     }
 }
 
@@ -239,6 +257,8 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
         capture = evidence ? take_face(appliance, frame->t_ns, arrival_ns) : capture;
     } else if (iso_capture_is_attack(capture)) {
         take_attack(appliance, capture, frame->t_ns, arrival_ns);
+    } else if (evidence && iso_capture_is_attack(appliance->face.extraction.cue)) {
+        take_doubtful_face(appliance, frame->t_ns, arrival_ns);
     }
     iso__appliance_wipe_template(appliance);
     capture = iso__appliance_tell_of(appliance, frame, capture);

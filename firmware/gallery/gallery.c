@@ -164,6 +164,9 @@ static int add_additions(struct iso_gallery *gallery, const struct iso_person *p
 int iso_gallery_add_all(struct iso_gallery *gallery, const struct iso_person *person,
                         const struct iso_template *const *templates, int n, struct iso_fault *fault)
 {
+    if (n < 1) {
+        return iso_fault_set(fault, -EINVAL, "%s: no template to add", person->name);
+    }
     int error = iso_gallery_room(gallery, person->name, n, fault);
     if (error) {
         return error;

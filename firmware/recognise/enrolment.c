@@ -50,13 +50,14 @@ static void end_step(struct iso_enrolment *enrolment, int64_t now_ns)
 /* Goes on without the present pose. */
 static void leave_out(struct iso_enrolment *enrolment, int64_t now_ns)
 {
+    iso_template_wipe(&enrolment->fused[enrolment->pose]);
     enrolment->stages -= stages_of_step(enrolment);
     enrolment->stage -= enrolment->taken;
     end_step(enrolment, now_ns);
 }
 
-/* The best score of a probe among these templates; -INFINITY if there are none, or if too few
- * points can be compared. */
+/* The best score of a probe among these templates; -INFINITY if there are none, if too few points
+ * can be compared, or if the score is no number. */
 static int best_score(const struct iso_pipeline *pipeline, const struct iso_candidate_list *among,
                       const struct iso_template *probe, double *out)
 {
@@ -66,7 +67,7 @@ static int best_score(const struct iso_pipeline *pipeline, const struct iso_cand
     if (error && error != -ENODATA) {
         return error;
     }
-    *out = error || n == 0 ? -INFINITY : hit.score;
+    *out = error || n == 0 || isnan(hit.score) ? -INFINITY : hit.score;
     return 0;
 }
 
@@ -114,19 +115,43 @@ static int find_duplicate(const struct iso_enrolment *enrolment, const struct is
     return 0;
 }
 
-/* Compares the template of a step with the gallery, and sets the state that follows. Turned heads
- * differ more, so only the frontal template is compared with those that the person has already.
- * Returns an error of a comparison. */
+/* Compares a template with the one to which it has to belong: the frontal template of a person with
+ * those that the person has already, that of another pose with the frontal one. *out is the score;
+ * INFINITY if there is nothing to compare with. */
+static int compare_own(const struct iso_enrolment *enrolment, const struct iso_template *tmpl,
+                       const struct iso_pipeline *pipeline,
+                       const struct iso_enrolment_gallery *gallery, double *out)
+{
+    const struct iso_search_entry entry = {.person = 1,
+                                           .tmpl = &enrolment->fused[ISO_ENROLL_FRONTAL]};
+    const struct iso_candidate_list frontal = {.entries = &entry, .n_entries = 1};
+    if (!is_frontal(enrolment)) {
+        return best_score(pipeline, &frontal, tmpl, out);
+    }
+    *out = INFINITY;
+    return iso_candidates_none(&gallery->own) ? 0 : best_score(pipeline, &gallery->own, tmpl, out);
+}
+
+/* The lowest score with which a template belongs to a person. Somebody who looks like the person
+ * may pass the few frames of another pose than the frontal one; their template is less noisy than a
+ * frame, so it has to score higher. */
+static double lowest_own(const struct iso_enrolment *enrolment)
+{
+    const struct iso_enrolment_options *options = &enrolment->options;
+    return is_frontal(enrolment) ? options->agree_score
+                                 : fmax(options->agree_score,
+                                        0.5 * (options->agree_score + options->duplicate_score));
+}
+
+/* Compares the template of a step with the person and with the gallery, and sets the state that
+ * follows. Returns an error of a comparison. */
 static int judge(struct iso_enrolment *enrolment, const struct iso_template *tmpl,
                  const struct iso_pipeline *pipeline, const struct iso_enrolment_gallery *gallery,
                  int64_t now_ns)
 {
-    double own = INFINITY;
+    double own;
     int64_t duplicate = 0;
-    int error = 0;
-    if (is_frontal(enrolment) && !iso_candidates_none(&gallery->own)) {
-        error = best_score(pipeline, &gallery->own, tmpl, &own);
-    }
+    int error = compare_own(enrolment, tmpl, pipeline, gallery, &own);
     if (!error && !enrolment->options.allow_duplicate) {
         error = find_duplicate(enrolment, tmpl, pipeline, gallery, &duplicate);
     }
@@ -136,8 +161,10 @@ static int judge(struct iso_enrolment *enrolment, const struct iso_template *tmp
     enrolment->duplicate_of = duplicate;
     if (duplicate != 0) {
         enrolment->state = ISO_ENROLMENT_DUPLICATE;
-    } else if (own < enrolment->options.agree_score) {
+    } else if (own < lowest_own(enrolment) && is_frontal(enrolment)) {
         enrolment->state = ISO_ENROLMENT_OTHER_FACE;
+    } else if (own < lowest_own(enrolment)) {
+        leave_out(enrolment, now_ns);
     } else {
         enrolment->kept[enrolment->pose] = true;
         end_step(enrolment, now_ns);
@@ -161,6 +188,21 @@ static int complete_step(struct iso_enrolment *enrolment, const struct iso_pipel
     return error ? error : judge(enrolment, fused, pipeline, gallery, now_ns);
 }
 
+/* Too many misfits end the enrolment, or only the present pose: a head that is bowed may not be
+ * recognised, and the frontal template is good nevertheless. */
+static void take_misfit(struct iso_enrolment *enrolment, int64_t now_ns)
+{
+    enrolment->misfits++;
+    if (enrolment->misfits < enrolment->options.stages) {
+        return;
+    }
+    if (is_frontal(enrolment)) {
+        enrolment->state = ISO_ENROLMENT_FAILED;
+    } else {
+        leave_out(enrolment, now_ns);
+    }
+}
+
 int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_template *frame,
                         int64_t now_ns, const struct iso_pipeline *pipeline,
                         const struct iso_enrolment_gallery *gallery, bool *passed)
@@ -172,10 +214,7 @@ int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_templa
     }
     if (score < enrolment->options.agree_score) {
         *passed = false;
-        enrolment->misfits++;
-        if (enrolment->misfits >= enrolment->options.stages) {
-            enrolment->state = ISO_ENROLMENT_FAILED;
-        }
+        take_misfit(enrolment, now_ns);
         return 0;
     }
     enrolment->frames[enrolment->taken++] = *frame;

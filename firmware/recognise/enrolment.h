@@ -11,17 +11,20 @@
  *             another person of the gallery has this face -> DUPLICATE (unless that is allowed)
  *             else the person of this name has another    -> OTHER_FACE (frontal step)
  *           pose_timeout_ns in a step but the frontal     -> the same, without the pose
- *           `stages` misfits in a step                    -> FAILED
+ *           `stages` misfits in such a step, or a          -> the same, without the pose
+ *             template that is not of the frontal face
+ *           `stages` misfits in the frontal step          -> FAILED
  *           attack_frames attack frames since a stage     -> ATTACK
  *           timeout_ns after its start                    -> COMPLETED with the poses that are
  *                                                            complete, or TIMED_OUT without frontal
  *           the sensor is gone                            -> DISCONNECTED
  *
  * A frame agrees with the face if it is similar to the frames of its step before it and to the
- * frontal template. Any other usable frame is a misfit: another face, or a bad registration. It is
- * not used, and the person is told the reason. An attack frame has a cue of a presentation attack
- * and no template; those of one stage count together. All states but ACTIVE are final, and nothing
- * is to be kept of any but COMPLETED. */
+ * frontal template. The template of another pose belongs to the frontal face if its score is half
+ * way from agree_score to duplicate_score or above. Any other usable frame is a misfit: another
+ * face, or a bad registration. It is not used, and the person is told the reason. An attack frame
+ * has a cue of a presentation attack and no template; those of one stage count together. All states
+ * but ACTIVE are final, and nothing is to be kept of any but COMPLETED. */
 #ifndef ISO_FIRMWARE_RECOGNISE_ENROLMENT_H
 #define ISO_FIRMWARE_RECOGNISE_ENROLMENT_H
 

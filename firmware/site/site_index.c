@@ -308,6 +308,7 @@ void iso_site_index_remove(struct iso_site_index *site, int64_t person)
 {
     /* A person without a vector is not in the index. */
     if (iso_index_remove(site->current.index, person) == 0 && site->adapt) {
+        iso_site_metric_forget(&site->current.adapted, person);
         struct generation outdated = begin_change(site);
         iso_site_rows_remove(&site->rows, person);
         end_change(site, &outdated);

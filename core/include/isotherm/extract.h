@@ -90,6 +90,9 @@ struct iso_extract_options iso_extract_options_default(void);
  * with iso_template_wipe() when it is not needed any more. */
 struct iso_extraction {
     enum iso_capture outcome; /**< What became of the frame; a template only with ISO_CAPTURE_OK. */
+    enum iso_capture cue;     /**< The cue of a presentation attack (iso_capture_is_attack) that the
+                                   attitude of a living head may have given as well: then `outcome` is
+                                   the way to turn. Otherwise ISO_CAPTURE_NO_FACE. */
     struct iso_rigid camera_from_face; /**< Pose of the face; rough from the region on, good once
                                             `fitted`. */
     double yaw_rad;     /**< Turn of the head, radians; above 0: to the subject's left. */

@@ -116,6 +116,7 @@ static void a_turned_head_of_a_wrong_size_is_told_to_turn(void **state)
         const enum iso_capture outcome = extract_rig_run(f);
         print_message("size 1.3, yaw %d: %s\n", yaw, iso_capture_name(outcome));
         assert_int_equal(outcome, yaw ? way_back(yaw, 0.0) : ISO_CAPTURE_WRONG_SIZE);
+        assert_int_equal(f->out.cue, yaw ? ISO_CAPTURE_WRONG_SIZE : ISO_CAPTURE_NO_FACE);
     }
 }
 

@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -139,6 +140,23 @@ static struct iso_site_metric adapt_to(const struct iso_metric *metric,
     return site;
 }
 
+/* Forgets the share of person 20. The others keep theirs, and nothing is left of it. */
+static void a_share_can_be_forgotten(struct iso_site_metric *site)
+{
+    static const float nothing[DIMENSIONS];
+    float before[PEOPLE][DIMENSIONS];
+    memcpy(before, site->own, sizeof before);
+    iso_site_metric_forget(site, 5); /* nobody */
+    assert_int_equal(site->n_own, PEOPLE);
+    iso_site_metric_forget(site, 20);
+    assert_int_equal(site->n_own, PEOPLE - 1);
+    assert_int_equal(site->number[2], 30);
+    assert_int_equal(site->number[PEOPLE - 1], 0);
+    assert_memory_equal(&site->own[DIMENSIONS], before[1], sizeof before[1]);
+    assert_memory_equal(&site->own[2 * DIMENSIONS], before[3], sizeof before[3]);
+    assert_memory_equal(&site->own[(PEOPLE - 1) * DIMENSIONS], nothing, sizeof nothing);
+}
+
 /* The offset without these shares is a direction of variance. */
 static void a_person_is_scored_without_shares_of_the_offset(void **state)
 {
@@ -169,6 +187,9 @@ static void a_person_is_scored_without_shares_of_the_offset(void **state)
                     least_score(&site, 0, &person, &probe), 1e-9);
     }
     assert_true(lower > 0);
+    probe.mean[1] = NAN;
+    assert_true(iso_site_score(&site, 0, &person, &probe) == -INFINITY);
+    a_share_can_be_forgotten(&site);
     person.n = 0;
     assert_true(isinf(iso_site_score(&site, 0, &person, &probe)));
     iso_site_metric_free(&site);

@@ -57,6 +57,39 @@ static void a_single_cue_is_on_record_and_delays_nobody(void **state)
     assert_non_null(strstr(rig_record(rig, "attack"), "\"reason\":\"bent\",\"attack_frames\":1,"));
 }
 
+/* Shows n frames of a face that is turned too far, and then two usable ones. */
+static void show_turned(struct rig *rig, int n)
+{
+    for (int i = 1; i <= n; i++) {
+        puppet_sensor_add(&rig->sensor, rig->now_ns + 33 * i * ISO_NS_PER_MS, 50,
+                          ISO_CAPTURE_TURN_LEFT);
+    }
+    rig_run(rig, 33 * n + 20);
+    rig_show(rig, 50, 2);
+    rig_run(rig, 100);
+}
+
+/* A turned head with a cue of an attack may be alive, so it is told to turn. But its frames count
+ * as those of nobody: who holds a mask askew gets no two frames out of many. */
+static void a_cue_of_a_turned_head_counts_against_it(void **state)
+{
+    struct rig *rig = *state;
+    rig_enrol(rig, "anna", 50);
+    rig_start(rig);
+    show_turned(rig, 4);
+    assert_non_null(strstr(rig_news(rig), "door unlocked grant; visit allow anna match 2"));
+    rig_run(rig, 20000);
+    (void)rig_news(rig);
+    rig->puppet.cue = ISO_CAPTURE_EYES_CUT;
+    show_turned(rig, 4);
+    assert_non_null(strstr(rig_news(rig), "visit deny unknown 6"));
+    rig_run(rig, 20000);
+    (void)rig_news(rig);
+    show_turned(rig, 2);
+    assert_non_null(strstr(rig_news(rig), "door unlocked grant; visit allow anna match 4"));
+    assert_int_equal(iso_appliance_status(rig->appliance).counts.attack_frames, 0);
+}
+
 /* The frames of the puppet are equal bit by bit, as if an attacker played one frame again and
  * again. */
 static void frames_that_repeat_are_an_attack(void **state)
@@ -81,6 +114,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(an_attack_is_denied_counted_and_on_record),
         TEST(a_single_cue_is_on_record_and_delays_nobody),
+        TEST(a_cue_of_a_turned_head_counts_against_it),
         TEST(frames_that_repeat_are_an_attack),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

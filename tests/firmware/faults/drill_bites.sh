@@ -467,7 +467,7 @@ mistake 'blank: an empty frame keeps the person before' firmware/appliance/appli
     tests/firmware/rigs/puppets.c '*out = (struct iso_extraction){.outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100)};' \
     'out->outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100);'
 mistake 'clock: a person outside the dates is admitted' firmware/appliance/appliance_frame.c \
-    'face.valid = appliance->mode' 'face.valid = true || appliance->mode'
+    'face->valid = appliance->mode' 'face->valid = true || appliance->mode'
 mistake 'restart: the relay keeps its power' firmware/appliance/appliance.c \
     'iso_door_guard_stop(appliance->door);' ''
 

@@ -235,18 +235,55 @@ static void a_pose_has_to_show_the_same_face(void **state)
     (void)state;
     begin_poses();
     assert_false(frame(57));
-    assert_true(frame(56));
-    assert_false(frame(49)); /* agrees with the frontal face alone */
+    assert_true(frame(55));
+    assert_false(frame(48)); /* agrees with the frontal face alone */
     assert_true(frame(50));
     assert_int_equal(enrolment.pose, ISO_ENROLL_RIGHT);
-    assert_true(frame(44)); /* differs by 12 from the other pose */
-    assert_true(frame(44));
+    assert_true(frame(45)); /* differs by 10 from the other pose */
+    assert_true(frame(45));
     assert_int_equal(enrolment.misfits, 0);
+    assert_true(enrolment.kept[ISO_ENROLL_LEFT] && enrolment.kept[ISO_ENROLL_RIGHT]);
+}
+
+/* Misfits end the pose, and the frontal face is kept. */
+static void a_pose_of_another_face_is_left_out(void **state)
+{
+    const struct iso_template nothing = {0};
+    (void)state;
+    begin_poses();
+    assert_true(frame(50));
     assert_false(frame(80));
     assert_false(frame(80));
-    assert_int_equal(enrolment.state, ISO_ENROLMENT_ACTIVE);
+    assert_int_equal(enrolment.pose, ISO_ENROLL_LEFT);
     assert_false(frame(80));
-    assert_int_equal(enrolment.state, ISO_ENROLMENT_FAILED);
+    assert_int_equal(enrolment.pose, ISO_ENROLL_RIGHT);
+    assert_int_equal(enrolment.stage, 3);
+    assert_int_equal(enrolment.stages, 9);
+    assert_memory_equal(&enrolment.fused[ISO_ENROLL_LEFT], &nothing, sizeof nothing);
+    for (int i = 0; i < 9; i++) {
+        assert_false(frame(80));
+    }
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_COMPLETED);
+    assert_true(enrolment.kept[ISO_ENROLL_FRONTAL]);
+    assert_false(enrolment.kept[ISO_ENROLL_UP]);
+}
+
+/* The frames of a look-alike agree, with a score of 4, and their template does not belong to the
+ * person, because it would need a score of 5. */
+static void a_pose_of_a_look_alike_is_left_out(void **state)
+{
+    const struct iso_template nothing = {0};
+    (void)state;
+    begin_poses();
+    assert_true(frame(56));
+    assert_true(frame(56));
+    assert_int_equal(enrolment.pose, ISO_ENROLL_RIGHT);
+    assert_false(enrolment.kept[ISO_ENROLL_LEFT]);
+    assert_int_equal(enrolment.stage, 3);
+    assert_memory_equal(&enrolment.fused[ISO_ENROLL_LEFT], &nothing, sizeof nothing);
+    assert_true(frame(55));
+    assert_true(frame(55));
+    assert_true(enrolment.kept[ISO_ENROLL_RIGHT]);
 }
 
 static void leaves_a_pose_out_in_time(void **state)
@@ -312,6 +349,8 @@ int main(void)
         cmocka_unit_test_setup(returns_an_error_of_the_search, setup),
         cmocka_unit_test_setup(keeps_a_template_of_each_pose, setup),
         cmocka_unit_test_setup(a_pose_has_to_show_the_same_face, setup),
+        cmocka_unit_test_setup(a_pose_of_another_face_is_left_out, setup),
+        cmocka_unit_test_setup(a_pose_of_a_look_alike_is_left_out, setup),
         cmocka_unit_test_setup(leaves_a_pose_out_in_time, setup),
         cmocka_unit_test_setup(a_frontal_face_alone_is_judged_as_before, setup),
         cmocka_unit_test_setup(wipes_its_templates, setup),

@@ -239,6 +239,9 @@ static int extract(void *self, const struct iso_frame *frame, const char *sensor
     }
     const int face = (int)frame->depth_mm[0] - 100;
     *out = (struct iso_extraction){.outcome = (enum iso_capture)((int)frame->depth_mm[1] - 100)};
+    if (out->outcome != ISO_CAPTURE_OK) {
+        out->cue = pipeline->cue;
+    }
     if (face != 0) {
         out->camera_from_face = iso_rigid_identity();
         out->camera_from_face.translation_mm = iso_vec3((double)frame->depth_mm[2] - 1100, 0, 700);

@@ -58,6 +58,7 @@ struct puppet_pipeline {
     int extract_error, search_error;
     bool raving; /* searches find people who do not exist, with an infinite score */
     double yaw_rad, pitch_rad, expression, uncovered;
+    enum iso_capture cue;    /* of every frame that is not usable */
     char sensor[32];         /* name of the sensor, as the last extraction got it */
     enum iso_face_seen seen; /* result of the image check for every frame */
 };
