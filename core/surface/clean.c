@@ -5,13 +5,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/frame/depth_step.h"
 #include "core/frame/shrink.h"
 
+/* The least bounds, and how many steps of the sensor (depth_step.h) they are at least: a pixel may
+ * be one step off, but not two. */
 static const float neighbour_mm = 8.0f;
 static const float median_mm = 6.0f;
+static const double bound_steps = 1.25;
 static const double piece_mm2 = 3000.0;
 
 enum { NEIGHBOURS_MIN = 5 };
+
+/* Pixels that differ by more, mm, are not of one surface. */
+struct bounds {
+    float neighbour_mm, median_mm;
+};
 
 struct iso_cleaner {
     size_t capacity_px;
@@ -80,10 +89,16 @@ static struct iso_window window_about(const struct iso_frame *frame, struct iso_
                                (int)(bottom - top) + 1};
 }
 
+static struct bounds bounds_of(const struct iso_frame *frame)
+{
+    const float coarse_mm = (float)(bound_steps * iso_depth_step(frame));
+    return (struct bounds){fmaxf(neighbour_mm, coarse_mm), fmaxf(median_mm, coarse_mm)};
+}
+
 /* Whether a pixel, which is two or more from the border, agrees with its surroundings. The distance
  * from the median is checked by counting, without sorting: a pixel lies within 6 mm of the median
  * if at most half of the measured pixels lie more than 6 mm before it and at most half behind. */
-static int agrees(const float *at, int width)
+static int agrees(const float *at, int width, struct bounds bounds)
 {
     const float z = *at;
     int close = 0, measured = 0, below = 0, above = 0;
@@ -93,16 +108,16 @@ static int agrees(const float *at, int width)
             const int is = near > 0.0f;
             const float d = near - z;
             measured += is;
-            below += is & (d < -median_mm);
-            above += is & (d > median_mm);
+            below += is & (d < -bounds.median_mm);
+            above += is & (d > bounds.median_mm);
             int ring = (du | dv) != 0 && du >= -1 && du <= 1 && dv >= -1 && dv <= 1;
-            close += is & ring & (d < neighbour_mm) & (d > -neighbour_mm);
+            close += is & ring & (d < bounds.neighbour_mm) & (d > -bounds.neighbour_mm);
         }
     }
     return close >= NEIGHBOURS_MIN && 2 * below <= measured && 2 * above <= measured;
 }
 
-static void drop_outliers(struct iso_cleaner *c)
+static void drop_outliers(struct iso_cleaner *c, struct bounds bounds)
 {
     struct iso_frame *f = &c->frame;
     int w = f->width_px, h = f->height_px;
@@ -110,7 +125,7 @@ static void drop_outliers(struct iso_cleaner *c)
         for (int column = 0; column < w; column++) {
             const int i = row * w + column;
             const int inner = row >= 2 && column >= 2 && row < h - 2 && column < w - 2;
-            c->kept[i] = inner && f->depth_mm[i] > 0.0f && agrees(&f->depth_mm[i], w)
+            c->kept[i] = inner && f->depth_mm[i] > 0.0f && agrees(&f->depth_mm[i], w, bounds)
                              ? f->depth_mm[i]
                              : 0.0f;
         }
@@ -121,7 +136,7 @@ static void drop_outliers(struct iso_cleaner *c)
 }
 
 /* Flood fill from a seed. The pixels stay in the queue. Returns their number and their area. */
-static int flood(struct iso_cleaner *c, int seed, double *area_mm2)
+static int flood(struct iso_cleaner *c, int seed, float limit_mm, double *area_mm2)
 {
     const struct iso_frame *f = &c->frame;
     int w = f->width_px, h = f->height_px, head = 0, tail = 0;
@@ -137,7 +152,7 @@ static int flood(struct iso_cleaner *c, int seed, double *area_mm2)
         for (int k = 0; k < 4; k++) {
             const int to = next[k];
             if (to >= 0 && !c->seen[to] && f->depth_mm[to] > 0.0f &&
-                fabsf(f->depth_mm[to] - f->depth_mm[at]) <= neighbour_mm) {
+                fabsf(f->depth_mm[to] - f->depth_mm[at]) <= limit_mm) {
                 c->seen[to] = 1;
                 c->queue[tail++] = to;
             }
@@ -147,7 +162,7 @@ static int flood(struct iso_cleaner *c, int seed, double *area_mm2)
     return tail;
 }
 
-static void drop_pieces(struct iso_cleaner *c)
+static void drop_pieces(struct iso_cleaner *c, struct bounds bounds)
 {
     struct iso_frame *f = &c->frame;
     const int n = f->width_px * f->height_px;
@@ -159,7 +174,7 @@ static void drop_pieces(struct iso_cleaner *c)
             continue;
         }
         double area;
-        const int pixels = flood(c, i, &area);
+        const int pixels = flood(c, i, bounds.neighbour_mm, &area);
         for (int k = 0; area < piece_mm2 && k < pixels; k++) {
             f->depth_mm[c->queue[k]] = 0.0f;
         }
@@ -180,8 +195,9 @@ int iso_clean(struct iso_cleaner *cleaner, const struct iso_frame *frame, struct
     if (error) {
         return error;
     }
-    drop_outliers(cleaner);
-    drop_pieces(cleaner);
+    const struct bounds bounds = bounds_of(&cleaner->frame);
+    drop_outliers(cleaner, bounds);
+    drop_pieces(cleaner, bounds);
     *out = &cleaner->frame;
     return 0;
 }

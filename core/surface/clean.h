@@ -2,7 +2,10 @@
  *
  * A pixel is kept if at least 5 of its 8 neighbours lie within 8 mm of it and it lies within 6 mm
  * of the median of its 5 x 5 surroundings. The two outermost rows and columns of the part are
- * dropped. Then connected pieces of less than 30 cm^2 are dropped (flying pixels, hair). */
+ * dropped. Then connected pieces of less than 30 cm^2 are dropped (flying pixels, hair).
+ *
+ * Both bounds are at least 1.25 times the step in which the depths come (depth_step.h): from 6.5 mm
+ * on. With the bound of 8 mm, in steps of 8 mm, a slope had no two neighbours within the bound. */
 #ifndef ISO_CORE_SURFACE_CLEAN_H
 #define ISO_CORE_SURFACE_CLEAN_H
 

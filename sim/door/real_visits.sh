@@ -1,6 +1,7 @@
 #!/bin/sh
 # Makes visits of a corpus of single real frames, for `isotherm-sim levels`. All frames of one person, session and pose are one visit, in
-# the manifest's order, 33 ms apart. But the person is enrolled with the frames of pose `frontal`, at rest (neutral, neutral2, eyes_closed),
+# the manifest's order, 0.5 s apart, because the person moved between them. (At 33 ms, the appliance would take that for fast movements
+# and leave the frames out.) But the person is enrolled with the frames of pose `frontal`, at rest (neutral, neutral2, eyes_closed),
 # of all sessions but the last; the other frontal frames of these sessions are left out. OUT/all has everybody enrolled,
 # with the other visits of everybody. OUT/without-PERSON has everybody but one person enrolled, with the visits of this person, who is
 # a stranger there. The recordings link to the frames of CORPUS. No frame is copied.
@@ -23,7 +24,7 @@ visit() {
         [ -e "$from/$kind.txt" ] || continue
         echo "$@" | tr ' ' '\n' | awk -v list="$from/$kind.txt" '
             BEGIN { while ((getline line < list) > 0) { if (line !~ /^#/) { split(line, part, " "); file[n++] = part[2] } } }
-            { printf "%.6f %s\n", (NR - 1) / 30, file[$1] }' >"$to/$kind.txt"
+            { printf "%.6f %s\n", (NR - 1) / 2, file[$1] }' >"$to/$kind.txt"
     done
 }
 

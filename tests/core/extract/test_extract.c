@@ -251,6 +251,28 @@ static void an_unusable_face_has_a_reason(void **state)
     }
 }
 
+/* Rounds all depths of the frame to multiples of a step. */
+static void come_in_steps(struct iso_frame *frame, double step_mm)
+{
+    for (int i = 0; i < frame->width_px * frame->height_px; i++) {
+        frame->depth_mm[i] = (float)(step_mm * nearbyint((double)frame->depth_mm[i] / step_mm));
+    }
+}
+
+static void a_face_whose_depths_come_in_coarse_steps_is_measured(void **state)
+{
+    struct extract_rig *f = *state;
+    for (double step_mm = 1.0; step_mm <= 9.0; step_mm += 1.0) {
+        for (double yaw_deg = -20.0; yaw_deg <= 20.0; yaw_deg += 20.0) {
+            extract_rig_draw(f, yaw_deg, 0.0, iso_vec3(20, 10, 950));
+            come_in_steps(f->frame, step_mm);
+            assert_int_equal(extract_rig_run(f), ISO_CAPTURE_OK);
+            assert_true(f->out.coverage > 0.86);
+            assert_true(f->out.occlusion.covered[ISO_PART_NOSE] < 0.06);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -273,6 +295,8 @@ int main(void)
                                         extract_rig_free),
         cmocka_unit_test_setup_teardown(stored_people_are_captured, extract_rig_new,
                                         extract_rig_free),
+        cmocka_unit_test_setup_teardown(a_face_whose_depths_come_in_coarse_steps_is_measured,
+                                        extract_rig_new, extract_rig_free),
         cmocka_unit_test_setup_teardown(an_unusable_face_has_a_reason, extract_rig_new,
                                         extract_rig_free),
     };

@@ -275,6 +275,50 @@ static void cleaning_drops_flyers_and_crumbs(void **state)
     iso_frame_free(frame);
 }
 
+/* The share of an upright plane's pixels that cleaning keeps. The plane is as steep as the side of
+ * a nose: 3.5 mm a pixel of 2 mm. Its depths are rounded to multiples of step_mm, and every fifth
+ * pixel of a row in five flies, by flyer_mm. *flyers becomes the number of those that are kept. */
+static double kept_of_a_steep_plane(double step_mm, float flyer_mm, int *flyers)
+{
+    struct iso_camera camera = clean_camera();
+    struct iso_frame *frame = NULL;
+    struct iso_cleaner *cleaner = NULL;
+    const struct iso_frame *out = NULL;
+    int kept = 0, n = 0;
+    assert_int_equal(iso_frame_new(&camera, CLEAN_W, CLEAN_H, false, &frame), 0);
+    for (int i = 0; i < CLEAN_W * CLEAN_H; i++) {
+        const double z = 600.0 + 3.5 * (i % CLEAN_W - 50);
+        frame->depth_mm[i] = (float)(step_mm * nearbyint(z / step_mm));
+        const bool flies = i % CLEAN_W % 5 == 0 && i / CLEAN_W % 5 == 0;
+        frame->depth_mm[i] += flies ? flyer_mm : 0.0f;
+    }
+    assert_int_equal(iso_cleaner_new(CLEAN_W * CLEAN_H, &cleaner), 0);
+    assert_int_equal(iso_clean(cleaner, frame, iso_vec3(0, 0, 600), 300.0, 1.0, &out), 0);
+    *flyers = 0;
+    for (int row = 2; row < CLEAN_H - 2; row++) { /* the border is dropped */
+        for (int column = 2; column < CLEAN_W - 2; column++) {
+            const bool is_kept = iso_frame_depth_at(out, column, row) > 0.0f;
+            const bool flies = column % 5 == 0 && row % 5 == 0;
+            *flyers += is_kept && flies;
+            kept += is_kept && !flies;
+            n += !flies;
+        }
+    }
+    iso_cleaner_free(cleaner);
+    iso_frame_free(frame);
+    return (double)kept / n;
+}
+
+static void cleaning_keeps_slopes_whose_depths_come_in_coarse_steps(void **state)
+{
+    (void)state;
+    for (int step_mm = 1; step_mm <= 10; step_mm++) {
+        int flyers = 0;
+        assert_true(kept_of_a_steep_plane(step_mm, 40.0f, &flyers) > 0.95);
+        assert_int_equal(flyers, 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -285,6 +329,7 @@ int main(void)
         cmocka_unit_test(a_hole_is_filled_by_the_membrane),
         cmocka_unit_test(smoothing_keeps_constants_and_calms_noise),
         cmocka_unit_test(cleaning_drops_flyers_and_crumbs),
+        cmocka_unit_test(cleaning_keeps_slopes_whose_depths_come_in_coarse_steps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
