@@ -20,6 +20,7 @@
 #include <stdint.h>
 
 #include "core/match/site.h"
+#include "firmware/site/site_estimate.h"
 #include "isotherm/index.h"
 
 enum {
@@ -79,6 +80,12 @@ const struct iso_site_metric *iso_site_index_metric(const struct iso_site_index 
 int iso_site_index_settle(struct iso_site_index *site);
 
 struct iso_site_state iso_site_index_state(struct iso_site_index *site);
+
+/* The error rates of the present people with the metric in use, which the thread estimates after it
+ * has adapted the metric. Returns false while they are not known: the people or the metric have
+ * just changed, there was no memory, or the metric does not adapt. */
+bool iso_site_index_estimate(struct iso_site_index *site, struct iso_site_estimate *out)
+    __attribute__((warn_unused_result));
 
 /* Whether the metric shall adapt to the site and has not done so yet. */
 static inline bool iso_site_is_provisional(struct iso_site_state state)

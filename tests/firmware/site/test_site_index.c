@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
@@ -230,6 +231,64 @@ static void a_change_is_there_at_once(void **state)
     iso_site_index_free(site);
 }
 
+/* Waits for the estimate, which comes some time after the metric. */
+static struct iso_site_estimate wait_for_estimate(struct iso_site_index *site)
+{
+    const struct timespec look = {.tv_nsec = 1000000};
+    struct iso_site_estimate estimate;
+    assert_int_equal(iso_site_index_settle(site), 0);
+    for (int ms = 0; !iso_site_index_estimate(site, &estimate); ms++) {
+        assert_true(ms < 10000);
+        (void)nanosleep(&look, NULL);
+    }
+    return estimate;
+}
+
+/* The highest score of a template of one of two people with the other one, by the metric in use. */
+static double highest_score(const struct iso_site_index *site, const struct iso_metric *metric,
+                            const int64_t pair[2])
+{
+    const struct iso_site_metric *adapted = iso_site_index_metric(site);
+    struct iso_metric_vector person, shipped, probe;
+    double highest = -INFINITY;
+    for (int way = 0; way < 2; way++) {
+        assert_int_equal(iso_index_find(iso_site_index_current(site), pair[way], &person), 0);
+        for (int i = 0; i < TEMPLATES; i++) {
+            shipped = probe = vector_of(metric, pair[1 - way], i);
+            if (adapted) {
+                iso_site_turn(adapted, &shipped, &probe);
+            }
+            highest = fmax(highest, adapted ? iso_site_score(adapted, pair[way], &person, &probe)
+                                            : iso_metric_score(metric, &person, &probe));
+        }
+    }
+    return highest;
+}
+
+/* The shipped metric with two people, and the adapted one with all. */
+static void it_estimates_with_the_metric_in_use(void **state)
+{
+    const struct iso_metric *metric = *state;
+    struct iso_site_index *site = new_index(metric, true);
+    struct iso_site_estimate estimate;
+    for (int p = 0; p < PEOPLE; p++) {
+        add_person(site, metric, p);
+        if (p == 0) {
+            continue;
+        }
+        estimate = wait_for_estimate(site);
+        assert_int_equal(estimate.people, p + 1);
+        assert_int_equal(estimate.level[0].same.trials, (p + 1) * TEMPLATES);
+        assert_int_equal(estimate.level[0].others.trials, 2 * p * (p + 1) * TEMPLATES);
+        const int64_t pair[2] = {estimate.pair[0].person, estimate.pair[0].other};
+        const double expected = highest_score(site, metric, pair);
+        assert_memory_equal(&estimate.pair[0].score, &expected, sizeof expected);
+    }
+    iso_site_index_remove(site, 0);
+    assert_true(!iso_site_index_estimate(site, &estimate) || estimate.people == PEOPLE - 1);
+    iso_site_index_free(site);
+}
+
 /* The thread is disturbed at any moment, and searches go on. */
 static void it_follows_many_changes(void **state)
 {
@@ -287,6 +346,8 @@ static void it_keeps_the_shipped_metric_if_it_shall_not_adapt(void **state)
     const struct iso_site_state after = iso_site_index_state(site);
     assert_false(after.adapts || after.adapted || after.due || iso_site_is_provisional(after));
     assert_int_equal(after.summary.people, 0);
+    struct iso_site_estimate none;
+    assert_false(iso_site_index_estimate(site, &none));
     assert_null(iso_site_index_metric(site));
     expect_person(site, metric, NULL, 4);
     iso_site_index_remove(site, 4);
@@ -321,6 +382,7 @@ int main(void)
         TEST(it_adapts_to_the_present_people),
         TEST(the_order_does_not_matter),
         TEST(a_change_is_there_at_once),
+        TEST(it_estimates_with_the_metric_in_use),
         TEST(it_follows_many_changes),
         TEST(it_keeps_the_shipped_metric_if_it_shall_not_adapt),
         TEST(too_many_templates_change_nothing),
