@@ -228,6 +228,11 @@ bool iso_gallery_follow_site(struct iso_gallery *gallery);
 /* What the people of the gallery have taught, and whether searches use it. */
 struct iso_site_state iso_gallery_site(struct iso_gallery *gallery);
 
+/* The error rates of the present people, as iso_site_index_estimate() describes. False also while
+ * the gallery is out of service. */
+bool iso_gallery_site_estimate(struct iso_gallery *gallery, struct iso_site_estimate *out)
+    __attribute__((warn_unused_result));
+
 /* Opens the usable templates of one person from the database: at most `capacity`, which the caller
  * wipes. Takes some 0.1 ms for each template. -ENOENT nobody has this number; -EBADMSG a record is
  * not the stored one, -EIO, -ENOMEM; after an error `out` contains nothing of them. */

@@ -144,3 +144,9 @@ struct iso_site_state iso_gallery_site(struct iso_gallery *gallery)
     return gallery->memory.site ? iso_site_index_state(gallery->memory.site)
                                 : (struct iso_site_state){.adapts = false};
 }
+
+bool iso_gallery_site_estimate(struct iso_gallery *gallery, struct iso_site_estimate *out)
+{
+    return gallery->memory.site && !iso__gallery_is_lost(gallery) &&
+           iso_site_index_estimate(gallery->memory.site, out);
+}

@@ -73,6 +73,47 @@ static void the_metric_adapts_to_three_people(void **state)
     assert_non_null(strstr(log->out, "3 people, offset "));
 }
 
+/* Returns the document of `isotherm site` once the thread has compared the people; the caller
+ * releases it. */
+static json_t *expect_estimate(const struct appliance *appliance, int people)
+{
+    const struct timespec look = {.tv_nsec = LOOK_MS * 1000000L};
+    json_t *document = NULL;
+    for (int waited_ms = 0; waited_ms < WAIT_MS; waited_ms += LOOK_MS) {
+        json_decref(document);
+        document = appliance_run_json(appliance, "site", NULL, 0);
+        if (answer_number(document, "estimate-people") == people) {
+            return document;
+        }
+        (void)nanosleep(&look, NULL);
+    }
+    fail_msg("there is no estimate of %d people", people);
+    return document;
+}
+
+/* Each of the three has one template: three pairs are compared in both directions, and nobody with
+ * another template of the same person. */
+static void it_shows_what_the_templates_say(void **state)
+{
+    struct appliance *appliance = *state;
+    json_t *document = expect_estimate(appliance, 3);
+    assert_string_equal(answer_text(document, "site"), "adapted");
+    assert_int_equal(answer_number(document, "estimate-others"), 6);
+    assert_int_equal(answer_number(document, "estimate-same"), 0);
+    assert_true(number_of(document, "balanced-score") == 3);
+    assert_true(number_of(document, "balanced-fmr") == 0);
+    assert_true(number_of(document, "balanced-fmr-high") > 0.5);
+    assert_null(json_object_get(document, "balanced-fnmr"));
+    assert_true(number_of(document, "look-alike-score") == 2);
+    assert_int_equal(json_array_size(json_object_get(document, "look-alike-pairs")),
+                     answer_number(document, "look-alikes"));
+    assert_int_equal(json_array_size(json_object_get(document, "advice")), 3);
+    json_decref(document);
+    const struct appliance_result *text = appliance_run(appliance, "site show", NULL);
+    appliance_expect(text, 0);
+    assert_non_null(strstr(text->out, "enrol p02 in poses"));
+}
+
 static void it_recognises_them(void **state)
 {
     static const char *const recordings[] = {"p01-v1", "x01-v1", "p02-v1", NULL};
@@ -111,6 +152,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_metric_adapts_to_three_people),
+        cmocka_unit_test(it_shows_what_the_templates_say),
         cmocka_unit_test(it_recognises_them),
         cmocka_unit_test(it_adapts_again_after_a_start),
         cmocka_unit_test(it_forgets_people_who_are_removed),
