@@ -1,7 +1,8 @@
 /* The methods about the metric of the site: what the people have taught it, the error rates that
- * their templates show, and who looks alike. */
+ * their templates show, who looks alike, and the acts that take the teaching back. */
 #include <stdio.h>
 
+#include "firmware/appliance/administration.h"
 #include "firmware/bus/bus_state.h"
 #include "firmware/contract/contract.h"
 
@@ -26,8 +27,10 @@ int iso__bus_append_site(sd_bus_message *reply, const struct iso_bus *bus)
     if (r < 0 || !state.adapts) {
         return r;
     }
-    r = sd_bus_message_append(reply, "{sv}{sv}{sv}", "site-people", "u", (uint32_t)summary->people,
-                              "site-taught", "u", (uint32_t)summary->taught, "site-least", "u",
+    const size_t excluded = iso_gallery_site_excluded(bus->borrowed->gallery);
+    r = sd_bus_message_append(reply, "{sv}{sv}{sv}{sv}", "site-excluded", "u", (uint32_t)excluded,
+                              "site-people", "u", (uint32_t)summary->people, "site-taught", "u",
+                              (uint32_t)summary->taught, "site-least", "u",
                               (uint32_t)ISO_SITE_PEOPLE_MIN);
     return r < 0 ? r
                  : sd_bus_message_append(reply, "{sv}{sv}{sv}", "site-offset", "d", summary->offset,
@@ -166,4 +169,48 @@ int iso__bus_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error 
     }
     r = sd_bus_message_new_method_return(call, &reply);
     return iso__bus_send_reply(reply, r < 0 ? r : append_pairs(reply, bus));
+}
+
+/* ---- taking it back ---- */
+
+typedef int (*take_back_fn)(struct iso_appliance *appliance, const char *who, size_t *n,
+                            struct iso_fault *fault);
+
+/* Says who makes a call, for the record. */
+static void describe_caller(sd_bus_message *call, char *who, size_t size)
+{
+    sd_bus_creds *creds = NULL;
+    uid_t uid = 0;
+    int r = sd_bus_query_sender_creds(call, SD_BUS_CREDS_EUID, &creds);
+    if (r >= 0) {
+        r = sd_bus_creds_get_euid(creds, &uid);
+    }
+    if (r >= 0) {
+        (void)snprintf(who, size, "asked by user %u", (unsigned)uid);
+    } else {
+        (void)snprintf(who, size, "asked by a user who is not known");
+    }
+    sd_bus_creds_unref(creds);
+}
+
+static int take_back(sd_bus_message *call, const struct iso_bus *bus, take_back_fn act,
+                     sd_bus_error *out)
+{
+    struct iso_fault fault = {.text = ""};
+    char who[64];
+    size_t n = 0;
+    describe_caller(call, who, sizeof who);
+    const int r = act(bus->appliance, who, &n, &fault);
+    return r < 0 ? iso__bus_refuse(out, r, &fault)
+                 : sd_bus_reply_method_return(call, "u", (uint32_t)n);
+}
+
+int iso__bus_reset_site(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    return take_back(call, context, iso_appliance_reset_site, out);
+}
+
+int iso__bus_roll_back_site(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    return take_back(call, context, iso_appliance_roll_back_site, out);
 }

@@ -38,6 +38,8 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus);
 int iso__bus_append_site(sd_bus_message *reply, const struct iso_bus *bus);
 int iso__bus_get_site(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_reset_site(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_roll_back_site(sd_bus_message *call, void *context, sd_bus_error *out);
 
 /* Appends the a{sv} of View, or its entries to one that is open (bus_view.c). */
 int iso__bus_append_view(sd_bus_message *message, const struct iso_view *view);

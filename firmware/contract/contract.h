@@ -32,6 +32,13 @@
  *                                        ListPeople: two names and the highest score of a template
  *                                        of one with the other, by falling score; at most 16 pairs.
  *                                        Empty while there is no estimate
+ *   ResetSite() -> u                     for administrators: no template that is enrolled now teaches
+ *                                        the metric any more. The templates go on to identify their
+ *                                        people, and later enrolments teach. The reply is the number
+ *                                        of templates that have taught until now. It is recorded
+ *                                        with the user who asks. A second call changes nothing
+ *   RollBackSite() -> u                  the same for the templates of the last enrolment or import
+ *                                        that still teaches, of the last 16; 0: there is none
  *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each;
  *                                        at most 1000, and only records that are still kept
  *   VerifyLog(t sequence, s head) -> b sound, t first, t last, s head, t flaw_at, s flaw
@@ -145,6 +152,7 @@
  *   "site-people" u           people it has learned from; of these, "site-taught" u have at least
  *                             two templates
  *   "site-least" u            people that it needs to adapt
+ *   "site-excluded" u         templates that do not teach it, because of ResetSite or RollBackSite
  *   "site-offset" d           length of what they have in common, in standard deviations of a
  *                             rendered person, where "site-expected" d is expected of rendered ones
  *   "site-growth" d           variance within a person as a multiple of the rendered one; 0: not
@@ -227,6 +235,8 @@
 #define ISO_CONTRACT_GET_STATUS       "GetStatus"
 #define ISO_CONTRACT_GET_SITE         "GetSite"
 #define ISO_CONTRACT_LIST_LOOK_ALIKES "ListLookAlikes"
+#define ISO_CONTRACT_RESET_SITE       "ResetSite"
+#define ISO_CONTRACT_ROLL_BACK_SITE   "RollBackSite"
 #define ISO_CONTRACT_READ_LOG         "ReadLog"
 #define ISO_CONTRACT_VERIFY_LOG       "VerifyLog"
 #define ISO_CONTRACT_EXPORT_PEOPLE    "ExportPeople"

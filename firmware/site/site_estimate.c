@@ -97,7 +97,7 @@ static int read_sample(const struct comparing *comparing)
     struct iso_site_estimate *estimate = comparing->estimate;
     size_t at = 0;
     while (estimate->people < ISO_SITE_SAMPLE_MAX) {
-        const int more = reader->next(reader->context, &at, &comparing->work->person);
+        const int more = reader->next(reader->context, false, &at, &comparing->work->person);
         if (more <= 0) {
             return more;
         }
@@ -156,7 +156,7 @@ static int compare_others(const struct comparing *comparing)
     struct member *members = comparing->members;
     for (int p = 0; p < estimate->people; p++) {
         size_t first = 0;
-        if (reader->next(reader->context, &first, &comparing->work->person) < 0) {
+        if (reader->next(reader->context, false, &first, &comparing->work->person) < 0) {
             return -ECANCELED;
         }
         for (int o = p + 1; o < estimate->people; o++) {

@@ -49,9 +49,9 @@ static int adapt(const struct iso_site_work *work, const struct iso_site *statis
     return 0;
 }
 
-static int read_next(struct iso_site_work *work, size_t *at)
+static int read_next(struct iso_site_work *work, bool teaching, size_t *at)
 {
-    return work->reader.next(work->reader.context, at, &work->person);
+    return work->reader.next(work->reader.context, teaching, at, &work->person);
 }
 
 /* Shows the people to the statistics, at most ISO_SITE_PEOPLE_MAX of them: in the first pass, or in
@@ -61,7 +61,7 @@ static int pass_people(struct iso_site_work *work, struct iso_site *statistics, 
     const struct iso_site_person *person = &work->person;
     size_t at = 0;
     for (int p = 0; p < ISO_SITE_PEOPLE_MAX; p++) {
-        const int more = read_next(work, &at);
+        const int more = read_next(work, true, &at);
         if (more <= 0) {
             return more;
         }
@@ -138,7 +138,7 @@ static int count_people(struct iso_site_work *work, size_t *n)
 {
     size_t at = 0;
     int more;
-    for (*n = 0; (more = read_next(work, &at)) > 0; ++*n) {
+    for (*n = 0; (more = read_next(work, false, &at)) > 0; ++*n) {
     }
     return more;
 }
@@ -156,7 +156,7 @@ static int fill_index(struct iso_site_work *work, struct iso_site_generation *ge
         error = iso_index_reserve(generation->index, n);
     }
     int more = 1;
-    while (!error && (more = read_next(work, &at)) > 0) {
+    while (!error && (more = read_next(work, false, &at)) > 0) {
         error = put_person(work, generation);
     }
     return error ? error : more;

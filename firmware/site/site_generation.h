@@ -4,6 +4,7 @@
 #define ISO_FIRMWARE_SITE_SITE_GENERATION_H
 
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -22,8 +23,10 @@ struct iso_site_person {
 /* Reads the people of a site one after the other. */
 struct iso_site_reader {
     /* Copies the person who begins at row *at, which is 0 for the first one, and moves *at to the
-     * next one. Returns 1; 0 if there is nobody left; -ECANCELED if the people have changed. */
-    int (*next)(void *context, size_t *at, struct iso_site_person *out);
+     * next one: with all templates, or (`teaching`) the next person who has templates that teach,
+     * with these alone. Returns 1; 0 if there is nobody left; -ECANCELED if the people have
+     * changed. */
+    int (*next)(void *context, bool teaching, size_t *at, struct iso_site_person *out);
     void *context;
 };
 

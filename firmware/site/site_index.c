@@ -27,10 +27,11 @@ struct iso_site_index {
     pthread_mutex_t mutex; /* protects all members below; held for microseconds */
     pthread_cond_t changed;
     struct iso_site_rows rows;
-    uint64_t version;  /* counts the changes of the rows */
-    uint64_t computed; /* the version that the thread has finished */
-    int error;         /* of that version */
-    bool is_ready;     /* `ready` waits to become the current generation */
+    struct iso_site_record record; /* which of them teach */
+    uint64_t version;              /* counts the changes of the rows and the record */
+    uint64_t computed;             /* the version that the thread has finished */
+    int error;                     /* of that version */
+    bool is_ready;                 /* `ready` waits to become the current generation */
     struct iso_site_generation ready;
     bool is_estimated; /* `estimate` is that of the present people */
     struct iso_site_estimate estimate;
@@ -40,7 +41,7 @@ struct iso_site_index {
 /* ---- the thread ---- */
 
 /* Copies the next person for a job. -ECANCELED also if the thread has to end. */
-static int read_person(void *context, size_t *at, struct iso_site_person *out)
+static int read_person(void *context, bool teaching, size_t *at, struct iso_site_person *out)
 {
     const struct job *job = context;
     struct iso_site_index *site = job->site;
@@ -48,10 +49,12 @@ static int read_person(void *context, size_t *at, struct iso_site_person *out)
     (void)pthread_mutex_lock(&site->mutex);
     if (site->ending || site->version != job->version) {
         more = -ECANCELED;
-    } else if (*at < site->rows.n) {
+    }
+    while (more == 0 && *at < site->rows.n) {
         out->number = site->rows.person[*at];
-        out->n = iso_site_rows_copy(&site->rows, *at, out->captures, ISO_INDEX_TEMPLATES_MAX, at);
-        more = 1;
+        out->n = iso_site_rows_copy(&site->rows, teaching ? &site->record : NULL, *at,
+                                    out->captures, ISO_INDEX_TEMPLATES_MAX, at);
+        more = out->n > 0;
     }
     (void)pthread_mutex_unlock(&site->mutex);
     return more;
@@ -210,7 +213,7 @@ static void end_change(struct iso_site_index *site, struct iso_site_generation *
     iso_site_generation_free(outdated);
 }
 
-int iso_site_index_add(struct iso_site_index *site, int64_t person,
+int iso_site_index_add(struct iso_site_index *site, int64_t person, uint64_t number,
                        const struct iso_metric_vector *vector)
 {
     struct iso_metric_vector turned = *vector;
@@ -221,7 +224,7 @@ int iso_site_index_add(struct iso_site_index *site, int64_t person,
     explicit_bzero(&turned, sizeof turned);
     if (!error && site->adapt) {
         struct iso_site_generation outdated = begin_change(site);
-        iso_site_rows_insert(&site->rows, person, vector);
+        iso_site_rows_insert(&site->rows, person, number, vector);
         end_change(site, &outdated);
     }
     return error;
@@ -235,6 +238,25 @@ void iso_site_index_remove(struct iso_site_index *site, int64_t person)
         iso_site_rows_remove(&site->rows, person);
         end_change(site, &outdated);
     }
+}
+
+void iso_site_index_set_record(struct iso_site_index *site, const struct iso_site_record *record)
+{
+    struct iso_site_generation outdated = begin_change(site);
+    site->record = *record;
+    end_change(site, &outdated);
+}
+
+size_t iso_site_index_count(struct iso_site_index *site, uint64_t first, bool teaching)
+{
+    size_t n = 0;
+    (void)pthread_mutex_lock(&site->mutex);
+    for (size_t i = 0; i < site->rows.n; i++) {
+        const uint64_t number = site->rows.number[i];
+        n += number >= first && iso_site_record_teaches(&site->record, number) == teaching;
+    }
+    (void)pthread_mutex_unlock(&site->mutex);
+    return n;
 }
 
 /* ---- the generation in use ---- */

@@ -148,6 +148,61 @@ static void it_forgets_people_who_are_removed(void **state)
     json_decref(document);
 }
 
+static void expect_taken_back(const struct appliance *appliance, const char *words, int templates)
+{
+    json_t *document = appliance_run_json(appliance, words, NULL, 0);
+    assert_int_equal(answer_number(document, "excluded"), templates);
+    json_decref(document);
+}
+
+/* The last enrolment teaches no longer, but its person is identified. */
+static void it_rolls_back(void **state)
+{
+    struct appliance *appliance = *state;
+    appliance_expect(appliance_run(appliance, "enroll --quick p02", "p02-enrol"), 0);
+    expect_state(appliance, "adapted", 3, 3);
+    expect_taken_back(appliance, "site rollback", 1);
+    expect_state(appliance, "provisional", 2, 4);
+    json_t *status = appliance_run_json(appliance, "status", NULL, 0);
+    assert_int_equal(answer_number(status, "site-excluded"), 1);
+    json_decref(status);
+    json_t *document = appliance_run_json(appliance, "identify", "p02-v1", 0);
+    assert_string_equal(answer_text(document, "person"), "p02");
+    json_decref(document);
+    const struct appliance_result *log = appliance_run(appliance, "log --event site --full", NULL);
+    assert_non_null(strstr(log->out, "rollback"));
+    assert_non_null(strstr(log->out, "asked by user "));
+    assert_non_null(strstr(log->out, "1 template no longer teaches the metric"));
+}
+
+/* The daemon keeps what was taken back. A removed person, enrolled again, teaches again. */
+static void it_stays_rolled_back_over_a_start(void **state)
+{
+    struct appliance *appliance = *state;
+    appliance_end_daemon(appliance, SIGTERM);
+    appliance_start_daemon(appliance);
+    expect_state(appliance, "provisional", 2, 4);
+    appliance_expect(appliance_run(appliance, "remove p02", NULL), 0);
+    appliance_expect(appliance_run(appliance, "enroll --quick p02", "p02-enrol"), 0);
+    expect_state(appliance, "adapted", 3, 3);
+}
+
+static void it_resets(void **state)
+{
+    struct appliance *appliance = *state;
+    expect_taken_back(appliance, "site reset", 3);
+    expect_state(appliance, "provisional", 0, 4);
+    expect_taken_back(appliance, "site reset", 0);
+    expect_taken_back(appliance, "site rollback", 0);
+    appliance_expect(appliance_run(appliance, "key rotate", NULL), 0);
+    appliance_end_daemon(appliance, SIGTERM);
+    appliance_start_daemon(appliance);
+    expect_state(appliance, "provisional", 0, 4);
+    appliance_expect(appliance_run(appliance, "verify p01", "p01-v1"), 0);
+    const struct appliance_result *log = appliance_run(appliance, "log --event site", NULL);
+    assert_non_null(strstr(log->out, "3 templates no longer teach the metric"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -156,6 +211,9 @@ int main(void)
         cmocka_unit_test(it_recognises_them),
         cmocka_unit_test(it_adapts_again_after_a_start),
         cmocka_unit_test(it_forgets_people_who_are_removed),
+        cmocka_unit_test(it_rolls_back),
+        cmocka_unit_test(it_stays_rolled_back_over_a_start),
+        cmocka_unit_test(it_resets),
     };
 
     if (!appliance_find()) {

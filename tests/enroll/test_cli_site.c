@@ -107,6 +107,28 @@ static void it_says_what_is_missing(void **state)
     assert_null(strstr(result.out, "Error rates"));
 }
 
+static void it_takes_back(void **state)
+{
+    const struct fake_script some = script_of("adapted", 4, false);
+    const struct fake_script one = script_of("adapted", 1, false);
+    const struct fake_script none = script_of("provisional", 0, false);
+    (void)state;
+    struct cli_result result = cli_run(&some, "site reset");
+    cli_expect_exit(&result, 0);
+    assert_string_equal(result.out, "4 templates no longer teach the metric.\n");
+    assert_non_null(strstr(result.calls, "ResetSite"));
+    result = cli_run(&one, "site rollback");
+    assert_string_equal(result.out, "1 template no longer teaches the metric.\n");
+    assert_non_null(strstr(result.calls, "RollBackSite"));
+    result = cli_run(&none, "site rollback");
+    cli_expect_exit(&result, 0);
+    expect_text(&result, "Nothing has changed");
+    result = cli_run(&some, "site reset --json");
+    json_t *document = cli_json(&result);
+    assert_int_equal(json_integer_value(json_object_get(document, "excluded")), 4);
+    json_decref(document);
+}
+
 static void faults_are_faults(void **state)
 {
     struct fake_script script = script_of("adapted", 4, true);
@@ -127,6 +149,7 @@ int main(void)
         cmocka_unit_test(without_the_list_of_people_nobody_is_named),
         cmocka_unit_test(a_document_has_all_of_it),
         cmocka_unit_test(it_says_what_is_missing),
+        cmocka_unit_test(it_takes_back),
         cmocka_unit_test(faults_are_faults),
     };
 

@@ -1,8 +1,9 @@
-/* site: show what the people have taught the metric, and the error rates that their templates
- * show. */
+/* site: show what the people have taught the metric, and the error rates that their templates show;
+ * take the teaching back. */
 #include "enroll/cli/commands/commands.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <jansson.h>
 #include <string.h>
 
@@ -128,6 +129,35 @@ static enum cli_exit show(struct cli_daemon *daemon, bool json, struct cli_fault
     return exit;
 }
 
+/* ---- reset and rollback ---- */
+
+static enum cli_exit take_back(struct cli_daemon *daemon, const char *method, bool json,
+                               struct cli_fault *fault)
+{
+    sd_bus_message *reply = NULL;
+    uint32_t templates = 0;
+    const enum cli_exit exit = cli_daemon_call(daemon, method, &reply, fault);
+
+    if (exit) {
+        return exit;
+    }
+    const int r = sd_bus_message_read(reply, "u", &templates);
+    sd_bus_message_unref(reply);
+    if (r < 0) {
+        return cli_daemon_bad_reply(r, method, fault);
+    }
+    if (json) {
+        return cli_report_json(json_pack("{s:I}", "excluded", (json_int_t)templates));
+    }
+    if (templates == 0) {
+        puts("Nothing has changed: there is no such template that teaches the metric.");
+    } else {
+        printf("%u %s the metric.\n", templates,
+               templates == 1 ? "template no longer teaches" : "templates no longer teach");
+    }
+    return CLI_EXIT_OK;
+}
+
 enum cli_exit cli_site(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                        struct cli_fault *fault)
 {
@@ -136,5 +166,12 @@ enum cli_exit cli_site(struct cli_daemon *daemon, const struct cli_arguments *ar
     if (strcmp(word, "show") == 0) {
         return show(daemon, arguments->json, fault);
     }
-    return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "site takes show, not '%s'", word);
+    if (strcmp(word, "reset") == 0) {
+        return take_back(daemon, ISO_CONTRACT_RESET_SITE, arguments->json, fault);
+    }
+    if (strcmp(word, "rollback") == 0) {
+        return take_back(daemon, ISO_CONTRACT_ROLL_BACK_SITE, arguments->json, fault);
+    }
+    return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                         "site takes show, reset or rollback, not '%s'", word);
 }

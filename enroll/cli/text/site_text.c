@@ -115,6 +115,7 @@ static void print_metric(const json_t *site, FILE *out)
 {
     const json_int_t people = cli_state_number(site, "site-people", 0);
     const json_int_t taught = cli_state_number(site, "site-taught", 0);
+    const json_int_t excluded = cli_state_number(site, "site-excluded", 0);
     const double growth = cli_state_real(site, "site-growth");
     const char *state = cli_state_text(site, "site");
 
@@ -125,6 +126,10 @@ static void print_metric(const json_t *site, FILE *out)
     }
     fprintf(out, "  %-22s %d %s, %d of them with two templates or more\n", "learned from",
             (int)people, iso_plural((uint64_t)people, "person", "people"), (int)taught);
+    if (excluded > 0) {
+        fprintf(out, "  %-22s %d %s not teach it any more\n", "taken back", (int)excluded,
+                iso_plural((uint64_t)excluded, "template does", "templates do"));
+    }
     fprintf(out, "  %-22s %.2f; rendered people have %.2f\n", "they have in common",
             cli_state_real(site, "site-offset"), cli_state_real(site, "site-expected"));
     if (growth > 0.0) {

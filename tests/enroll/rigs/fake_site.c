@@ -80,3 +80,12 @@ int fake_on_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error *
     const struct fake_service *service = context;
     return fake_fails(service, call, error) ? -EIO : answer(call, append_pairs, service->script);
 }
+
+/* ResetSite and RollBackSite: the number of people stands for that of their templates. */
+int fake_on_take_back(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    const struct fake_service *service = context;
+    return fake_fails(service, call, error)
+               ? -EIO
+               : sd_bus_reply_method_return(call, "u", service->script->site_people);
+}

@@ -64,9 +64,10 @@ static void add_person(struct crowd *crowd, int64_t number, int n, const int *fa
     memcpy(crowd->person[crowd->n++].face, face, (size_t)n * sizeof *face);
 }
 
-static int read_person(void *context, size_t *at, struct iso_site_person *out)
+static int read_person(void *context, bool teaching, size_t *at, struct iso_site_person *out)
 {
     struct crowd *crowd = context;
+    assert_false(teaching); /* all templates are compared, also those that do not teach */
     if (crowd->change_at > 0 && ++crowd->reads == crowd->change_at) {
         return -ECANCELED;
     }

@@ -61,12 +61,17 @@ static struct iso_site_index *new_index(const struct iso_metric *metric, bool ad
     return site;
 }
 
+static uint64_t number_of(int64_t person, int i)
+{
+    return 100 * (uint64_t)person + (uint64_t)i;
+}
+
 static void add_template(struct iso_site_index *site, const struct iso_metric *metric,
                          int64_t person, int i)
 {
     const struct iso_metric_vector vector = vector_of(metric, person, i);
     assert_int_equal(iso_site_index_reserve(site, 1), 0);
-    assert_int_equal(iso_site_index_add(site, person, &vector), 0);
+    assert_int_equal(iso_site_index_add(site, person, number_of(person, i), &vector), 0);
 }
 
 static void add_person(struct iso_site_index *site, const struct iso_metric *metric, int64_t person)
@@ -334,6 +339,75 @@ static void it_follows_many_changes(void **state)
     iso_site_index_free(site);
 }
 
+/* Expects that the metric in use is to the bit that of a site without the templates that do not
+ * teach, and that these still identify their people. */
+static void expect_taught_by(struct iso_site_index *site, struct iso_site_index *reference)
+{
+    struct iso_metric_vector found;
+    assert_int_equal(iso_site_index_settle(site), 0);
+    assert_int_equal(iso_site_index_settle(reference), 0);
+    const struct iso_site_metric *own = iso_site_index_metric(site);
+    const struct iso_site_metric *expected = iso_site_index_metric(reference);
+    assert_non_null(own);
+    assert_non_null(expected);
+    assert_int_equal(own->people, expected->people);
+    assert_memory_equal(own->metric->between, expected->metric->between,
+                        DIMENSIONS * sizeof(float));
+    assert_memory_equal(own->turn, expected->turn, DIMENSIONS * DIMENSIONS * sizeof(float));
+    assert_memory_equal(own->offset, expected->offset, DIMENSIONS * sizeof(float));
+    for (int p = 0; p < PEOPLE; p++) {
+        assert_int_equal(iso_index_find(iso_site_index_current(site), p, &found), 0);
+        assert_int_equal(found.n, TEMPLATES);
+    }
+}
+
+/* Nothing of person 2 teaches, and of person 5 only the first template. */
+static void excluded_templates_do_not_teach(void **state)
+{
+    const struct iso_metric *metric = *state;
+    struct iso_site_index *site = new_index(metric, true), *reference = new_index(metric, true);
+    struct iso_site_record record = {.n_ranges = 0};
+    for (int p = 0; p < PEOPLE; p++) {
+        add_person(site, metric, p);
+        for (int i = 0; p != 2 && i < (p == 5 ? 1 : TEMPLATES); i++) {
+            add_template(reference, metric, p, i);
+        }
+    }
+    iso_site_record_exclude(&record, number_of(2, 0), number_of(3, 0));
+    iso_site_record_exclude(&record, number_of(5, 1), number_of(6, 0));
+    iso_site_index_set_record(site, &record);
+    expect_taught_by(site, reference);
+    assert_int_equal(iso_site_index_count(site, 0, false), TEMPLATES + TEMPLATES - 1);
+    assert_int_equal(iso_site_index_count(site, number_of(5, 0), true), 1 + 2 * TEMPLATES);
+    assert_int_equal(iso_site_index_state(site).summary.people, PEOPLE - 1);
+    iso_site_index_free(site);
+    iso_site_index_free(reference);
+}
+
+/* Without a template that teaches the shipped metric is used; later templates teach again. */
+static void all_can_be_excluded(void **state)
+{
+    const struct iso_metric *metric = *state;
+    struct iso_site_index *site = new_index(metric, true);
+    struct iso_site_record record = {.n_ranges = 0};
+    for (int p = 0; p < 4; p++) {
+        add_person(site, metric, p);
+    }
+    iso_site_record_exclude(&record, 0, number_of(4, 0));
+    iso_site_index_set_record(site, &record);
+    assert_int_equal(iso_site_index_settle(site), 0);
+    assert_true(iso_site_is_provisional(iso_site_index_state(site)));
+    assert_int_equal(iso_site_index_state(site).summary.people, 0);
+    expect_person(site, metric, NULL, 1);
+    for (int p = 4; p < 7; p++) {
+        add_person(site, metric, p);
+    }
+    assert_int_equal(iso_site_index_settle(site), 0);
+    assert_false(iso_site_is_provisional(iso_site_index_state(site)));
+    assert_int_equal(iso_site_index_state(site).summary.people, 3);
+    iso_site_index_free(site);
+}
+
 static void it_keeps_the_shipped_metric_if_it_shall_not_adapt(void **state)
 {
     const struct iso_metric *metric = *state;
@@ -367,7 +441,7 @@ static void too_many_templates_change_nothing(void **state)
     assert_int_equal(iso_site_index_settle(site), 0);
     const struct iso_metric_vector more = vector_of(metric, 1, 99);
     assert_int_equal(iso_site_index_reserve(site, 1), 0);
-    assert_int_equal(iso_site_index_add(site, 1, &more), -EINVAL);
+    assert_int_equal(iso_site_index_add(site, 1, number_of(1, 99), &more), -EINVAL);
     assert_false(iso_site_index_state(site).due);
     assert_false(iso_site_index_follow(site));
     iso_site_index_free(site);
@@ -383,6 +457,8 @@ int main(void)
         TEST(the_order_does_not_matter),
         TEST(a_change_is_there_at_once),
         TEST(it_estimates_with_the_metric_in_use),
+        TEST(excluded_templates_do_not_teach),
+        TEST(all_can_be_excluded),
         TEST(it_follows_many_changes),
         TEST(it_keeps_the_shipped_metric_if_it_shall_not_adapt),
         TEST(too_many_templates_change_nothing),
