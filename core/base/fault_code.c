@@ -103,6 +103,7 @@ static const struct {
     [ISO_FAULT_GALLERY_EMPTY] = {"gallery-empty", "Nobody is enrolled."},
     [ISO_FAULT_NOBODY_VALID] = {"nobody-valid", "People are enrolled, but none of them may come in at this time."},
     [ISO_FAULT_TEMPLATES_OLD] = {"templates-old", "Some people have only templates of another algorithm."},
+    [ISO_FAULT_SITE_PROVISIONAL] = {"site-provisional", "The metric has not adapted to the people yet."},
 };
 /* clang-format on */
 

@@ -118,6 +118,7 @@ enum iso_fault_code {
     ISO_FAULT_GALLERY_EMPTY,
     ISO_FAULT_NOBODY_VALID,
     ISO_FAULT_TEMPLATES_OLD,
+    ISO_FAULT_SITE_PROVISIONAL,
 
     ISO_FAULT_CODES /* how many there are */
 };

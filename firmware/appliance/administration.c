@@ -12,7 +12,7 @@
 #include "drivers/terminal/words.h"
 #include "firmware/appliance/appliance_calls.h"
 
-static int may_begin(const struct iso_appliance *appliance, struct iso_fault *fault)
+int iso__appliance_may_begin(const struct iso_appliance *appliance, struct iso_fault *fault)
 {
     return appliance->mode >= ISO_APPLIANCE_ENROLL
                ? iso_fault_set(fault, -EBUSY, "%s goes on, stop it first",
@@ -25,7 +25,7 @@ static int announce_event(struct iso_appliance *appliance, const char *event, co
                           struct iso_fault *fault)
 {
     struct iso_audit_record record = iso_audit_record_of(event);
-    const int error = may_begin(appliance, fault);
+    const int error = iso__appliance_may_begin(appliance, fault);
     record.note = note;
     return error ? error : iso__appliance_record_first(appliance, &record, fault);
 }
@@ -195,7 +195,7 @@ int iso_appliance_import(struct iso_appliance *appliance, const struct iso_impor
 static int record_change(struct iso_appliance *appliance, const struct iso_audit_record *record,
                          struct iso_fault *fault)
 {
-    const int error = may_begin(appliance, fault);
+    const int error = iso__appliance_may_begin(appliance, fault);
     return error ? error : iso__appliance_record_first(appliance, record, fault);
 }
 

@@ -1,5 +1,6 @@
 /* The acts of an administrator: renames people, limits the time of their access, copies them from
- * door to door, rotates keys, tests the relay. Each act is recorded before it is done. Its result
+ * door to door, rotates keys, tests the relay,
+ * takes back what people have taught the metric. Each act is recorded before it is done. Its result
  * is recorded after it. */
 #ifndef ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_H
 #define ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_H
@@ -56,6 +57,16 @@ int iso_appliance_rename(struct iso_appliance *appliance, const char *person, co
 int iso_appliance_set_validity(struct iso_appliance *appliance, const char *person,
                                const struct iso_validity_change *change, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Excludes templates, so that they do not teach the metric any more: all that are enrolled now, or
+ * those of the last enrolment that still teaches (iso_gallery_reset_site()). `who` says who asks,
+ * for the record. *n is the number of templates that have taught until now; 0: nothing has changed.
+ * -EINVAL if the metric does not adapt, or an error of the gallery; then nothing has changed.
+ * (appliance_learn.c) */
+int iso_appliance_reset_site(struct iso_appliance *appliance, const char *who, size_t *n,
+                             struct iso_fault *fault) __attribute__((warn_unused_result));
+int iso_appliance_roll_back_site(struct iso_appliance *appliance, const char *who, size_t *n,
+                                 struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Seals the gallery, the anchors and the lock-out file with new keys, and drops the old ones. The
  * log goes on with a new key; its closed segments keep the old key, which is dropped when the last

@@ -241,6 +241,11 @@ void iso__appliance_picture_drop(struct iso_appliance *appliance);
 void iso__appliance_picture_time(struct iso_appliance *appliance, int64_t now_ns);
 int64_t iso__appliance_picture_due_ns(const struct iso_appliance *appliance);
 
+/* ---- acts of an administrator (administration.c) ---- */
+
+/* Returns 0, or -EBUSY while an action of a client goes on. */
+int iso__appliance_may_begin(const struct iso_appliance *appliance, struct iso_fault *fault);
+
 /* ---- visits (appliance_visit.c, appliance_learn.c) ---- */
 
 /* The options of the decision for this configuration. */

@@ -33,6 +33,14 @@ void iso__bus_clean_text(char *to, size_t size, const char *from);
 /* Appends the a{sv} of GetStatus (bus_status.c). */
 int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus);
 
+/* Appends what the people have taught the metric: entries of an a{sv} that is open; and the methods
+ * about it (bus_site.c). */
+int iso__bus_append_site(sd_bus_message *reply, const struct iso_bus *bus);
+int iso__bus_get_site(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_reset_site(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_roll_back_site(sd_bus_message *call, void *context, sd_bus_error *out);
+
 /* Appends the a{sv} of View, or its entries to one that is open (bus_view.c). */
 int iso__bus_append_view(sd_bus_message *message, const struct iso_view *view);
 int iso__bus_append_view_entries(sd_bus_message *message, const struct iso_view *view);

@@ -131,31 +131,6 @@ static int append_gallery(sd_bus_message *reply, const struct iso_bus *bus, size
                                          (uint32_t)bus->borrowed->config->gallery.capacity);
 }
 
-static const char *site_word(const struct iso_site_state *state)
-{
-    if (!state->adapts) {
-        return ISO_CONTRACT_SITE_OFF;
-    }
-    return state->adapted ? ISO_CONTRACT_SITE_ADAPTED : ISO_CONTRACT_SITE_PROVISIONAL;
-}
-
-/* What the people have taught the metric. */
-static int append_site(sd_bus_message *reply, const struct iso_bus *bus)
-{
-    const struct iso_site_state state = iso_gallery_site(bus->borrowed->gallery);
-    const struct iso_site_summary *summary = &state.summary;
-    int r = append_text(reply, "site", site_word(&state));
-    if (r < 0 || !state.adapts) {
-        return r;
-    }
-    r = sd_bus_message_append(reply, "{sv}{sv}", "site-people", "u", (uint32_t)summary->people,
-                              "site-taught", "u", (uint32_t)summary->taught);
-    return r < 0 ? r
-                 : sd_bus_message_append(reply, "{sv}{sv}{sv}", "site-offset", "d", summary->offset,
-                                         "site-expected", "d", summary->expected, "site-growth",
-                                         "d", summary->growth);
-}
-
 static int append_texts(sd_bus_message *reply, const struct iso_bus *bus,
                         const struct iso_appliance_status *status)
 {
@@ -273,7 +248,7 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
         r = append_gallery(reply, bus, status.people_valid);
     }
     if (r >= 0) {
-        r = append_site(reply, bus);
+        r = iso__bus_append_site(reply, bus);
     }
     if (r >= 0) {
         r = append_work(reply, bus, &status);

@@ -26,6 +26,19 @@
  *   RenamePerson(s person, s name) -> s remark
  *                                        gives a person another name; a remark for people, or ""
  *   GetStatus() -> a{sv}                 the keys below
+ *   GetSite() -> a{sv}                   what the people have taught the metric, and the error rates
+ *                                        that their templates show: the keys below
+ *   ListLookAlikes() -> a(ssd)           pairs of people who look alike, for clients that may call
+ *                                        ListPeople: two names and the highest score of a template
+ *                                        of one with the other, by falling score; at most 16 pairs.
+ *                                        Empty while there is no estimate
+ *   ResetSite() -> u                     for administrators: no template that is enrolled now teaches
+ *                                        the metric any more. The templates go on to identify their
+ *                                        people, and later enrolments teach. The reply is the number
+ *                                        of templates that have taught until now. It is recorded
+ *                                        with the user who asks. A second call changes nothing
+ *   RollBackSite() -> u                  the same for the templates of the last enrolment or import
+ *                                        that still teaches, of the last 16; 0: there is none
  *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each;
  *                                        at most 1000, and only records that are still kept
  *   VerifyLog(t sequence, s head) -> b sound, t first, t last, s head, t flaw_at, s flaw
@@ -138,6 +151,8 @@
  *                             threshold is stricter then; "adapted". If it is not "off":
  *   "site-people" u           people it has learned from; of these, "site-taught" u have at least
  *                             two templates
+ *   "site-least" u            people that it needs to adapt
+ *   "site-excluded" u         templates that do not teach it, because of ResetSite or RollBackSite
  *   "site-offset" d           length of what they have in common, in standard deviations of a
  *                             rendered person, where "site-expected" d is expected of rendered ones
  *   "site-growth" d           variance within a person as a multiple of the rendered one; 0: not
@@ -155,6 +170,23 @@
  *                             core/base/fault_code.h such as "disk-full", which keeps its meaning
  *                             in later versions. "" while there is no fault, or if it has no code
  *                             ("clock-unset" has no text)
+ *
+ * GetSite keys: "site" and the "site-..." keys above. If the thread of the site has compared the
+ * templates of the present people (firmware/site/site_estimate.h):
+ *   "estimate-people" u       people who were compared; of these, "estimate-repeated" u have at
+ *                             least two templates
+ *   "estimate-same" t         comparisons of a template with the same person's other templates
+ *   "estimate-others" t       comparisons of a template with another person
+ *   "LEVEL-score" d           LEVEL is a word ISO_CONTRACT_LEVEL_...; the score of the level
+ *   "LEVEL-fmr" d, "LEVEL-fmr-low" d, "LEVEL-fmr-high" d
+ *                             the share of comparisons with another person that reach it, with a
+ *                             95 % interval that takes people as independent; none without such a
+ *                             comparison
+ *   "LEVEL-fnmr" d, "LEVEL-fnmr-low" d, "LEVEL-fnmr-high" d
+ *                             the same for comparisons with the same person that do not reach it
+ *   "look-alikes" u           pairs of people who reach "look-alike-score" d, which is one below the
+ *                             threshold; at most 16 are counted
+ * Scores are those of the metric alone. At the door the surfaces are compared, too.
  *
  * Keys of the last frame that was examined, as far as they are known:
  * + "capture" s               a word of isotherm/capture.h
@@ -188,31 +220,35 @@
 #define ISO_CONTRACT_INTERFACE "org.isotherm.Door"
 
 /* Methods. */
-#define ISO_CONTRACT_CLAIM          "Claim"
-#define ISO_CONTRACT_RELEASE        "Release"
-#define ISO_CONTRACT_ENROLL_START   "EnrollStart"
-#define ISO_CONTRACT_ENROLL_STOP    "EnrollStop"
-#define ISO_CONTRACT_VERIFY_START   "VerifyStart"
-#define ISO_CONTRACT_VERIFY_STOP    "VerifyStop"
-#define ISO_CONTRACT_IDENTIFY_START "IdentifyStart"
-#define ISO_CONTRACT_IDENTIFY_STOP  "IdentifyStop"
-#define ISO_CONTRACT_LIST_PEOPLE    "ListPeople"
-#define ISO_CONTRACT_DELETE_PERSON  "DeletePerson"
-#define ISO_CONTRACT_SET_VALIDITY   "SetValidity"
-#define ISO_CONTRACT_RENAME_PERSON  "RenamePerson"
-#define ISO_CONTRACT_GET_STATUS     "GetStatus"
-#define ISO_CONTRACT_READ_LOG       "ReadLog"
-#define ISO_CONTRACT_VERIFY_LOG     "VerifyLog"
-#define ISO_CONTRACT_EXPORT_PEOPLE  "ExportPeople"
-#define ISO_CONTRACT_IMPORT_PEOPLE  "ImportPeople"
-#define ISO_CONTRACT_ROTATE_KEYS    "RotateKeys"
-#define ISO_CONTRACT_GET_ADDRESS    "GetAddress"
-#define ISO_CONTRACT_CLEAR_LOCKOUT  "ClearLockout"
-#define ISO_CONTRACT_SET_LOCKDOWN   "SetLockdown"
-#define ISO_CONTRACT_TEST_DOOR      "TestDoor"
-#define ISO_CONTRACT_AIM_START      "AimStart"
-#define ISO_CONTRACT_AIM_STOP       "AimStop"
-#define ISO_CONTRACT_PICTURE        "Picture"
+#define ISO_CONTRACT_CLAIM            "Claim"
+#define ISO_CONTRACT_RELEASE          "Release"
+#define ISO_CONTRACT_ENROLL_START     "EnrollStart"
+#define ISO_CONTRACT_ENROLL_STOP      "EnrollStop"
+#define ISO_CONTRACT_VERIFY_START     "VerifyStart"
+#define ISO_CONTRACT_VERIFY_STOP      "VerifyStop"
+#define ISO_CONTRACT_IDENTIFY_START   "IdentifyStart"
+#define ISO_CONTRACT_IDENTIFY_STOP    "IdentifyStop"
+#define ISO_CONTRACT_LIST_PEOPLE      "ListPeople"
+#define ISO_CONTRACT_DELETE_PERSON    "DeletePerson"
+#define ISO_CONTRACT_SET_VALIDITY     "SetValidity"
+#define ISO_CONTRACT_RENAME_PERSON    "RenamePerson"
+#define ISO_CONTRACT_GET_STATUS       "GetStatus"
+#define ISO_CONTRACT_GET_SITE         "GetSite"
+#define ISO_CONTRACT_LIST_LOOK_ALIKES "ListLookAlikes"
+#define ISO_CONTRACT_RESET_SITE       "ResetSite"
+#define ISO_CONTRACT_ROLL_BACK_SITE   "RollBackSite"
+#define ISO_CONTRACT_READ_LOG         "ReadLog"
+#define ISO_CONTRACT_VERIFY_LOG       "VerifyLog"
+#define ISO_CONTRACT_EXPORT_PEOPLE    "ExportPeople"
+#define ISO_CONTRACT_IMPORT_PEOPLE    "ImportPeople"
+#define ISO_CONTRACT_ROTATE_KEYS      "RotateKeys"
+#define ISO_CONTRACT_GET_ADDRESS      "GetAddress"
+#define ISO_CONTRACT_CLEAR_LOCKOUT    "ClearLockout"
+#define ISO_CONTRACT_SET_LOCKDOWN     "SetLockdown"
+#define ISO_CONTRACT_TEST_DOOR        "TestDoor"
+#define ISO_CONTRACT_AIM_START        "AimStart"
+#define ISO_CONTRACT_AIM_STOP         "AimStop"
+#define ISO_CONTRACT_PICTURE          "Picture"
 
 /* Options of EnrollStart and SetValidity. */
 #define ISO_CONTRACT_ALLOW_DUPLICATE "allow-duplicate"
@@ -301,6 +337,11 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_SITE_OFF         "off"
 #define ISO_CONTRACT_SITE_PROVISIONAL "provisional"
 #define ISO_CONTRACT_SITE_ADAPTED     "adapted"
+
+/* The words of the levels in GetSite. */
+#define ISO_CONTRACT_LEVEL_CONVENIENT "convenient"
+#define ISO_CONTRACT_LEVEL_BALANCED   "balanced"
+#define ISO_CONTRACT_LEVEL_STRICT     "strict"
 
 /* Every "event" of an audit record, in alphabetical order: the values of an array of texts. */
 #define ISO_CONTRACT_EVENTS                                                                        \

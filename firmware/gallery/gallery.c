@@ -80,13 +80,13 @@ struct addition {
     struct iso_gallery_kept kept;
 };
 
-static int put_templates(struct iso_gallery *gallery, int64_t person,
-                         const struct addition *additions, int n, struct iso_fault *fault)
+static int put_templates(struct iso_gallery *gallery, int64_t person, struct addition *additions,
+                         int n, struct iso_fault *fault)
 {
     for (int i = 0; i < n; i++) {
-        const int error = iso_gallery_db_put_template(gallery->db, person,
-                                                      gallery->memory.algorithm, additions[i].bytes,
-                                                      additions[i].size, fault);
+        const int error = iso_gallery_db_put_template(
+            gallery->db, person, gallery->memory.algorithm, additions[i].bytes, additions[i].size,
+            &additions[i].kept.number, fault);
         if (error) {
             return error;
         }
@@ -114,6 +114,7 @@ static int add_prepared(struct iso_gallery *gallery, const struct iso_person *pe
         return error;
     }
     error = iso_gallery_db_put_person(gallery->db, &row, &row.id, fault);
+    iso_gallery_db_mark(gallery->db);
     if (!error) {
         error = put_templates(gallery, row.id, additions, n, fault);
     }

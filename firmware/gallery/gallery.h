@@ -46,7 +46,8 @@
 
 enum {
     ISO_GALLERY_APPLICATION_ID = 0x49534f54, /* the characters "ISOT" */
-    ISO_GALLERY_SCHEMA = 2,
+    ISO_GALLERY_SCHEMA_SEALED = 2,           /* the first version that is sealed */
+    ISO_GALLERY_SCHEMA = 3, /* the newest version; it records which templates teach */
     ISO_GALLERY_TEMPLATES_MAX = ISO_CONTRACT_TEMPLATES_MAX, /* of one person */
 };
 
@@ -150,6 +151,7 @@ struct iso_gallery_item {
         uint32_t algorithm;
         const void *bytes;
         size_t size;
+        bool excluded; /* it does not teach the metric (site/site_record.h) */
     } templates[ISO_GALLERY_TEMPLATES_MAX];
 };
 
@@ -227,6 +229,25 @@ bool iso_gallery_follow_site(struct iso_gallery *gallery);
 
 /* What the people of the gallery have taught, and whether searches use it. */
 struct iso_site_state iso_gallery_site(struct iso_gallery *gallery);
+
+/* Excludes templates, so that they do not teach the metric any more: those that are enrolled now
+ * (reset), or those of the last enrolment that still teaches, as far as the last
+ * ISO_SITE_MARKS_MAX enrolments are known (roll_back). They go on to identify their people, and
+ * later enrolments teach. *n receives the number of templates that have taught until now; if it is
+ * 0, nothing was changed. Errors of iso_gallery_set_validity(); -EINVAL if the metric does not
+ * adapt. */
+int iso_gallery_reset_site(struct iso_gallery *gallery, size_t *n, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+int iso_gallery_roll_back_site(struct iso_gallery *gallery, size_t *n, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* How many templates are excluded. */
+size_t iso_gallery_site_excluded(struct iso_gallery *gallery);
+
+/* The error rates of the present people, as iso_site_index_estimate() describes. False also while
+ * the gallery is out of service. */
+bool iso_gallery_site_estimate(struct iso_gallery *gallery, struct iso_site_estimate *out)
+    __attribute__((warn_unused_result));
 
 /* Opens the usable templates of one person from the database: at most `capacity`, which the caller
  * wipes. Takes some 0.1 ms for each template. -ENOENT nobody has this number; -EBADMSG a record is

@@ -1,6 +1,6 @@
-/* Changes of a person besides the templates: the name, and the limits of validity. Both are in the
- * person's own record, which is sealed again. The templates are bound to the person's number
- * alone. */
+/* Changes besides the templates. The name and the limits of validity are in the person's own
+ * record, which is sealed again; the templates are bound to the person's number alone. Which
+ * templates teach the metric is in the head. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -77,4 +77,67 @@ int iso_gallery_set_validity(struct iso_gallery *gallery, const char *name,
     row.valid_from_s = validity->from_s;
     row.valid_until_s = validity->until_s;
     return update(gallery, &row, fault);
+}
+
+/* ---- the templates that teach ---- */
+
+static int may_exclude(const struct iso_gallery *gallery, struct iso_fault *fault)
+{
+    const int error = iso_gallery_state(gallery, fault);
+    if (error) {
+        return error;
+    }
+    return gallery->memory.site && gallery->memory.adapt
+               ? 0
+               : iso_fault_set(fault, -EINVAL, "the metric does not adapt: [match] adapt = no");
+}
+
+/* Excludes the templates from `first` on and keeps the first `marks` marks. Ends the transaction
+ * first, and then changes the memory, which cannot fail. */
+static int exclude(struct iso_gallery *gallery, uint64_t first, int marks, struct iso_fault *fault)
+{
+    const int error = iso_gallery_db_begin(gallery->db, fault);
+    if (error) {
+        return error;
+    }
+    struct iso_site_record *record = iso_gallery_db_site(gallery->db);
+    iso_site_record_exclude(record, first, iso_gallery_db_next(gallery->db));
+    record->n_marks = marks;
+    const int ended = iso_gallery_db_end(gallery->db, 0, fault);
+    if (!ended) {
+        iso_site_index_set_record(gallery->memory.site, record);
+    }
+    return ended;
+}
+
+int iso_gallery_reset_site(struct iso_gallery *gallery, size_t *n, struct iso_fault *fault)
+{
+    const int error = may_exclude(gallery, fault);
+    if (error) {
+        return error;
+    }
+    *n = iso_site_index_count(gallery->memory.site, 0, true);
+    return *n > 0 ? exclude(gallery, 1, 0, fault) : 0;
+}
+
+int iso_gallery_roll_back_site(struct iso_gallery *gallery, size_t *n, struct iso_fault *fault)
+{
+    const int error = may_exclude(gallery, fault);
+    if (error) {
+        return error;
+    }
+    /* People of the last enrolments may have been removed, or excluded. */
+    const struct iso_site_record *record = iso_gallery_db_site(gallery->db);
+    int marks = record->n_marks;
+    for (*n = 0; *n == 0 && marks > 0;) {
+        *n = iso_site_index_count(gallery->memory.site, record->mark[--marks], true);
+    }
+    return *n > 0 ? exclude(gallery, record->mark[marks], marks, fault) : 0;
+}
+
+size_t iso_gallery_site_excluded(struct iso_gallery *gallery)
+{
+    return gallery->memory.site && !iso__gallery_is_lost(gallery)
+               ? iso_site_index_count(gallery->memory.site, 0, false)
+               : 0;
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "firmware/gallery/gallery_seal.h"
 #include "firmware/gallery/gallery_state.h"
 
 /* ---- the names in an import ---- */
@@ -99,11 +100,16 @@ static int put_item(struct iso_gallery *gallery, const struct iso_gallery_item *
 {
     struct iso_person row = item->person;
     row.id = 0;
+    int64_t number = 0;
     int error = iso_gallery_db_put_person(gallery->db, &row, &row.id, fault);
     for (size_t i = 0; !error && i < item->n; i++) {
         error = iso_gallery_db_put_template(gallery->db, row.id, item->templates[i].algorithm,
                                             item->templates[i].bytes, item->templates[i].size,
-                                            fault);
+                                            &number, fault);
+        if (item->templates[i].excluded) {
+            iso_site_record_exclude(iso_gallery_db_site(gallery->db), (uint64_t)number,
+                                    (uint64_t)number + 1);
+        }
     }
     return error;
 }
@@ -173,6 +179,17 @@ static int check_items(const struct iso_gallery *gallery, const struct iso_galle
     return check_names(gallery, items, n, fault);
 }
 
+/* An import is an enrolment. If it only gives people other numbers, the marks of earlier enrolments
+ * no longer tell who was enrolled later. */
+static void mark_import(struct iso_gallery *gallery)
+{
+    if (gallery->renumbers) {
+        iso_gallery_db_site(gallery->db)->n_marks = 0;
+    } else {
+        iso_gallery_db_mark(gallery->db);
+    }
+}
+
 int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
                        bool replace, const struct iso_work_listener *listener, size_t *added,
                        struct iso_fault *fault)
@@ -187,6 +204,7 @@ int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_ite
     if (error) {
         return error;
     }
+    mark_import(gallery);
     error = put_items(gallery, items, n, replace, listener, &count, fault);
     if (!error) {
         error = reread_people(gallery, &importing, &now, fault);
@@ -230,17 +248,17 @@ static int export_person(void *context, const struct iso_person *person, struct 
     return 0;
 }
 
-static int export_template(void *context, int64_t person_id, uint32_t algorithm, const void *bytes,
+static int export_template(void *context, const struct iso_gallery_place *place, const void *bytes,
                            size_t size, struct iso_fault *fault)
 {
     struct exporting *exporting = context;
     struct iso_gallery_item *item = &exporting->item;
     const struct iso_person *person = iso_gallery_memory_find(&exporting->gallery->memory,
-                                                              person_id);
+                                                              place->person);
     if (!person || (exporting->only && exporting->only != person)) {
         return 0;
     }
-    if (item->n > 0 && item->person.id != person_id) {
+    if (item->n > 0 && item->person.id != place->person) {
         const int error = hand_on(exporting, fault);
         if (error) {
             return error;
@@ -251,9 +269,11 @@ static int export_template(void *context, int64_t person_id, uint32_t algorithm,
     }
     item->person = *person;
     memcpy(exporting->bytes[item->n], bytes, size);
-    item->templates[item->n].algorithm = algorithm;
+    item->templates[item->n].algorithm = place->algorithm;
     item->templates[item->n].bytes = exporting->bytes[item->n];
     item->templates[item->n].size = size;
+    item->templates[item->n].excluded = !iso_site_record_teaches(
+        iso_gallery_db_site(exporting->gallery->db), (uint64_t)place->number);
     item->n++;
     return 0;
 }

@@ -89,7 +89,7 @@ static int open_anchor(struct iso_gallery_db *db, struct iso_fault *fault)
 
 /* ---- checking ---- */
 
-/* *version is the version of the schema: 1 or ISO_GALLERY_SCHEMA. */
+/* *version is the version of the schema: 1, or a sealed one up to ISO_GALLERY_SCHEMA. */
 static int check_kind(const struct iso_gallery_db *db, int *version, struct iso_fault *fault)
 {
     char answer[32];
@@ -103,7 +103,7 @@ static int check_kind(const struct iso_gallery_db *db, int *version, struct iso_
     }
     error = iso__gallery_ask(db, "PRAGMA user_version", answer, sizeof answer, fault);
     *version = atoi(answer);
-    if (!error && *version != 1 && *version != ISO_GALLERY_SCHEMA) {
+    if (!error && (*version < 1 || *version > ISO_GALLERY_SCHEMA)) {
         error = iso_fault_set_code(
             fault, ISO_FAULT_STORE_NEWER, -EPROTONOSUPPORT,
             "%s: of version %s, this program knows version %d; install a newer one", db->path,
@@ -183,7 +183,7 @@ static int check_database(struct iso_gallery_db *db, int *version, struct iso_fa
     if (!error) {
         error = check_whole(db, fault);
     }
-    if (!error && *version == ISO_GALLERY_SCHEMA) {
+    if (!error && *version >= ISO_GALLERY_SCHEMA_SEALED) {
         error = iso__gallery_read_head(db, fault);
     }
     return error ? error : iso__gallery_execute(db, "COMMIT", fault);
@@ -211,7 +211,7 @@ static int connect_and_check(struct iso_gallery_db *db, bool migrate, struct iso
     if (!error) {
         error = check_database(db, &version, fault);
     }
-    if (error || version == ISO_GALLERY_SCHEMA) {
+    if (error || version >= ISO_GALLERY_SCHEMA_SEALED) {
         return error;
     }
     error = may_migrate(db, migrate, fault);
@@ -235,6 +235,7 @@ int iso_gallery_db_open(const struct iso_gallery_options *options, struct iso_ga
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", options->path);
     }
     db->ring = options->ring;
+    db->marks = options->metric && options->adapt;
     int error = open_anchor(db, fault);
     if (!error) {
         error = iso__gallery_find_or_make(db, fault);
@@ -332,4 +333,23 @@ struct iso_gallery_version iso_gallery_db_version(const struct iso_gallery_db *d
     (void)sodium_bin2hex(version.gallery, sizeof version.gallery, db->seal.gallery,
                          (sizeof version.gallery - 1) / 2);
     return version;
+}
+
+/* ---- the templates that teach ---- */
+
+struct iso_site_record *iso_gallery_db_site(struct iso_gallery_db *db)
+{
+    return &db->draft.site;
+}
+
+void iso_gallery_db_mark(struct iso_gallery_db *db)
+{
+    if (db->marks) {
+        iso_site_record_mark(&db->draft.site, db->draft.next);
+    }
+}
+
+uint64_t iso_gallery_db_next(const struct iso_gallery_db *db)
+{
+    return db->draft.next;
 }

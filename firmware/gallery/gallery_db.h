@@ -17,6 +17,7 @@
 #include "firmware/gallery/gallery.h"
 
 struct iso_gallery_db;
+struct iso_gallery_place;
 
 /* As iso_gallery_open: makes the database if there is none, seals one of version 1, checks it, and
  * locks it until it is closed. */
@@ -30,7 +31,7 @@ void iso_gallery_db_close(struct iso_gallery_db *db);
 struct iso_gallery_visitor {
     /* The counts of the person are 0. */
     int (*person)(void *context, const struct iso_person *person, struct iso_fault *fault);
-    int (*template)(void *context, int64_t person_id, uint32_t algorithm, const void *bytes,
+    int (*template)(void *context, const struct iso_gallery_place *place, const void *bytes,
                     size_t size, struct iso_fault *fault);
     void *context;
 };
@@ -66,14 +67,23 @@ int iso_gallery_db_put_person(struct iso_gallery_db *db, const struct iso_person
                               int64_t *id, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Adds a template (iso_template_serialise) to a person. */
+/* Adds a template (iso_template_serialise) to a person. *number is that of the template. */
 int iso_gallery_db_put_template(struct iso_gallery_db *db, int64_t person_id, uint32_t algorithm,
-                                const void *bytes, size_t size, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+                                const void *bytes, size_t size, int64_t *number,
+                                struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Deletes a person with all templates. */
 int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* The record of the templates that teach; the caller may change it between begin and end. */
+struct iso_site_record *iso_gallery_db_site(struct iso_gallery_db *db);
+
+/* Marks that an enrolment begins with the next template, if the metric adapts. */
+void iso_gallery_db_mark(struct iso_gallery_db *db);
+
+/* The number after the last one that was used. */
+uint64_t iso_gallery_db_next(const struct iso_gallery_db *db);
 
 /* ---- out of service ---- */
 

@@ -17,6 +17,7 @@ struct iso_gallery_db {
     struct iso_anchor *anchor;
     struct iso_gallery_seal seal;
     struct iso_gallery_head head, draft; /* on the disk; with the changes of a transaction */
+    bool marks;                          /* enrolments are marked, because the metric adapts */
     bool lost;                   /* the contents of the disk are not known (gallery_truth.c) */
     struct iso_fault lost_fault; /* the reason for `lost` */
     /* Room for one record. */

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/gallery/gallery.h"
+#include "firmware/gallery/gallery_state.h"
 
 /* A person without learned templates, with the bytes to which the item points. */
 struct restored {
@@ -78,6 +78,7 @@ static int restore(void *context, const struct iso_gallery_item *item, struct is
             person->item.templates[to].algorithm = item->templates[i].algorithm;
             person->item.templates[to].bytes = person->bytes[to];
             person->item.templates[to].size = size;
+            person->item.templates[to].excluded = item->templates[i].excluded;
         }
     }
     restoring->n_learned += learned;
@@ -96,7 +97,9 @@ static int import(struct iso_gallery *gallery, const struct restoring *restoring
     for (size_t i = 0; i < restoring->n; i++) {
         items[i] = restoring->people[i].item;
     }
+    gallery->renumbers = true;
     const int error = iso_gallery_import(gallery, items, restoring->n, true, NULL, &added, fault);
+    gallery->renumbers = false;
     sodium_memzero(items, restoring->n * sizeof *items);
     free(items);
     return error;

@@ -3,6 +3,7 @@
 #include <sodium.h>
 #include <string.h>
 
+#include "firmware/gallery/gallery_seal.h"
 #include "firmware/gallery/gallery_state.h"
 
 const struct iso_person *iso_gallery_people(const struct iso_gallery *gallery, size_t *n)
@@ -97,13 +98,13 @@ struct fetching {
     uint32_t seen;
 };
 
-static int fetch_template(void *context, int64_t person_id, uint32_t algorithm, const void *bytes,
+static int fetch_template(void *context, const struct iso_gallery_place *place, const void *bytes,
                           size_t size, struct iso_fault *fault)
 {
     struct fetching *fetching = context;
-    (void)person_id;
     fetching->seen++;
-    if (algorithm != fetching->gallery->memory.algorithm || fetching->n == fetching->capacity) {
+    if (place->algorithm != fetching->gallery->memory.algorithm ||
+        fetching->n == fetching->capacity) {
         return 0;
     }
     const int error = iso_template_parse(bytes, size, &fetching->out[fetching->n]);
@@ -143,4 +144,10 @@ struct iso_site_state iso_gallery_site(struct iso_gallery *gallery)
 {
     return gallery->memory.site ? iso_site_index_state(gallery->memory.site)
                                 : (struct iso_site_state){.adapts = false};
+}
+
+bool iso_gallery_site_estimate(struct iso_gallery *gallery, struct iso_site_estimate *out)
+{
+    return gallery->memory.site && !iso__gallery_is_lost(gallery) &&
+           iso_site_index_estimate(gallery->memory.site, out);
 }

@@ -32,7 +32,7 @@ static const char schema[] = "BEGIN EXCLUSIVE;"
                              "PRAGMA application_id = 0x49534f54;"
                              "PRAGMA user_version = 2;";
 
-_Static_assert(ISO_GALLERY_APPLICATION_ID == 0x49534f54 && ISO_GALLERY_SCHEMA == 2,
+_Static_assert(ISO_GALLERY_APPLICATION_ID == 0x49534f54 && ISO_GALLERY_SCHEMA_SEALED == 2,
                "the schema's text has to say the same");
 
 /* Makes an empty private file for SQLite, which would itself make a file that everybody can
@@ -96,17 +96,24 @@ int iso__gallery_insert_head(struct iso_gallery_db *db, struct iso_fault *fault)
 {
     uint8_t sealed[ISO_GALLERY_HEAD_SEALED];
     sqlite3_stmt *statement = NULL;
-    const int error = iso__gallery_prepare(
+    char version[40];
+    (void)snprintf(version, sizeof version, "PRAGMA user_version = %d",
+                   iso_gallery_head_version(&db->draft));
+    int error = iso__gallery_execute(db, version, fault);
+    if (error) {
+        return error;
+    }
+    error = iso__gallery_prepare(
         db, "INSERT OR REPLACE INTO head (id, gallery, key, record) VALUES (1, ?1, ?2, ?3)",
         &statement, fault);
     if (error) {
         return error;
     }
     db->draft.known = iso_heads_now(iso_key_ring_board(db->ring));
-    iso_gallery_head_close(&db->seal, &db->draft, sealed);
+    const size_t size = iso_gallery_head_close(&db->seal, &db->draft, sealed);
     (void)sqlite3_bind_blob(statement, 1, db->seal.gallery, ISO_GALLERY_ID_BYTES, SQLITE_STATIC);
     (void)sqlite3_bind_int64(statement, 2, db->seal.key_number);
-    (void)sqlite3_bind_blob(statement, 3, sealed, sizeof sealed, SQLITE_STATIC);
+    (void)sqlite3_bind_blob(statement, 3, sealed, (int)size, SQLITE_STATIC);
     return iso__gallery_finish(db, statement, fault);
 }
 

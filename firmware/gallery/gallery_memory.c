@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "firmware/gallery/gallery_seal.h"
+
 _Static_assert((int)ISO_GALLERY_TEMPLATES_MAX <= (int)ISO_INDEX_TEMPLATES_MAX,
                "the index takes all templates of a person");
 
@@ -169,7 +171,7 @@ static int insert_vector(struct iso_gallery_memory *memory, int64_t person,
         insert_entry(memory, person, kept->tmpl);
         kept->tmpl = NULL;
     } else if (kept->vector.n > 0) {
-        error = iso_site_index_add(memory->site, person, &kept->vector);
+        error = iso_site_index_add(memory->site, person, (uint64_t)kept->number, &kept->vector);
     }
     iso_gallery_memory_discard(kept);
     return error;
@@ -255,12 +257,13 @@ static int load_person(void *context, const struct iso_person *person, struct is
 }
 
 /* Loads a template that the running algorithm can use. */
-static int load_usable(struct iso_gallery_memory *memory, struct iso_person *person,
+static int load_usable(struct iso_gallery_memory *memory, struct iso_person *person, int64_t number,
                        const void *bytes, size_t size)
 {
     struct iso_gallery_kept kept;
     int error = prepare_template(memory, bytes, size, &kept);
     if (!error) {
+        kept.number = number;
         error = insert_vector(memory, person->id, &kept);
     }
     person->usable += !error;
@@ -278,20 +281,20 @@ static int check_unusable(const void *bytes, size_t size, uint32_t algorithm)
     return facts.algorithm == algorithm ? 0 : -EBADMSG;
 }
 
-static int load_template(void *context, int64_t person_id, uint32_t algorithm, const void *bytes,
+static int load_template(void *context, const struct iso_gallery_place *place, const void *bytes,
                          size_t size, struct iso_fault *fault)
 {
     struct loading *loading = context;
-    struct iso_person *person = iso_gallery_memory_find(&loading->memory, person_id);
+    struct iso_person *person = iso_gallery_memory_find(&loading->memory, place->person);
     if (!person) {
         return iso_gallery_db_damaged(loading->db, "a template belongs to nobody", fault);
     }
     person->templates++;
     iso_work_step(loading->listener, (uint64_t)(person - loading->memory.people) + 1,
                   loading->memory.n_people);
-    const int error = algorithm == loading->memory.algorithm
-                          ? load_usable(&loading->memory, person, bytes, size)
-                          : check_unusable(bytes, size, algorithm);
+    const int error = place->algorithm == loading->memory.algorithm
+                          ? load_usable(&loading->memory, person, place->number, bytes, size)
+                          : check_unusable(bytes, size, place->algorithm);
     if (error == -ENOMEM) {
         return iso_fault_set(fault, error, "gallery: out of memory");
     }
@@ -353,6 +356,9 @@ int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
     error = iso_gallery_db_load(db, &visitor, fault);
     if (!error) {
         error = check_names(&loading, fault);
+    }
+    if (!error && loading.memory.site) {
+        iso_site_index_set_record(loading.memory.site, iso_gallery_db_site(db));
     }
     if (!error && metric && iso_site_index_start(loading.memory.site)) {
         error = iso_fault_set(fault, -ENOMEM, "gallery: no memory for a thread");

@@ -39,6 +39,7 @@ void iso_gallery_memory_done(struct iso_gallery_memory *memory);
 struct iso_gallery_kept {
     struct iso_template *tmpl;       /* only without a metric */
     struct iso_metric_vector vector; /* with a metric; empty if there are too few points */
+    int64_t number;                  /* of the template; the caller of prepare sets it */
 };
 
 /* Makes this form from a serialised template, and makes room for it and for one more person. Errors

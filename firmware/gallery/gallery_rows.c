@@ -67,8 +67,7 @@ static int visit_template(struct iso_gallery_db *db, sqlite3_stmt *row,
     if (size < 0) {
         return is_not_what_it_was(db, "template", place.number, fault);
     }
-    return visitor->template(visitor->context, place.person, place.algorithm, db->plain,
-                             (size_t)size, fault);
+    return visitor->template(visitor->context, &place, db->plain, (size_t)size, fault);
 }
 
 typedef int (*visit_fn)(struct iso_gallery_db *db, sqlite3_stmt *row,
@@ -231,12 +230,14 @@ int iso_gallery_db_put_person(struct iso_gallery_db *db, const struct iso_person
 }
 
 int iso_gallery_db_put_template(struct iso_gallery_db *db, int64_t person_id, uint32_t algorithm,
-                                const void *bytes, size_t size, struct iso_fault *fault)
+                                const void *bytes, size_t size, int64_t *number,
+                                struct iso_fault *fault)
 {
     const struct iso_gallery_place place = {
         .number = (int64_t)db->draft.next, .person = person_id, .algorithm = algorithm};
     const int error = iso__gallery_insert_template(db, &place, bytes, size, fault);
     db->draft.next += error ? 0 : 1;
+    *number = place.number;
     return error;
 }
 

@@ -96,28 +96,55 @@ int iso_gallery_person_get(const uint8_t *plain, size_t size, struct iso_person 
     return 0;
 }
 
-void iso_gallery_head_close(const struct iso_gallery_seal *seal,
-                            const struct iso_gallery_head *head,
-                            uint8_t sealed[ISO_GALLERY_HEAD_SEALED])
+int iso_gallery_head_version(const struct iso_gallery_head *head)
 {
-    const struct iso_seal_label label = label_of(seal, "isotherm gallery head 2");
+    return iso_site_record_is_empty(&head->site) ? ISO_GALLERY_SCHEMA_SEALED : ISO_GALLERY_SCHEMA;
+}
+
+size_t iso_gallery_head_close(const struct iso_gallery_seal *seal,
+                              const struct iso_gallery_head *head,
+                              uint8_t sealed[ISO_GALLERY_HEAD_SEALED])
+{
+    const bool has_site = iso_gallery_head_version(head) == ISO_GALLERY_SCHEMA;
+    const struct iso_seal_label label = label_of(seal, has_site ? "isotherm gallery head 3"
+                                                                : "isotherm gallery head 2");
+    const size_t size = has_site ? ISO_GALLERY_HEAD_BYTES : ISO_GALLERY_HEAD_2_BYTES;
     uint8_t plain[ISO_GALLERY_HEAD_BYTES];
     uint8_t *p = iso_put_u64(plain, head->changes);
     p = iso_put_u64(p, head->next);
     p = iso_put_bytes(p, head->digest, sizeof head->digest);
     iso_heads_put(&head->known, p);
-    iso_seal_close(&seal->key, &label, plain, sizeof plain, sealed);
+    iso_site_record_put(&head->site, plain + ISO_GALLERY_HEAD_2_BYTES);
+    iso_seal_close(&seal->key, &label, plain, size, sealed);
+    return size + ISO_SEAL_OVERHEAD;
+}
+
+/* Returns the label of a head of this size; NULL if no format has it. */
+static const char *head_kind(size_t size)
+{
+    switch (size) {
+    case ISO_GALLERY_HEAD_1_BYTES + ISO_SEAL_OVERHEAD:
+        return "isotherm gallery head 1";
+    case ISO_GALLERY_HEAD_2_BYTES + ISO_SEAL_OVERHEAD:
+        return "isotherm gallery head 2";
+    case ISO_GALLERY_HEAD_SEALED:
+        return "isotherm gallery head 3";
+    default:
+        return NULL;
+    }
 }
 
 int iso_gallery_head_open(const struct iso_gallery_seal *seal, const void *sealed, size_t size,
                           struct iso_gallery_head *out)
 {
-    const bool before = size == ISO_GALLERY_HEAD_1_BYTES + ISO_SEAL_OVERHEAD;
-    const struct iso_seal_label label = label_of(seal, before ? "isotherm gallery head 1"
-                                                              : "isotherm gallery head 2");
+    const char *kind = head_kind(size);
     uint8_t plain[ISO_GALLERY_HEAD_BYTES] = {0};
-    if ((!before && size != ISO_GALLERY_HEAD_SEALED) ||
-        iso_seal_open(&seal->key, &label, sealed, size, plain)) {
+    if (!kind) {
+        return -EBADMSG;
+    }
+    const struct iso_seal_label label = label_of(seal, kind);
+    if (iso_seal_open(&seal->key, &label, sealed, size, plain) ||
+        iso_site_record_get(plain + ISO_GALLERY_HEAD_2_BYTES, &out->site)) {
         return -EBADMSG;
     }
     out->changes = iso_get_u64(plain);

@@ -18,6 +18,7 @@
 #include "firmware/gallery/gallery.h"
 #include "firmware/keys/heads.h"
 #include "firmware/keys/seal.h"
+#include "firmware/site/site_record.h"
 #include "isotherm/template.h"
 
 enum {
@@ -26,7 +27,8 @@ enum {
     ISO_GALLERY_PERSON_SEALED = ISO_GALLERY_PERSON_BYTES + ISO_SEAL_OVERHEAD,
     ISO_GALLERY_TEMPLATE_SEALED = ISO_TEMPLATE_BYTES_MAX + ISO_SEAL_OVERHEAD,
     ISO_GALLERY_HEAD_1_BYTES = 2 * 8 + ISO_SEAL_DIGEST_BYTES, /* without knowledge of others */
-    ISO_GALLERY_HEAD_BYTES = ISO_GALLERY_HEAD_1_BYTES + ISO_HEADS_BYTES,
+    ISO_GALLERY_HEAD_2_BYTES = ISO_GALLERY_HEAD_1_BYTES + ISO_HEADS_BYTES, /* without `site` */
+    ISO_GALLERY_HEAD_BYTES = ISO_GALLERY_HEAD_2_BYTES + ISO_SITE_RECORD_BYTES,
     ISO_GALLERY_HEAD_SEALED = ISO_GALLERY_HEAD_BYTES + ISO_SEAL_OVERHEAD,
 };
 
@@ -40,7 +42,8 @@ struct iso_gallery_head {
     uint64_t changes;
     uint64_t next; /* number of the next record; no number is used twice */
     uint8_t digest[ISO_SEAL_DIGEST_BYTES];
-    struct iso_heads known; /* about the other stores, when this was written (heads.h) */
+    struct iso_heads known;      /* about the other stores, when this was written (heads.h) */
+    struct iso_site_record site; /* which templates teach the metric */
 };
 
 /* The place of a record. */
@@ -76,12 +79,18 @@ void iso_gallery_person_put(const struct iso_person *person,
 int iso_gallery_person_get(const uint8_t *plain, size_t size, struct iso_person *out)
     __attribute__((warn_unused_result));
 
-/* Seals the head, or opens a sealed head. Opening fails with -EBADMSG if the bytes were not sealed
- * with this key. A head of the earlier format has no state of the other stores; it can be opened as
- * well, and the members for this state are then zero. */
-void iso_gallery_head_close(const struct iso_gallery_seal *seal,
-                            const struct iso_gallery_head *head,
-                            uint8_t sealed[ISO_GALLERY_HEAD_SEALED]);
+/* The version of the database whose head is sealed in the format that this head needs:
+ * ISO_GALLERY_SCHEMA if its record of the site is not empty, else ISO_GALLERY_SCHEMA_SEALED, which
+ * earlier programs can read. */
+int iso_gallery_head_version(const struct iso_gallery_head *head);
+
+/* Seals the head in that format, and returns the size; or opens a sealed head. Opening fails with
+ * -EBADMSG if the bytes were not sealed with this key. A head of an earlier format has no record of
+ * the site, and the earliest also no state of the other stores; it can be opened as well, and these
+ * members are then zero. */
+size_t iso_gallery_head_close(const struct iso_gallery_seal *seal,
+                              const struct iso_gallery_head *head,
+                              uint8_t sealed[ISO_GALLERY_HEAD_SEALED]);
 int iso_gallery_head_open(const struct iso_gallery_seal *seal, const void *sealed, size_t size,
                           struct iso_gallery_head *out) __attribute__((warn_unused_result));
 

@@ -9,6 +9,7 @@ struct iso_gallery {
     struct iso_gallery_db *db;
     size_t capacity;
     struct iso_gallery_memory memory;
+    bool renumbers; /* the import under way stores people of this gallery with other numbers */
 };
 
 /* Whether the gallery is out of service (iso_gallery_state). (gallery_recover.c) */

@@ -6,187 +6,110 @@
 #include <string.h>
 
 #include "core/base/wipe.h"
-#include "core/match/metric_vector.h"
 #include "drivers/process/thread.h"
+#include "firmware/site/site_generation.h"
 #include "firmware/site/site_rows.h"
-
-/* A metric and the index by it. */
-struct generation {
-    struct iso_site_metric adapted; /* all zero: the shipped metric */
-    struct iso_index *index;
-    struct iso_site_summary summary;
-};
 
 /* One computation of the thread. */
 struct job {
     struct iso_site_index *site;
-    uint64_t version;
-    size_t at; /* the row of the next person */
-    size_t n_people;
-    int64_t person;
-    struct iso_metric_steps shipped; /* of the shipped metric */
-    struct iso_metric_vector captures[ISO_INDEX_TEMPLATES_MAX];
+    uint64_t version; /* of the people that it reads */
+    struct iso_site_work work;
 };
 
 struct iso_site_index {
     const struct iso_metric *metric;
     bool adapt;
-    struct generation current; /* the thread does not use it */
-    struct job job;            /* only the thread uses it */
+    struct iso_site_generation current; /* the thread does not use it */
+    struct job job;                     /* only the thread uses it */
     pthread_t thread;
     bool running;
     pthread_mutex_t mutex; /* protects all members below; held for microseconds */
     pthread_cond_t changed;
     struct iso_site_rows rows;
-    uint64_t version;  /* counts the changes of the rows */
-    uint64_t computed; /* the version that the thread has finished */
-    int error;         /* of that version */
-    bool is_ready;     /* `ready` waits to become the current generation */
-    struct generation ready;
+    struct iso_site_record record; /* which of them teach */
+    uint64_t version;              /* counts the changes of the rows and the record */
+    uint64_t computed;             /* the version that the thread has finished */
+    int error;                     /* of that version */
+    bool is_ready;                 /* `ready` waits to become the current generation */
+    struct iso_site_generation ready;
+    bool is_estimated; /* `estimate` is that of the present people */
+    struct iso_site_estimate estimate;
     bool ending;
 };
 
-static void free_generation(struct generation *generation)
-{
-    iso_index_free(generation->index);
-    iso_site_metric_free(&generation->adapted);
-    *generation = (struct generation){.index = NULL};
-}
-
 /* ---- the thread ---- */
 
-/* Copies the vectors of the next person; 0 if there is nobody left. -ECANCELED if the people have
- * changed since the job began, or if the thread has to end. */
-static int next_person(struct job *job)
+/* Copies the next person for a job. -ECANCELED also if the thread has to end. */
+static int read_person(void *context, bool teaching, size_t *at, struct iso_site_person *out)
 {
+    const struct job *job = context;
     struct iso_site_index *site = job->site;
-    int n = 0;
+    int more = 0;
     (void)pthread_mutex_lock(&site->mutex);
     if (site->ending || site->version != job->version) {
-        n = -ECANCELED;
-    } else if (job->at < site->rows.n) {
-        job->person = site->rows.person[job->at];
-        n = iso_site_rows_copy(&site->rows, job->at, job->captures, ISO_INDEX_TEMPLATES_MAX,
-                               &job->at);
+        more = -ECANCELED;
+    }
+    while (more == 0 && *at < site->rows.n) {
+        out->number = site->rows.person[*at];
+        out->n = iso_site_rows_copy(&site->rows, teaching ? &site->record : NULL, *at,
+                                    out->captures, ISO_INDEX_TEMPLATES_MAX, at);
+        more = out->n > 0;
     }
     (void)pthread_mutex_unlock(&site->mutex);
-    return n;
+    return more;
 }
 
-static int collect_statistics(struct job *job, struct iso_site *statistics)
+/* Hands over the generation of a job that has ended with `error`. Returns false if the people have
+ * changed meanwhile; then the caller keeps the generation. The mutex is held. */
+static bool publish(struct iso_site_index *site, const struct iso_site_generation *made, int error)
 {
-    int n = 0, error = 0;
-    job->at = 0;
-    job->n_people = 0;
-    while (!error && (n = next_person(job)) > 0) {
-        if (job->n_people++ < ISO_SITE_PEOPLE_MAX) {
-            error = iso_site_add(statistics, job->person, job->captures, n);
-        }
+    if (site->version != site->job.version || error == -ECANCELED) {
+        return false;
     }
-    error = error ? error : n;
-    if (!error) {
-        error = iso_site_find_directions(statistics);
-    }
-    job->at = 0;
-    for (int p = 0; !error && p < ISO_SITE_PEOPLE_MAX && (n = next_person(job)) > 0; p++) {
-        error = iso_site_review(statistics, job->captures, n);
-    }
-    return error || n > 0 ? error : n;
-}
-
-static const struct iso_metric *metric_of(const struct job *job,
-                                          const struct generation *generation)
-{
-    return generation->adapted.metric ? generation->adapted.metric : job->site->metric;
-}
-
-/* Computes the person's vector by the metric of the generation. */
-static int put_person(struct job *job, int n, const struct generation *generation)
-{
-    struct iso_metric_vector all = {.n = 0}, one;
-    const struct iso_metric *metric = metric_of(job, generation);
-    for (int i = 0; i < n; i++) {
-        if (generation->adapted.metric) {
-            iso_site_turn(&generation->adapted, &job->captures[i], &one);
-        } else {
-            one = job->captures[i];
-            iso_metric_vector_judge(metric, &job->shipped, &one);
-        }
-        iso_metric_vector_add(metric, &one, &all);
-    }
-    const int error = iso_index_put(generation->index, job->person, &all);
-    explicit_bzero(&all, sizeof all);
-    explicit_bzero(&one, sizeof one);
-    return error;
-}
-
-static int fill_index(struct job *job, struct generation *generation)
-{
-    int n = 0, error = iso_index_new(metric_of(job, generation), &generation->index);
-    if (!error) {
-        error = iso_index_reserve(generation->index, job->n_people);
-    }
-    job->at = 0;
-    while (!error && (n = next_person(job)) > 0) {
-        error = put_person(job, n, generation);
-    }
-    return error ? error : n;
-}
-
-/* Computes the statistics and the metric. The statistics of many people are large, so they are
- * freed before the index is made. */
-static int compute_metric(struct job *job, struct generation *out)
-{
-    struct iso_site *statistics = NULL;
-    int error = iso_site_new(job->site->metric, &statistics);
-    if (!error) {
-        error = collect_statistics(job, statistics);
-    }
-    if (!error) {
-        out->summary = iso_site_summary(statistics);
-    }
-    if (!error && out->summary.people >= ISO_SITE_PEOPLE_MIN) {
-        error = iso_site_adapt(statistics, job->site->metric, &out->adapted);
-    }
-    iso_site_free(statistics);
-    return error;
-}
-
-static int compute_generation(struct job *job, struct generation *out)
-{
-    int error = compute_metric(job, out);
-    if (!error) {
-        error = fill_index(job, out);
-    }
-    explicit_bzero(job->captures, sizeof job->captures);
-    if (error) {
-        free_generation(out);
-    }
-    return error;
-}
-
-/* Computes the generation of the present people. The mutex is held on entry and on return. */
-static void run_job(struct iso_site_index *site)
-{
-    struct generation made = {.index = NULL};
-    struct job *job = &site->job;
-    job->version = site->version;
-    (void)pthread_mutex_unlock(&site->mutex);
-    const int error = compute_generation(job, &made);
-    (void)pthread_mutex_lock(&site->mutex);
-    if (site->version != job->version || error == -ECANCELED) {
-        (void)pthread_mutex_unlock(&site->mutex);
-        free_generation(&made);
-        (void)pthread_mutex_lock(&site->mutex);
-        return;
-    }
-    site->computed = job->version;
+    site->computed = site->job.version;
     site->error = error;
     if (!error) {
-        site->ready = made;
+        site->ready = *made;
         site->is_ready = true;
     }
     (void)pthread_cond_broadcast(&site->changed);
+    return true;
+}
+
+/* Estimates the error rates with the metric that the job has made. Without memory there is no
+ * estimate. */
+static void run_estimate(struct iso_site_index *site, struct iso_site_shared *metric)
+{
+    struct iso_site_estimate estimate;
+    const int error = iso_site_estimate_make(&site->job.work, metric, &estimate);
+    (void)pthread_mutex_lock(&site->mutex);
+    if (!error && site->version == site->job.version) {
+        site->estimate = estimate;
+        site->is_estimated = true;
+    }
+    (void)pthread_mutex_unlock(&site->mutex);
+}
+
+/* Computes the generation of the present people, and then the estimate. The mutex is held on entry
+ * and on return. */
+static void run_job(struct iso_site_index *site)
+{
+    struct iso_site_generation made = {.index = NULL};
+    site->job.version = site->version;
+    (void)pthread_mutex_unlock(&site->mutex);
+    const int error = iso_site_generation_make(&site->job.work, &made);
+    struct iso_site_shared *metric = iso_site_shared_keep(made.shared);
+    (void)pthread_mutex_lock(&site->mutex);
+    const bool published = publish(site, &made, error);
+    (void)pthread_mutex_unlock(&site->mutex);
+    if (!published) {
+        iso_site_generation_free(&made);
+    } else if (!error) {
+        run_estimate(site, metric);
+    }
+    iso_site_shared_free(metric);
+    (void)pthread_mutex_lock(&site->mutex);
 }
 
 static void *run_thread(void *context)
@@ -218,7 +141,9 @@ int iso_site_index_new(const struct iso_metric *metric, bool adapt, struct iso_s
     site->adapt = adapt;
     site->rows.width = (size_t)metric->n_dimensions;
     site->job.site = site;
-    iso_metric_steps_fill(metric, &site->job.shipped);
+    site->job.work.metric = metric;
+    site->job.work.reader = (struct iso_site_reader){read_person, &site->job};
+    iso_metric_steps_fill(metric, &site->job.work.steps);
     iso_thread_mutex_init(&site->mutex);
     (void)pthread_cond_init(&site->changed, NULL);
     *out = site;
@@ -247,8 +172,8 @@ void iso_site_index_free(struct iso_site_index *site)
         (void)pthread_mutex_unlock(&site->mutex);
         (void)pthread_join(site->thread, NULL);
     }
-    free_generation(&site->current);
-    free_generation(&site->ready);
+    iso_site_generation_free(&site->current);
+    iso_site_generation_free(&site->ready);
     iso_site_rows_free(&site->rows);
     (void)pthread_cond_destroy(&site->changed);
     (void)pthread_mutex_destroy(&site->mutex);
@@ -270,35 +195,36 @@ int iso_site_index_reserve(struct iso_site_index *site, size_t n)
 
 /* Begins a change of the rows. Returns the generation that was ready, which does not have this
  * change; end_change() frees it after it has unlocked the mutex, because that takes long. */
-static struct generation begin_change(struct iso_site_index *site)
+static struct iso_site_generation begin_change(struct iso_site_index *site)
 {
     (void)pthread_mutex_lock(&site->mutex);
-    const struct generation outdated = site->ready;
+    const struct iso_site_generation outdated = site->ready;
     site->version++;
     site->is_ready = false;
-    site->ready = (struct generation){.index = NULL};
+    site->is_estimated = false;
+    site->ready = (struct iso_site_generation){.index = NULL};
     return outdated;
 }
 
-static void end_change(struct iso_site_index *site, struct generation *outdated)
+static void end_change(struct iso_site_index *site, struct iso_site_generation *outdated)
 {
     (void)pthread_cond_broadcast(&site->changed);
     (void)pthread_mutex_unlock(&site->mutex);
-    free_generation(outdated);
+    iso_site_generation_free(outdated);
 }
 
-int iso_site_index_add(struct iso_site_index *site, int64_t person,
+int iso_site_index_add(struct iso_site_index *site, int64_t person, uint64_t number,
                        const struct iso_metric_vector *vector)
 {
     struct iso_metric_vector turned = *vector;
-    if (site->current.adapted.metric) {
-        iso_site_turn(&site->current.adapted, vector, &turned);
+    if (site->current.shared) {
+        iso_site_turn(&site->current.shared->adapted, vector, &turned);
     }
     const int error = iso_index_add(site->current.index, person, &turned);
     explicit_bzero(&turned, sizeof turned);
     if (!error && site->adapt) {
-        struct generation outdated = begin_change(site);
-        iso_site_rows_insert(&site->rows, person, vector);
+        struct iso_site_generation outdated = begin_change(site);
+        iso_site_rows_insert(&site->rows, person, number, vector);
         end_change(site, &outdated);
     }
     return error;
@@ -308,23 +234,42 @@ void iso_site_index_remove(struct iso_site_index *site, int64_t person)
 {
     /* A person without a vector is not in the index. */
     if (iso_index_remove(site->current.index, person) == 0 && site->adapt) {
-        iso_site_metric_forget(&site->current.adapted, person);
-        struct generation outdated = begin_change(site);
+        iso_site_shared_forget(site->current.shared, person);
+        struct iso_site_generation outdated = begin_change(site);
         iso_site_rows_remove(&site->rows, person);
         end_change(site, &outdated);
     }
 }
 
+void iso_site_index_set_record(struct iso_site_index *site, const struct iso_site_record *record)
+{
+    struct iso_site_generation outdated = begin_change(site);
+    site->record = *record;
+    end_change(site, &outdated);
+}
+
+size_t iso_site_index_count(struct iso_site_index *site, uint64_t first, bool teaching)
+{
+    size_t n = 0;
+    (void)pthread_mutex_lock(&site->mutex);
+    for (size_t i = 0; i < site->rows.n; i++) {
+        const uint64_t number = site->rows.number[i];
+        n += number >= first && iso_site_record_teaches(&site->record, number) == teaching;
+    }
+    (void)pthread_mutex_unlock(&site->mutex);
+    return n;
+}
+
 /* ---- the generation in use ---- */
 
 /* Takes over the generation that waits. The mutex is held. */
-static struct generation take_ready(struct iso_site_index *site)
+static struct iso_site_generation take_ready(struct iso_site_index *site)
 {
-    struct generation before = {.index = NULL};
+    struct iso_site_generation before = {.index = NULL};
     if (site->is_ready) {
         before = site->current;
         site->current = site->ready;
-        site->ready = (struct generation){.index = NULL};
+        site->ready = (struct iso_site_generation){.index = NULL};
         site->is_ready = false;
     }
     return before;
@@ -335,10 +280,10 @@ bool iso_site_index_follow(struct iso_site_index *site)
     if (!site->running || pthread_mutex_trylock(&site->mutex)) {
         return false;
     }
-    struct generation before = take_ready(site);
+    struct iso_site_generation before = take_ready(site);
     (void)pthread_mutex_unlock(&site->mutex);
     const bool followed = before.index != NULL;
-    free_generation(&before);
+    iso_site_generation_free(&before);
     return followed;
 }
 
@@ -349,7 +294,7 @@ const struct iso_index *iso_site_index_current(const struct iso_site_index *site
 
 const struct iso_site_metric *iso_site_index_metric(const struct iso_site_index *site)
 {
-    return site->current.adapted.metric ? &site->current.adapted : NULL;
+    return site->current.shared ? &site->current.shared->adapted : NULL;
 }
 
 int iso_site_index_settle(struct iso_site_index *site)
@@ -361,10 +306,10 @@ int iso_site_index_settle(struct iso_site_index *site)
     while (site->computed != site->version) {
         (void)pthread_cond_wait(&site->changed, &site->mutex);
     }
-    struct generation before = take_ready(site);
+    struct iso_site_generation before = take_ready(site);
     const int error = site->error;
     (void)pthread_mutex_unlock(&site->mutex);
-    free_generation(&before);
+    iso_site_generation_free(&before);
     return error;
 }
 
@@ -372,7 +317,7 @@ struct iso_site_state iso_site_index_state(struct iso_site_index *site)
 {
     struct iso_site_state state = {
         .adapts = site->adapt,
-        .adapted = site->current.adapted.metric != NULL,
+        .adapted = site->current.shared != NULL,
         .summary = site->current.summary,
     };
     (void)pthread_mutex_lock(&site->mutex);
@@ -380,4 +325,15 @@ struct iso_site_state iso_site_index_state(struct iso_site_index *site)
     state.error = site->error;
     (void)pthread_mutex_unlock(&site->mutex);
     return state;
+}
+
+bool iso_site_index_estimate(struct iso_site_index *site, struct iso_site_estimate *out)
+{
+    (void)pthread_mutex_lock(&site->mutex);
+    const bool known = site->is_estimated && !site->is_ready;
+    if (known) {
+        *out = site->estimate;
+    }
+    (void)pthread_mutex_unlock(&site->mutex);
+    return known;
 }

@@ -6,8 +6,9 @@
  * change is made in the old index at once, by the old metric. iso_site_index_follow() takes the new
  * metric and the new index into use together. So a search never waits for the thread.
  *
- * The result depends only on the templates that are enrolled now. It does not depend on the order
- * in which people were added and removed, and contains nothing of removed people.
+ * The result depends only on the templates that are enrolled now, and on which of them may teach.
+ * It does not depend on the order in which people were added and removed, and contains nothing of
+ * removed people.
  *
  * If there are fewer than ISO_SITE_PEOPLE_MIN people, searches use the shipped metric. Without
  * `adapt` they always do; then there is no thread, and the vectors are not kept.
@@ -20,6 +21,8 @@
 #include <stdint.h>
 
 #include "core/match/site.h"
+#include "firmware/site/site_estimate.h"
+#include "firmware/site/site_record.h"
 #include "isotherm/index.h"
 
 enum {
@@ -55,14 +58,23 @@ void iso_site_index_free(struct iso_site_index *site);
 int iso_site_index_reserve(struct iso_site_index *site, size_t n)
     __attribute__((warn_unused_result));
 
-/* Adds the vector of one template of a person; the vector is by the shipped metric. Before, the
+/* Adds the vector of one template of a person; the vector is by the shipped metric, and `number` is
+ * that of the template (site_record.h). Before, the
  * caller has made room with iso_site_index_reserve(). -EINVAL if the person already has
  * ISO_INDEX_TEMPLATES_MAX templates; then nothing has changed. */
-int iso_site_index_add(struct iso_site_index *site, int64_t person,
+int iso_site_index_add(struct iso_site_index *site, int64_t person, uint64_t number,
                        const struct iso_metric_vector *vector) __attribute__((warn_unused_result));
 
 /* Removes a person with all vectors. Nothing happens for a person who has none. */
 void iso_site_index_remove(struct iso_site_index *site, int64_t person);
+
+/* Sets which templates teach the metric. At first all do. Templates that do not teach identify
+ * their person as before, and change no number of the statistics. */
+void iso_site_index_set_record(struct iso_site_index *site, const struct iso_site_record *record);
+
+/* Counts the templates with at least this number that teach, or (`teaching` false) those that do
+ * not. 0 without `adapt`. */
+size_t iso_site_index_count(struct iso_site_index *site, uint64_t first, bool teaching);
 
 /* Takes a new metric and its index into use, if they are complete. Returns whether it did. Never
  * waits. */
@@ -79,6 +91,12 @@ const struct iso_site_metric *iso_site_index_metric(const struct iso_site_index 
 int iso_site_index_settle(struct iso_site_index *site);
 
 struct iso_site_state iso_site_index_state(struct iso_site_index *site);
+
+/* The error rates of the present people with the metric in use, which the thread estimates after it
+ * has adapted the metric. Returns false while they are not known: the people or the metric have
+ * just changed, there was no memory, or the metric does not adapt. */
+bool iso_site_index_estimate(struct iso_site_index *site, struct iso_site_estimate *out)
+    __attribute__((warn_unused_result));
 
 /* Whether the metric shall adapt to the site and has not done so yet. */
 static inline bool iso_site_is_provisional(struct iso_site_state state)

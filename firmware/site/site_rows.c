@@ -20,19 +20,24 @@ int iso_site_rows_reserve(struct iso_site_rows *rows, size_t n)
     const size_t doubled = rows->capacity ? 2 * rows->capacity : 16;
     const size_t capacity = rows->n + n > doubled ? rows->n + n : doubled;
     int64_t *person = calloc(capacity, sizeof *person);
+    uint64_t *number = calloc(capacity, sizeof *number);
     float *mean = calloc(capacity, rows->width * sizeof *mean);
-    if (!person || !mean) {
+    if (!person || !number || !mean) {
         free(person);
+        free(number);
         free(mean);
         return -ENOMEM;
     }
     if (rows->n > 0) {
         memcpy(person, rows->person, rows->n * sizeof *person);
+        memcpy(number, rows->number, rows->n * sizeof *number);
         memcpy(mean, rows->mean, rows->n * rows->width * sizeof *mean);
     }
     iso_wipe_free(rows->person);
+    iso_wipe_free(rows->number);
     iso_wipe_free(rows->mean);
     rows->person = person;
+    rows->number = number;
     rows->mean = mean;
     rows->capacity = capacity;
     return 0;
@@ -58,16 +63,18 @@ static void move_rows(struct iso_site_rows *rows, size_t from, size_t to)
 {
     const size_t n = rows->n - from;
     memmove(&rows->person[to], &rows->person[from], n * sizeof *rows->person);
+    memmove(&rows->number[to], &rows->number[from], n * sizeof *rows->number);
     memmove(mean_at(rows, to), mean_at(rows, from), n * rows->width * sizeof *rows->mean);
 }
 
-void iso_site_rows_insert(struct iso_site_rows *rows, int64_t person,
+void iso_site_rows_insert(struct iso_site_rows *rows, int64_t person, uint64_t number,
                           const struct iso_metric_vector *vector)
 {
     const size_t at = first_behind(rows, person);
     move_rows(rows, at, at + 1);
     rows->n++;
     rows->person[at] = person;
+    rows->number[at] = number;
     memcpy(mean_at(rows, at), vector->mean, rows->width * sizeof *rows->mean);
 }
 
@@ -83,17 +90,18 @@ void iso_site_rows_remove(struct iso_site_rows *rows, int64_t person)
         move_rows(rows, end, first);
         rows->n -= gone;
         explicit_bzero(&rows->person[rows->n], gone * sizeof *rows->person);
+        explicit_bzero(&rows->number[rows->n], gone * sizeof *rows->number);
         explicit_bzero(mean_at(rows, rows->n), gone * rows->width * sizeof *rows->mean);
     }
 }
 
-int iso_site_rows_copy(const struct iso_site_rows *rows, size_t first,
-                       struct iso_metric_vector *out, int capacity, size_t *next)
+int iso_site_rows_copy(const struct iso_site_rows *rows, const struct iso_site_record *teaching,
+                       size_t first, struct iso_metric_vector *out, int capacity, size_t *next)
 {
     int n = 0;
     size_t at = first;
     for (; at < rows->n && rows->person[at] == rows->person[first]; at++) {
-        if (n < capacity) {
+        if (n < capacity && (!teaching || iso_site_record_teaches(teaching, rows->number[at]))) {
             out[n] = (struct iso_metric_vector){.n = 1};
             memcpy(out[n++].mean, mean_at(rows, at), rows->width * sizeof *rows->mean);
         }
@@ -105,6 +113,7 @@ int iso_site_rows_copy(const struct iso_site_rows *rows, size_t first,
 void iso_site_rows_free(struct iso_site_rows *rows)
 {
     iso_wipe_free(rows->person);
+    iso_wipe_free(rows->number);
     iso_wipe_free(rows->mean);
     *rows = (struct iso_site_rows){.width = rows->width};
 }

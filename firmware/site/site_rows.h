@@ -6,32 +6,34 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "firmware/site/site_record.h"
 #include "isotherm/metric.h"
 
 /* All zero but for `width`: no rows. */
 struct iso_site_rows {
-    size_t width;    /* numbers of a vector */
-    size_t n;        /* rows in use */
-    size_t capacity; /* rows that there is room for */
-    int64_t *person; /* [capacity], rising */
-    float *mean;     /* [capacity][width] */
+    size_t width;     /* numbers of a vector */
+    size_t n;         /* rows in use */
+    size_t capacity;  /* rows that there is room for */
+    int64_t *person;  /* [capacity], rising */
+    uint64_t *number; /* [capacity]: of the template (site_record.h) */
+    float *mean;      /* [capacity][width] */
 };
 
 /* Makes room for n more rows. -ENOMEM. */
 int iso_site_rows_reserve(struct iso_site_rows *rows, size_t n) __attribute__((warn_unused_result));
 
 /* Inserts a row behind the last one of its person. The caller has made room. */
-void iso_site_rows_insert(struct iso_site_rows *rows, int64_t person,
+void iso_site_rows_insert(struct iso_site_rows *rows, int64_t person, uint64_t number,
                           const struct iso_metric_vector *vector);
 
 /* Removes and wipes the rows of a person. */
 void iso_site_rows_remove(struct iso_site_rows *rows, int64_t person);
 
-/* Copies all rows of one person to `out`, at most `capacity` of them. `first`, less than rows->n,
- * is the person's first row. Sets only n and mean of each vector. Returns the number of vectors;
- * *next receives the first row of the next person. */
-int iso_site_rows_copy(const struct iso_site_rows *rows, size_t first,
-                       struct iso_metric_vector *out, int capacity, size_t *next);
+/* Copies the rows of one person to `out`, at most `capacity` of them: all, or with a record only
+ * those that teach. `first`, less than rows->n, is the person's first row. Sets only n and mean of
+ * each vector. Returns the number of vectors; *next receives the first row of the next person. */
+int iso_site_rows_copy(const struct iso_site_rows *rows, const struct iso_site_record *teaching,
+                       size_t first, struct iso_metric_vector *out, int capacity, size_t *next);
 
 /* Wipes and frees all rows. */
 void iso_site_rows_free(struct iso_site_rows *rows);

@@ -14,6 +14,7 @@
 #include "sim/commands/commands.h"
 #include "sim/door/level_report.h"
 #include "sim/door/visit_report.h"
+#include "sim/lab/measure/rate.h"
 
 /* The level `balanced` may admit strangers in at most this share of their visits. */
 static const double strangers_max = 0.001;
@@ -212,7 +213,8 @@ static int run(void *target, struct iso_fault *fault)
                iso_plural(absent, "person", "people"));
     }
     const int first = arguments->adapt == ADAPT_YES ? ADAPTED : AS_SHIPPED;
-    arguments->strangers = counts.of[first][ISO_LEVEL_BALANCED].strangers.visits;
+    const struct iso_people_rate *strangers = &counts.of[first][ISO_LEVEL_BALANCED].strangers;
+    arguments->strangers = (struct sim_rate){strangers->errors, strangers->trials};
     return 0;
 }
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sim/base/result_file.h"
+#include "sim/lab/measure/rate.h"
 
 static bool is_stranger(const struct sim_visit *visit)
 {
@@ -42,27 +43,27 @@ static struct sim_rate count_person(const struct sim_visit *visits, size_t n_vis
 void sim_level_count(enum sim_level_crowd crowd, const struct sim_visit *visits, size_t n_visits,
                      struct sim_level_counts *counts)
 {
-    struct sim_people_rate *strangers = crowd == SIM_CROWD_PEOPLE ? &counts->strangers
+    struct iso_people_rate *strangers = crowd == SIM_CROWD_PEOPLE ? &counts->strangers
                                                                   : &counts->alike;
     for (size_t i = 0; i < n_visits; i++) {
         if (!is_new(visits, i) || (crowd == SIM_CROWD_ALIKE && !is_stranger(&visits[i]))) {
             continue;
         }
-        sim_people_rate_add(is_stranger(&visits[i]) ? strangers : &counts->refused,
-                            count_person(&visits[i], n_visits - i));
+        const struct sim_rate person = count_person(&visits[i], n_visits - i);
+        iso_people_rate_add(is_stranger(&visits[i]) ? strangers : &counts->refused, person.events,
+                            person.trials);
     }
 }
 
-static void print_rate(const struct sim_people_rate *of, FILE *out)
+static void print_rate(const struct iso_people_rate *of, FILE *out)
 {
-    const struct sim_interval interval = sim_people_rate_interval(of);
-    const struct sim_rate rate = of->visits;
-    if (rate.trials == 0) {
+    const struct iso_interval interval = iso_people_rate_interval(of);
+    if (of->trials == 0) {
         fputs(" not measured |", out);
         return;
     }
-    fprintf(out, " %.1f %% [%.2f, %.2f] (%zu of %zu) |", 100.0 * sim_rate_value(rate),
-            100.0 * interval.low, 100.0 * interval.high, rate.events, rate.trials);
+    fprintf(out, " %.1f %% [%.2f, %.2f] (%zu of %zu) |", 100.0 * iso_people_rate_value(of),
+            100.0 * interval.low, 100.0 * interval.high, of->errors, of->trials);
 }
 
 void sim_level_print_head(FILE *out)
@@ -84,13 +85,12 @@ void sim_level_print(const struct sim_level_counts counts[SIM_LEVELS], const cha
     }
 }
 
-static void write_row(enum iso_level level, const char *who, const struct sim_people_rate *rate,
+static void write_row(enum iso_level level, const char *who, const struct iso_people_rate *rate,
                       FILE *out)
 {
-    const struct sim_interval interval = sim_people_rate_interval(rate);
-    const struct sim_rate visits = rate->visits;
-    fprintf(out, "%s,%s,%zu,%zu,%.6f,%.6f,%.6f,%zu\n", sim_level_name(level), who, visits.events,
-            visits.trials, visits.trials > 0 ? sim_rate_value(visits) : 0.0, interval.low,
+    const struct iso_interval interval = iso_people_rate_interval(rate);
+    fprintf(out, "%s,%s,%zu,%zu,%.6f,%.6f,%.6f,%zu\n", sim_level_name(level), who, rate->errors,
+            rate->trials, rate->trials > 0 ? iso_people_rate_value(rate) : 0.0, interval.low,
             interval.high, rate->people);
 }
 

@@ -6,8 +6,8 @@
 
 #include <stdio.h>
 
+#include "core/base/people_rate.h"
 #include "sim/door/rehearsal.h"
-#include "sim/lab/measure/people_rate.h"
 
 /* The kinds of people in a corpus. */
 enum sim_level_crowd {
@@ -18,9 +18,9 @@ enum sim_level_crowd {
 /* Counted visits of one level. */
 struct sim_level_counts {
     /* Enrolled people who are not admitted, or admitted under another name. */
-    struct sim_people_rate refused;
-    struct sim_people_rate strangers; /* admitted strangers */
-    struct sim_people_rate alike;     /* admitted strangers who look like enrolled people */
+    struct iso_people_rate refused;
+    struct iso_people_rate strangers; /* admitted strangers */
+    struct iso_people_rate alike;     /* admitted strangers who look like enrolled people */
 };
 
 /* Adds the visits of one corpus at one level. From SIM_CROWD_ALIKE only the strangers count. Equal

@@ -73,6 +73,47 @@ static void the_metric_adapts_to_three_people(void **state)
     assert_non_null(strstr(log->out, "3 people, offset "));
 }
 
+/* Returns the document of `isotherm site` once the thread has compared the people; the caller
+ * releases it. */
+static json_t *expect_estimate(const struct appliance *appliance, int people)
+{
+    const struct timespec look = {.tv_nsec = LOOK_MS * 1000000L};
+    json_t *document = NULL;
+    for (int waited_ms = 0; waited_ms < WAIT_MS; waited_ms += LOOK_MS) {
+        json_decref(document);
+        document = appliance_run_json(appliance, "site", NULL, 0);
+        if (answer_number(document, "estimate-people") == people) {
+            return document;
+        }
+        (void)nanosleep(&look, NULL);
+    }
+    fail_msg("there is no estimate of %d people", people);
+    return document;
+}
+
+/* Each of the three has one template: three pairs are compared in both directions, and nobody with
+ * another template of the same person. */
+static void it_shows_what_the_templates_say(void **state)
+{
+    struct appliance *appliance = *state;
+    json_t *document = expect_estimate(appliance, 3);
+    assert_string_equal(answer_text(document, "site"), "adapted");
+    assert_int_equal(answer_number(document, "estimate-others"), 6);
+    assert_int_equal(answer_number(document, "estimate-same"), 0);
+    assert_true(number_of(document, "balanced-score") == 3);
+    assert_true(number_of(document, "balanced-fmr") == 0);
+    assert_true(number_of(document, "balanced-fmr-high") > 0.5);
+    assert_null(json_object_get(document, "balanced-fnmr"));
+    assert_true(number_of(document, "look-alike-score") == 2);
+    assert_int_equal(json_array_size(json_object_get(document, "look-alike-pairs")),
+                     answer_number(document, "look-alikes"));
+    assert_int_equal(json_array_size(json_object_get(document, "advice")), 3);
+    json_decref(document);
+    const struct appliance_result *text = appliance_run(appliance, "site show", NULL);
+    appliance_expect(text, 0);
+    assert_non_null(strstr(text->out, "enrol p02 in poses"));
+}
+
 static void it_recognises_them(void **state)
 {
     static const char *const recordings[] = {"p01-v1", "x01-v1", "p02-v1", NULL};
@@ -107,13 +148,72 @@ static void it_forgets_people_who_are_removed(void **state)
     json_decref(document);
 }
 
+static void expect_taken_back(const struct appliance *appliance, const char *words, int templates)
+{
+    json_t *document = appliance_run_json(appliance, words, NULL, 0);
+    assert_int_equal(answer_number(document, "excluded"), templates);
+    json_decref(document);
+}
+
+/* The last enrolment teaches no longer, but its person is identified. */
+static void it_rolls_back(void **state)
+{
+    struct appliance *appliance = *state;
+    appliance_expect(appliance_run(appliance, "enroll --quick p02", "p02-enrol"), 0);
+    expect_state(appliance, "adapted", 3, 3);
+    expect_taken_back(appliance, "site rollback", 1);
+    expect_state(appliance, "provisional", 2, 4);
+    json_t *status = appliance_run_json(appliance, "status", NULL, 0);
+    assert_int_equal(answer_number(status, "site-excluded"), 1);
+    json_decref(status);
+    json_t *document = appliance_run_json(appliance, "identify", "p02-v1", 0);
+    assert_string_equal(answer_text(document, "person"), "p02");
+    json_decref(document);
+    const struct appliance_result *log = appliance_run(appliance, "log --event site --full", NULL);
+    assert_non_null(strstr(log->out, "rollback"));
+    assert_non_null(strstr(log->out, "asked by user "));
+    assert_non_null(strstr(log->out, "1 template no longer teaches the metric"));
+}
+
+/* The daemon keeps what was taken back. A removed person, enrolled again, teaches again. */
+static void it_stays_rolled_back_over_a_start(void **state)
+{
+    struct appliance *appliance = *state;
+    appliance_end_daemon(appliance, SIGTERM);
+    appliance_start_daemon(appliance);
+    expect_state(appliance, "provisional", 2, 4);
+    appliance_expect(appliance_run(appliance, "remove p02", NULL), 0);
+    appliance_expect(appliance_run(appliance, "enroll --quick p02", "p02-enrol"), 0);
+    expect_state(appliance, "adapted", 3, 3);
+}
+
+static void it_resets(void **state)
+{
+    struct appliance *appliance = *state;
+    expect_taken_back(appliance, "site reset", 3);
+    expect_state(appliance, "provisional", 0, 4);
+    expect_taken_back(appliance, "site reset", 0);
+    expect_taken_back(appliance, "site rollback", 0);
+    appliance_expect(appliance_run(appliance, "key rotate", NULL), 0);
+    appliance_end_daemon(appliance, SIGTERM);
+    appliance_start_daemon(appliance);
+    expect_state(appliance, "provisional", 0, 4);
+    appliance_expect(appliance_run(appliance, "verify p01", "p01-v1"), 0);
+    const struct appliance_result *log = appliance_run(appliance, "log --event site", NULL);
+    assert_non_null(strstr(log->out, "3 templates no longer teach the metric"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_metric_adapts_to_three_people),
+        cmocka_unit_test(it_shows_what_the_templates_say),
         cmocka_unit_test(it_recognises_them),
         cmocka_unit_test(it_adapts_again_after_a_start),
         cmocka_unit_test(it_forgets_people_who_are_removed),
+        cmocka_unit_test(it_rolls_back),
+        cmocka_unit_test(it_stays_rolled_back_over_a_start),
+        cmocka_unit_test(it_resets),
     };
 
     if (!appliance_find()) {

@@ -24,7 +24,7 @@ static void doctor_finds_nothing_wrong(void **state)
     (void)state;
     cli_expect_exit(&result, 0);
     assert_true(json_is_true(json_object_get(document, "healthy")));
-    assert_int_equal(json_array_size(json_object_get(document, "checks")), 9);
+    assert_int_equal(json_array_size(json_object_get(document, "checks")), 10);
     json_array_foreach(json_object_get(document, "checks"), i, check)
     {
         assert_string_equal(json_string_value(json_object_get(check, "state")), "ok");
@@ -136,6 +136,15 @@ static const struct {
     {{.model = ""}, 4, "fault    model       not loaded\n", ISO_FAULT_MODEL_ABSENT},
     {{.version = "0.0.1"}, 0, "warning  version     0.0.1", ISO_FAULT_VERSION_DIFFERS},
     {{0}, 0, "warning  gallery     0 people, 0 usable templates\n", ISO_FAULT_GALLERY_EMPTY},
+    {{.site = "provisional", .site_people = 2},
+     0,
+     "warning  metric      provisional: learned from 2 of the 3 people that it needs\n",
+     ISO_FAULT_SITE_PROVISIONAL},
+    {{.site = "adapted", .site_people = 7},
+     0,
+     "ok       metric      adapted to 7 people\n",
+     ISO_FAULT_NONE},
+    {{0}, 0, "ok       metric      as shipped: adapt = no\n", ISO_FAULT_NONE},
     {{.fail_method = "Release", .fail_error = "org.freedesktop.DBus.Error.AccessDenied"},
      1,
      "denied   permission  ",

@@ -19,6 +19,7 @@ enum cli_verb {
     CLI_VALIDITY,
     CLI_RENAME,
     CLI_STATUS,
+    CLI_SITE,
     CLI_LOG,
     CLI_DOCTOR,
     CLI_AIM,

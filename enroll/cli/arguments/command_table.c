@@ -9,6 +9,8 @@ const struct cli_command cli_commands[CLI_VERBS] = {
     [CLI_VALIDITY] = {"validity", "NAME", "change from when and until when NAME may come in"},
     [CLI_RENAME] = {"rename", "OLD NEW", "change the name of an enrolled person"},
     [CLI_STATUS] = {"status", "", "show the state of the appliance"},
+    [CLI_SITE] = {"site", "[show|reset|rollback]",
+                  "show what the people have taught the metric, or take it back"},
     [CLI_LOG] = {"log", "[verify]", "show the audit log, or verify that it is sound"},
     [CLI_DOCTOR] = {"doctor", "", "look for faults and tell how to correct them"},
     [CLI_AIM] = {"aim", "", "show what the sensor sees, to place and turn it"},

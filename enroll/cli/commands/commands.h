@@ -23,6 +23,8 @@ enum cli_exit cli_rename(struct cli_daemon *daemon, const struct cli_arguments *
                          struct cli_fault *fault);
 enum cli_exit cli_status(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
+enum cli_exit cli_site(struct cli_daemon *daemon, const struct cli_arguments *arguments,
+                       struct cli_fault *fault);
 enum cli_exit cli_log(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                       struct cli_fault *fault);
 enum cli_exit cli_log_verify(struct cli_daemon *daemon, const struct cli_arguments *arguments,

@@ -6,6 +6,7 @@
 #include "drivers/terminal/words.h"
 #include "enroll/cli/client/state.h"
 #include "enroll/cli/doctor/remedy.h"
+#include "firmware/contract/contract.h"
 
 static const char *const check_names[] = {
     [CLI_CHECK_GOOD] = "ok",
@@ -225,6 +226,29 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
+/* Judges whether the metric has adapted to the people, if it shall. Reports nothing if an older
+ * daemon does not have this key. */
+static void judge_site(struct cli_diagnosis *diagnosis, const json_t *state)
+{
+    const char *word = cli_state_text(state, "site");
+    const json_int_t people = cli_state_number(state, "site-people", 0);
+    const json_int_t least = cli_state_number(state, "site-least", 0);
+    char found[128];
+
+    if (word && strcmp(word, ISO_CONTRACT_SITE_ADAPTED) == 0) {
+        (void)snprintf(found, sizeof found, "adapted to %" JSON_INTEGER_FORMAT " people", people);
+        add_good(diagnosis, "metric", found);
+    } else if (word && strcmp(word, ISO_CONTRACT_SITE_PROVISIONAL) == 0) {
+        (void)snprintf(found, sizeof found,
+                       "provisional: learned from %" JSON_INTEGER_FORMAT
+                       " of the %" JSON_INTEGER_FORMAT " people that it needs",
+                       people, least);
+        cli_diagnosis_add(diagnosis, "metric", CLI_CHECK_ODD, ISO_FAULT_SITE_PROVISIONAL, found);
+    } else if (word) {
+        add_good(diagnosis, "metric", "as shipped: adapt = no");
+    }
+}
+
 /* Reports nothing if an older daemon does not have this key. */
 static void judge_image_check(struct cli_diagnosis *diagnosis, const json_t *state)
 {
@@ -258,6 +282,7 @@ static const struct judgement {
     {.told = {"disk", "storage-fault", "storage-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
     {.told = {"counter", "counter-fault", "counter-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
     {.judge = judge_gallery},
+    {.judge = judge_site},
 };
 
 void cli_diagnosis_judge(struct cli_diagnosis *diagnosis, const json_t *state)

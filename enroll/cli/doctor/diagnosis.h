@@ -15,7 +15,7 @@ enum cli_check {
     CLI_CHECK_BAD,    /* it does not work */
 };
 
-enum { CLI_FINDINGS_MAX = 20 };
+enum { CLI_FINDINGS_MAX = 24 };
 
 struct cli_diagnosis {
     size_t n_findings;

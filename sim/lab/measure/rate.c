@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "core/base/proportion.h"
+
 double sim_rate_value(struct sim_rate rate)
 {
     return rate.trials > 0 ? (double)rate.events / (double)rate.trials : NAN;
@@ -21,57 +23,6 @@ struct sim_interval sim_rate_interval(struct sim_rate rate)
                                  rate.events == rate.trials ? 1.0 : middle + half};
 }
 
-/* The continued fraction of the incomplete beta function (DLMF 8.17.22) by the modified Lentz
- * algorithm (Thompson and Barnett 1986); converges fast for x < (a + 1) / (a + b + 2). */
-static double beta_fraction(double a, double b, double x)
-{
-    const double tiny = 1e-300;
-    double c = 1.0, d = 1.0 / fmax(1.0 - (a + b) * x / (a + 1.0), tiny), f = d;
-    for (int m = 1; m < 10000; m++) {
-        const double even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
-        const double odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
-        d = 1.0 / fmax(1.0 + even * d, tiny);
-        c = fmax(1.0 + even / c, tiny);
-        f *= c * d;
-        d = 1.0 / fmax(1.0 + odd * d, tiny);
-        c = fmax(1.0 + odd / c, tiny);
-        f *= c * d;
-        if (fabs(c * d - 1.0) < 1e-14) {
-            break;
-        }
-    }
-    return f;
-}
-
-static double log_gamma(double x)
-{
-    int sign; /* lgamma() itself writes a global */
-    return lgamma_r(x, &sign);
-}
-
-/* The distribution function of the beta distribution, 0 < x < 1. */
-static double beta_share(double a, double b, double x)
-{
-    const double front = exp(log_gamma(a + b) - log_gamma(a) - log_gamma(b) + a * log(x) +
-                             b * log1p(-x));
-    return x < (a + 1.0) / (a + b + 2.0) ? front * beta_fraction(a, b, x) / a
-                                         : 1.0 - front * beta_fraction(b, a, 1.0 - x) / b;
-}
-
-static double beta_quantile(double a, double b, double share)
-{
-    double low = 0.0, high = 1.0;
-    for (int i = 0; i < 60; i++) {
-        const double middle = 0.5 * (low + high);
-        if (beta_share(a, b, middle) < share) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return 0.5 * (low + high);
-}
-
 struct sim_interval sim_rate_exact_interval(struct sim_rate rate)
 {
     return sim_rate_effective_interval(sim_rate_value(rate), (double)rate.trials);
@@ -79,14 +30,8 @@ struct sim_interval sim_rate_exact_interval(struct sim_rate rate)
 
 struct sim_interval sim_rate_effective_interval(double rate, double trials)
 {
-    if (!(trials > 0.0)) {
-        return (struct sim_interval){0.0, 1.0};
-    }
-    const double events = rate * trials, others = (1.0 - rate) * trials;
-    return (struct sim_interval){
-        rate <= 0.0 ? 0.0 : beta_quantile(events, others + 1.0, 0.025),
-        rate >= 1.0 ? 1.0 : beta_quantile(events + 1.0, others, 0.975),
-    };
+    const struct iso_interval interval = iso_proportion_interval(rate, trials);
+    return (struct sim_interval){interval.low, interval.high};
 }
 
 double sim_rate_smallest(size_t trials)

@@ -73,9 +73,12 @@ struct fake_script {
     const char *last_record;       /* its members from "event" on; NULL: like the other records */
     /* Each ReadLog adds so many records and removes so many of the oldest. */
     unsigned records_come, records_go;
-    const char *picture; /* content of the file that Picture returns; NULL: "PNG" */
-    size_t picture_size; /* its length in bytes; 0: up to the NUL */
-    unsigned refused;    /* the first calls of ReadLog, so many, fail with TooManyCalls */
+    const char *picture;  /* content of the file that Picture returns; NULL: "PNG" */
+    size_t picture_size;  /* its length in bytes; 0: up to the NUL */
+    const char *site;     /* the word of "site"; NULL: "off" */
+    uint32_t site_people; /* people that the metric of the site has learned from */
+    bool site_estimated;  /* GetSite has error rates, and anna and Bo Ek look alike */
+    unsigned refused;     /* the first calls of ReadLog, so many, fail with TooManyCalls */
 };
 
 struct fake_daemon {

@@ -74,6 +74,9 @@ int fake_status_append(sd_bus_message *reply, const struct fake_script *script)
         r = sd_bus_message_append(reply, "{sv}", "door-realtime", "b", (int)!script->door_ordinary);
     }
     if (r >= 0) {
+        r = fake_site_append(reply, script);
+    }
+    if (r >= 0) {
         r = append_numbers(reply, script, templates);
     }
     return r < 0 ? r : sd_bus_message_close_container(reply);

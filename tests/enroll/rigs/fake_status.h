@@ -10,4 +10,7 @@
  * there is no fault. Returns 0 or a negative errno of sd_bus_message_append(). */
 int fake_status_append(sd_bus_message *reply, const struct fake_script *script);
 
+/* Appends the entries of the script's site to a dictionary that is open (fake_site.c). */
+int fake_site_append(sd_bus_message *reply, const struct fake_script *script);
+
 #endif

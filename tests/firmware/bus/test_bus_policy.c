@@ -38,6 +38,10 @@ static const struct {
     bool may[NO_GROUP + 1];
 } rules[] = {
     {ISO_CONTRACT_GET_STATUS, {true, true, true, true, false}},
+    {ISO_CONTRACT_GET_SITE, {true, true, true, true, false}},
+    {ISO_CONTRACT_LIST_LOOK_ALIKES, {false, false, true, true, false}},
+    {ISO_CONTRACT_RESET_SITE, {false, false, false, true, false}},
+    {ISO_CONTRACT_ROLL_BACK_SITE, {false, false, false, true, false}},
     {ISO_CONTRACT_AIM_START, {true, false, false, true, false}},
     {ISO_CONTRACT_AIM_STOP, {true, false, false, true, false}},
     {ISO_CONTRACT_CLAIM, {false, true, true, true, false}},

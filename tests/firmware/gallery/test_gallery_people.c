@@ -121,13 +121,15 @@ static void put(struct iso_gallery_db *db, const char *name, int face)
 {
     uint8_t bytes[ISO_TEMPLATE_BYTES_MAX];
     struct iso_person row = {.enrolled_s = face};
+    int64_t number = 0;
     const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
     const int size = iso_template_serialise(&tmpl, bytes, sizeof bytes);
     assert_true(size > 0);
     (void)snprintf(row.name, sizeof row.name, "%s", name);
     assert_int_equal(iso_gallery_db_put_person(db, &row, &row.id, NULL), 0);
-    assert_int_equal(
-        iso_gallery_db_put_template(db, row.id, PUPPET_ALGORITHM, bytes, (size_t)size, NULL), 0);
+    assert_int_equal(iso_gallery_db_put_template(db, row.id, PUPPET_ALGORITHM, bytes, (size_t)size,
+                                                 &number, NULL),
+                     0);
 }
 
 /* A gallery with both Ada and ada. */

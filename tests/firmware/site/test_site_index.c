@@ -9,71 +9,7 @@
 
 #include "core/match/metric_vector.h"
 #include "firmware/site/site_index.h"
-
-enum { DIMENSIONS = 12, PEOPLE = 8, TEMPLATES = 3 };
-
-static int set_up(void **state)
-{
-    const struct iso_metric shape = {
-        .landmarks = 1,
-        .n_radii = 2,
-        .n_points = 5,
-        .n_dimensions = DIMENSIONS,
-        .weight_min = 0.25f,
-        .gain = 0.5f,
-    };
-    struct iso_metric *metric = NULL;
-    assert_int_equal(iso_metric_new(&shape, &metric), 0);
-    for (int d = 0; d < DIMENSIONS; d++) {
-        metric->between[d] = 6.0f / (float)(d + 1);
-        metric->axis[2 * d * DIMENSIONS + d] = 1.0f;
-    }
-    *state = metric;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    iso_metric_free(*state);
-    return 0;
-}
-
-/* The vector of one template of a person. */
-static struct iso_metric_vector vector_of(const struct iso_metric *metric, int64_t person, int i)
-{
-    struct iso_metric_vector vector = {.n = 1};
-    struct iso_metric_steps steps;
-    for (int d = 0; d < DIMENSIONS; d++) {
-        const double own = sin(17.0 * (double)person + 3.0 * d), noise = sin(7.0 * i + 5.0 * d);
-        vector.mean[d] = (float)(1.5 + 2.0 * own + 0.7 * noise);
-    }
-    iso_metric_steps_fill(metric, &steps);
-    iso_metric_vector_judge(metric, &steps, &vector);
-    return vector;
-}
-
-static struct iso_site_index *new_index(const struct iso_metric *metric, bool adapt)
-{
-    struct iso_site_index *site = NULL;
-    assert_int_equal(iso_site_index_new(metric, adapt, &site), 0);
-    assert_int_equal(iso_site_index_start(site), 0);
-    return site;
-}
-
-static void add_template(struct iso_site_index *site, const struct iso_metric *metric,
-                         int64_t person, int i)
-{
-    const struct iso_metric_vector vector = vector_of(metric, person, i);
-    assert_int_equal(iso_site_index_reserve(site, 1), 0);
-    assert_int_equal(iso_site_index_add(site, person, &vector), 0);
-}
-
-static void add_person(struct iso_site_index *site, const struct iso_metric *metric, int64_t person)
-{
-    for (int i = 0; i < TEMPLATES; i++) {
-        add_template(site, metric, person, i);
-    }
-}
+#include "tests/firmware/site/site_rig.h"
 
 /* Shows the people who are here to the statistics, in the first pass or in the second one. */
 static void pass_people(struct iso_site *statistics, const struct iso_metric *metric,
@@ -82,7 +18,7 @@ static void pass_people(struct iso_site *statistics, const struct iso_metric *me
     struct iso_metric_vector captures[TEMPLATES];
     for (int p = 0; p < PEOPLE; p++) {
         for (int i = 0; i < TEMPLATES; i++) {
-            captures[i] = vector_of(metric, p, i);
+            captures[i] = site_rig_vector_of(metric, p, i);
         }
         if (is_here[p]) {
             assert_int_equal(second ? iso_site_review(statistics, captures, TEMPLATES)
@@ -112,7 +48,7 @@ static void expect_person(const struct iso_site_index *site, const struct iso_me
 {
     struct iso_metric_vector all = {.n = 0}, found, one;
     for (int i = 0; i < TEMPLATES; i++) {
-        one = vector_of(metric, person, i);
+        one = site_rig_vector_of(metric, person, i);
         if (adapted) {
             const struct iso_metric_vector shipped = one;
             iso_site_turn(adapted, &shipped, &one);
@@ -151,9 +87,9 @@ static void expect_adapted(struct iso_site_index *site, const struct iso_metric 
 static void two_people_do_not_adapt_it(void **state)
 {
     const struct iso_metric *metric = *state;
-    struct iso_site_index *site = new_index(metric, true);
-    add_person(site, metric, 0);
-    add_person(site, metric, 1);
+    struct iso_site_index *site = site_rig_new_index(metric, true);
+    site_rig_add_person(site, metric, 0);
+    site_rig_add_person(site, metric, 1);
     assert_int_equal(iso_site_index_settle(site), 0);
     const struct iso_site_state after = iso_site_index_state(site);
     assert_true(iso_site_is_provisional(after));
@@ -169,10 +105,10 @@ static void two_people_do_not_adapt_it(void **state)
 static void it_adapts_to_the_present_people(void **state)
 {
     const struct iso_metric *metric = *state;
-    struct iso_site_index *site = new_index(metric, true);
+    struct iso_site_index *site = site_rig_new_index(metric, true);
     bool is_here[PEOPLE] = {false};
     for (int p = 0; p < PEOPLE; p++) {
-        add_person(site, metric, p);
+        site_rig_add_person(site, metric, p);
         is_here[p] = true;
         if (p + 1 >= ISO_SITE_PEOPLE_MIN) {
             expect_adapted(site, metric, is_here);
@@ -195,11 +131,11 @@ static void it_adapts_to_the_present_people(void **state)
 static void the_order_does_not_matter(void **state)
 {
     const struct iso_metric *metric = *state;
-    struct iso_site_index *site = new_index(metric, true);
+    struct iso_site_index *site = site_rig_new_index(metric, true);
     bool is_here[PEOPLE];
     for (int i = 0; i < TEMPLATES; i++) {
         for (int p = PEOPLE - 1; p >= 0; p--) {
-            add_template(site, metric, p, i);
+            site_rig_add_template(site, metric, p, i);
             is_here[p] = true;
         }
     }
@@ -210,16 +146,16 @@ static void the_order_does_not_matter(void **state)
 static void a_change_is_there_at_once(void **state)
 {
     const struct iso_metric *metric = *state;
-    struct iso_site_index *site = new_index(metric, true);
+    struct iso_site_index *site = site_rig_new_index(metric, true);
     struct iso_metric_vector found;
     bool is_here[PEOPLE] = {true, true, true, false};
     for (int p = 0; p < 3; p++) {
-        add_person(site, metric, p);
+        site_rig_add_person(site, metric, p);
     }
     expect_adapted(site, metric, is_here);
     const struct iso_site_metric *before = iso_site_index_metric(site);
     const struct iso_metric *metric_before = before->metric;
-    add_person(site, metric, 3);
+    site_rig_add_person(site, metric, 3);
     iso_site_index_remove(site, 1);
     assert_ptr_equal(iso_site_index_metric(site)->metric, metric_before);
     expect_person(site, metric, before, 3);
@@ -234,19 +170,19 @@ static void a_change_is_there_at_once(void **state)
 static void it_follows_many_changes(void **state)
 {
     const struct iso_metric *metric = *state;
-    struct iso_site_index *site = new_index(metric, true);
+    struct iso_site_index *site = site_rig_new_index(metric, true);
     bool is_here[PEOPLE] = {false};
     int followed = 0;
     for (unsigned step = 0; step < 400; step++) {
         const int p = (int)(step * 2654435761U >> 16) % PEOPLE;
-        const struct iso_metric_vector shipped = vector_of(metric, p, 0);
+        const struct iso_metric_vector shipped = site_rig_vector_of(metric, p, 0);
         struct iso_metric_vector probe = shipped;
         struct iso_search_hit hits[PEOPLE];
         int n = 0, expected = 0;
         if (is_here[p]) {
             iso_site_index_remove(site, p);
         } else {
-            add_person(site, metric, p);
+            site_rig_add_person(site, metric, p);
         }
         is_here[p] = !is_here[p];
         followed += iso_site_index_follow(site);
@@ -267,7 +203,7 @@ static void it_follows_many_changes(void **state)
     assert_true(followed > 0);
     for (int p = 0; p < PEOPLE; p++) {
         if (!is_here[p]) {
-            add_person(site, metric, p);
+            site_rig_add_person(site, metric, p);
             is_here[p] = true;
         }
     }
@@ -278,15 +214,17 @@ static void it_follows_many_changes(void **state)
 static void it_keeps_the_shipped_metric_if_it_shall_not_adapt(void **state)
 {
     const struct iso_metric *metric = *state;
-    struct iso_site_index *site = new_index(metric, false);
+    struct iso_site_index *site = site_rig_new_index(metric, false);
     for (int p = 0; p < PEOPLE; p++) {
-        add_person(site, metric, p);
+        site_rig_add_person(site, metric, p);
     }
     assert_int_equal(iso_site_index_settle(site), 0);
     assert_false(iso_site_index_follow(site));
     const struct iso_site_state after = iso_site_index_state(site);
     assert_false(after.adapts || after.adapted || after.due || iso_site_is_provisional(after));
     assert_int_equal(after.summary.people, 0);
+    struct iso_site_estimate none;
+    assert_false(iso_site_index_estimate(site, &none));
     assert_null(iso_site_index_metric(site));
     expect_person(site, metric, NULL, 4);
     iso_site_index_remove(site, 4);
@@ -297,16 +235,16 @@ static void it_keeps_the_shipped_metric_if_it_shall_not_adapt(void **state)
 static void too_many_templates_change_nothing(void **state)
 {
     const struct iso_metric *metric = *state;
-    struct iso_site_index *site = new_index(metric, true);
+    struct iso_site_index *site = site_rig_new_index(metric, true);
     for (int p = 0; p < 3; p++) {
         for (int i = 0; i < ISO_INDEX_TEMPLATES_MAX; i++) {
-            add_template(site, metric, p, i);
+            site_rig_add_template(site, metric, p, i);
         }
     }
     assert_int_equal(iso_site_index_settle(site), 0);
-    const struct iso_metric_vector more = vector_of(metric, 1, 99);
+    const struct iso_metric_vector more = site_rig_vector_of(metric, 1, 99);
     assert_int_equal(iso_site_index_reserve(site, 1), 0);
-    assert_int_equal(iso_site_index_add(site, 1, &more), -EINVAL);
+    assert_int_equal(iso_site_index_add(site, 1, site_rig_number_of(1, 99), &more), -EINVAL);
     assert_false(iso_site_index_state(site).due);
     assert_false(iso_site_index_follow(site));
     iso_site_index_free(site);
@@ -315,7 +253,7 @@ static void too_many_templates_change_nothing(void **state)
 
 int main(void)
 {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, set_up, tear_down)
+#define TEST(f) cmocka_unit_test_setup_teardown(f, site_rig_set_up, site_rig_tear_down)
     const struct CMUnitTest tests[] = {
         TEST(two_people_do_not_adapt_it),
         TEST(it_adapts_to_the_present_people),

@@ -12,6 +12,7 @@
 
 #include "sim/door/level_report.h"
 #include "sim/door/shared_extraction.h"
+#include "sim/lab/measure/rate.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
 
@@ -48,21 +49,21 @@ static void people_and_strangers_are_counted_apart(void **state)
 {
     (void)state;
     const struct sim_level_counts counts = count(SIM_CROWD_PEOPLE);
-    assert_int_equal(counts.refused.visits.events, 2);
-    assert_int_equal(counts.refused.visits.trials, 3);
-    assert_int_equal(counts.strangers.visits.events, 1);
-    assert_int_equal(counts.strangers.visits.trials, 4);
-    assert_int_equal(counts.alike.visits.trials, 0);
+    assert_int_equal(counts.refused.errors, 2);
+    assert_int_equal(counts.refused.trials, 3);
+    assert_int_equal(counts.strangers.errors, 1);
+    assert_int_equal(counts.strangers.trials, 4);
+    assert_int_equal(counts.alike.trials, 0);
 }
 
 static void of_people_alike_only_strangers_count(void **state)
 {
     (void)state;
     const struct sim_level_counts counts = count(SIM_CROWD_ALIKE);
-    assert_int_equal(counts.refused.visits.trials, 0);
-    assert_int_equal(counts.strangers.visits.trials, 0);
-    assert_int_equal(counts.alike.visits.events, 1);
-    assert_int_equal(counts.alike.visits.trials, 4);
+    assert_int_equal(counts.refused.trials, 0);
+    assert_int_equal(counts.strangers.trials, 0);
+    assert_int_equal(counts.alike.errors, 1);
+    assert_int_equal(counts.alike.trials, 4);
 }
 
 static void corpora_add_up(void **state)
@@ -71,16 +72,16 @@ static void corpora_add_up(void **state)
     const struct sim_visit visits[] = {visit_of(&stranger, "ada")};
     struct sim_level_counts counts = count(SIM_CROWD_PEOPLE);
     sim_level_count(SIM_CROWD_PEOPLE, visits, 1, &counts);
-    assert_int_equal(counts.strangers.visits.events, 2);
-    assert_int_equal(counts.strangers.visits.trials, 5);
+    assert_int_equal(counts.strangers.errors, 2);
+    assert_int_equal(counts.strangers.trials, 5);
 }
 
 /* A rate of this many people, each with one visit. */
-static struct sim_people_rate one_visit_each(size_t errors, size_t people)
+static struct iso_people_rate one_visit_each(size_t errors, size_t people)
 {
-    struct sim_people_rate rate = {.people = 0};
+    struct iso_people_rate rate = {.people = 0};
     for (size_t i = 0; i < people; i++) {
-        sim_people_rate_add(&rate, (struct sim_rate){i < errors, 1});
+        iso_people_rate_add(&rate, i < errors, 1);
     }
     return rate;
 }
@@ -141,7 +142,7 @@ static void the_file_has_a_line_for_each(void **state)
 
 /* ---- intervals over people ---- */
 
-static void assert_interval(struct sim_interval a, struct sim_interval b)
+static void assert_interval(struct iso_interval a, struct sim_interval b)
 {
     assert_near(a.low, b.low, 1e-9);
     assert_near(a.high, b.high, 1e-9);
@@ -151,31 +152,31 @@ static void assert_interval(struct sim_interval a, struct sim_interval b)
  * visits of each say hardly more than one. If visits do not depend on people, they all count. */
 static void dependent_visits_say_less(void **state)
 {
-    struct sim_people_rate same = {.people = 0}, even = {.people = 0};
-    const struct sim_people_rate once = one_visit_each(3, 100);
+    struct iso_people_rate same = {.people = 0}, even = {.people = 0};
+    const struct iso_people_rate once = one_visit_each(3, 100);
     (void)state;
     for (size_t i = 0; i < 100; i++) {
-        sim_people_rate_add(&same, (struct sim_rate){i < 10 ? 10 : 0, 10});
-        sim_people_rate_add(&even, (struct sim_rate){1, 10});
+        iso_people_rate_add(&same, i < 10 ? 10 : 0, 10);
+        iso_people_rate_add(&even, 1, 10);
     }
-    assert_interval(sim_people_rate_interval(&once),
+    assert_interval(iso_people_rate_interval(&once),
                     sim_rate_exact_interval((struct sim_rate){3, 100}));
-    assert_near(sim_people_rate_effective(&same), 99.0, 1e-6);
-    assert_near(sim_people_rate_effective(&even), 1000.0, 1e-6);
-    assert_interval(sim_people_rate_interval(&even),
+    assert_near(iso_people_rate_effective(&same), 99.0, 1e-6);
+    assert_near(iso_people_rate_effective(&even), 1000.0, 1e-6);
+    assert_interval(iso_people_rate_interval(&even),
                     sim_rate_exact_interval((struct sim_rate){100, 1000}));
-    assert_true(sim_people_rate_interval(&same).high > 0.17);
+    assert_true(iso_people_rate_interval(&same).high > 0.17);
 }
 
 static void no_error_counts_people(void **state)
 {
-    struct sim_people_rate rate = {.people = 0};
+    struct iso_people_rate rate = {.people = 0};
     (void)state;
-    assert_interval(sim_people_rate_interval(&rate), (struct sim_interval){0.0, 1.0});
+    assert_interval(iso_people_rate_interval(&rate), (struct sim_interval){0.0, 1.0});
     for (size_t i = 0; i < 50; i++) {
-        sim_people_rate_add(&rate, (struct sim_rate){0, 4});
+        iso_people_rate_add(&rate, 0, 4);
     }
-    assert_interval(sim_people_rate_interval(&rate),
+    assert_interval(iso_people_rate_interval(&rate),
                     sim_rate_exact_interval((struct sim_rate){0, 50}));
 }
 
@@ -187,7 +188,7 @@ static void people_are_counted_once(void **state)
     assert_int_equal(counts.refused.people, 1);
     assert_int_equal(counts.strangers.people, 1);
     assert_near(counts.refused.errors_squared, 4.0, 0.0);
-    assert_near(counts.refused.visits_squared, 9.0, 0.0);
+    assert_near(counts.refused.trials_squared, 9.0, 0.0);
 }
 
 /* ---- templates that are shared ---- */

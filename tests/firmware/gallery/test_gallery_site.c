@@ -1,0 +1,146 @@
+/* A gallery whose metric adapts: which templates teach it stays what it was over a start, a
+ * rotation of keys and new numbers. */
+#include <errno.h>
+#include <sqlite3.h>
+
+#include "tests/firmware/rigs/cmocka_headers.h"
+
+#include "firmware/gallery/gallery.h"
+#include "tests/firmware/rigs/gallery_rig.h"
+#include "tests/firmware/rigs/puppets.h"
+#include "tests/support/scratch.h"
+
+/* A metric for the templates of the puppets. */
+static struct iso_metric *new_metric(void)
+{
+    const struct iso_template any = puppet_template(20, PUPPET_ALGORITHM);
+    const struct iso_metric shape = {
+        .algorithm = PUPPET_ALGORITHM,
+        .landmarks = 3,
+        .n_radii = any.n_radii,
+        .n_points = any.n_points,
+        .n_dimensions = 5,
+        .weight_min = 0.25f,
+        .gain = 1.0f,
+    };
+    struct iso_metric *metric = NULL;
+    assert_int_equal(iso_metric_new(&shape, &metric), 0);
+    for (int v = 0; v < metric->n_values; v++) {
+        metric->curve_mm[v] = (float)((v * 37) % 11);
+        metric->axis[v * 5 + v % 5] = 1.0f;
+    }
+    for (int d = 0; d < 5; d++) {
+        metric->between[d] = 2.0f;
+    }
+    return metric;
+}
+
+static struct iso_gallery *open_gallery(const char *directory, const struct iso_metric *metric,
+                                        bool adapt)
+{
+    struct iso_gallery_options options = stores_gallery(directory);
+    struct iso_gallery *gallery = NULL;
+    options.metric = metric;
+    options.adapt = adapt;
+    options.capacity = 8;
+    assert_int_equal(iso_gallery_open(&options, &gallery, NULL), 0);
+    return gallery;
+}
+
+static int version_of(const char *directory)
+{
+    sqlite3 *db = NULL;
+    sqlite3_stmt *query = NULL;
+    assert_int_equal(sqlite3_open(scratch_path(directory, "g.db"), &db), SQLITE_OK);
+    assert_int_equal(sqlite3_prepare_v2(db, "PRAGMA user_version", -1, &query, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_step(query), SQLITE_ROW);
+    const int version = sqlite3_column_int(query, 0);
+    (void)sqlite3_finalize(query);
+    (void)sqlite3_close(db);
+    return version;
+}
+
+static void expect_taken_back(struct iso_gallery *gallery,
+                              int (*act)(struct iso_gallery *, size_t *, struct iso_fault *),
+                              size_t expected)
+{
+    size_t n = 99;
+    assert_int_equal(act(gallery, &n, NULL), 0);
+    assert_int_equal(n, expected);
+}
+
+/* Ada, Ben and Cam, then a second template of Ada. Cam is removed, so that the enrolment of Cam is
+ * passed over. */
+static void it_rolls_back_enrolment_by_enrolment(void **state)
+{
+    struct iso_metric *metric = new_metric();
+    struct iso_gallery *gallery = open_gallery(*state, metric, true);
+    assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);
+    assert_int_equal(gallery_rig_add(gallery, "ben", 40, NULL), 0);
+    assert_int_equal(gallery_rig_add(gallery, "cam", 60, NULL), 0);
+    assert_int_equal(gallery_rig_add(gallery, "ada", 22, NULL), 0);
+    assert_int_equal(iso_gallery_remove(gallery, "cam", NULL), 0);
+    expect_taken_back(gallery, iso_gallery_roll_back_site, 1);
+    iso_gallery_close(gallery);
+
+    gallery = open_gallery(*state, metric, true);
+    assert_int_equal(iso_gallery_site_excluded(gallery), 1);
+    expect_taken_back(gallery, iso_gallery_roll_back_site, 1);
+    assert_int_equal(iso_gallery_rotate(gallery, NULL, NULL), 0);
+    expect_taken_back(gallery, iso_gallery_roll_back_site, 1);
+    expect_taken_back(gallery, iso_gallery_roll_back_site, 0);
+    assert_int_equal(iso_gallery_site_excluded(gallery), 3);
+    assert_int_equal(iso_gallery_find(gallery, "ada")->usable, 2);
+    iso_gallery_close(gallery);
+    assert_int_equal(version_of(*state), ISO_GALLERY_SCHEMA);
+    iso_metric_free(metric);
+}
+
+/* Ada gets another number when the learned template is deleted. Ben, enrolled later, teaches. */
+static void people_with_new_numbers_stay_excluded(void **state)
+{
+    struct iso_metric *metric = new_metric();
+    struct iso_gallery *gallery = open_gallery(*state, metric, true);
+    struct iso_template learned = puppet_template(22, PUPPET_ALGORITHM);
+    size_t n = 0;
+    learned.learned = true;
+    assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);
+    const struct iso_person ada = *iso_gallery_find(gallery, "ada");
+    assert_int_equal(iso_gallery_add(gallery, &ada, &learned, NULL), 0);
+    expect_taken_back(gallery, iso_gallery_reset_site, 2);
+    expect_taken_back(gallery, iso_gallery_reset_site, 0);
+    assert_int_equal(gallery_rig_add(gallery, "ben", 40, NULL), 0);
+    assert_int_equal(iso_gallery_forget_learned(gallery, &n, NULL), 0);
+    assert_int_equal(n, 1);
+    assert_true(iso_gallery_find(gallery, "ada")->id != ada.id);
+    assert_int_equal(iso_gallery_site_excluded(gallery), 1);
+    expect_taken_back(gallery, iso_gallery_roll_back_site, 0);
+    expect_taken_back(gallery, iso_gallery_reset_site, 1);
+    iso_gallery_close(gallery);
+    iso_metric_free(metric);
+}
+
+static void a_gallery_that_does_not_adapt_keeps_its_version(void **state)
+{
+    struct iso_metric *metric = new_metric();
+    struct iso_gallery *gallery = open_gallery(*state, metric, false);
+    size_t n = 0;
+    assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);
+    assert_int_equal(iso_gallery_reset_site(gallery, &n, NULL), -EINVAL);
+    assert_int_equal(iso_gallery_roll_back_site(gallery, &n, NULL), -EINVAL);
+    assert_int_equal(iso_gallery_site_excluded(gallery), 0);
+    iso_gallery_close(gallery);
+    assert_int_equal(version_of(*state), ISO_GALLERY_SCHEMA_SEALED);
+    iso_metric_free(metric);
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(it_rolls_back_enrolment_by_enrolment),
+        TEST(people_with_new_numbers_stay_excluded),
+        TEST(a_gallery_that_does_not_adapt_keeps_its_version),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

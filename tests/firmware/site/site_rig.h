@@ -1,0 +1,30 @@
+/* Functions that the tests of the site's index share: a metric of a few dimensions, and people
+ * whose vectors are given by their number. */
+#ifndef TESTS_FIRMWARE_SITE_SITE_RIG_H
+#define TESTS_FIRMWARE_SITE_SITE_RIG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "firmware/site/site_index.h"
+
+enum { DIMENSIONS = 12, PEOPLE = 8, TEMPLATES = 3 };
+
+/* cmocka set-up and tear-down of a test: *state becomes the metric. */
+int site_rig_set_up(void **state);
+int site_rig_tear_down(void **state);
+
+/* The vector of template i of a person, by the metric; and the number of the template. */
+struct iso_metric_vector site_rig_vector_of(const struct iso_metric *metric, int64_t person, int i);
+uint64_t site_rig_number_of(int64_t person, int i);
+
+/* Makes an index of nobody and starts it. */
+struct iso_site_index *site_rig_new_index(const struct iso_metric *metric, bool adapt);
+
+/* Adds a template, or all TEMPLATES templates, of a person. */
+void site_rig_add_template(struct iso_site_index *site, const struct iso_metric *metric,
+                           int64_t person, int i);
+void site_rig_add_person(struct iso_site_index *site, const struct iso_metric *metric,
+                         int64_t person);
+
+#endif
