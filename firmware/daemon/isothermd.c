@@ -1,6 +1,7 @@
 /* The daemon: options, and exit codes. */
 #include <errno.h>
 #include <getopt.h>
+#include <malloc.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -247,11 +248,21 @@ static int obey_options(int argc, char **argv)
     return run_daemon(&arguments);
 }
 
+/* A freed block of at least this size goes back to the kernel at once. By default the C library
+ * raises the size up to 32 MiB, and then keeps the memory in which large galleries and statistics
+ * were computed: 7 MiB with 10,000 people. */
+static void return_large_blocks(void)
+{
+    enum { LARGE_BYTES = 128 << 10 };
+    (void)mallopt(M_MMAP_THRESHOLD, LARGE_BYTES);
+}
+
 /* New files belong to their owner alone, whatever umask was inherited. A umask that removes the
  * owner's own rights would leave files that the next start cannot open. */
 int main(int argc, char **argv)
 {
     (void)umask(S_IRWXG | S_IRWXO);
+    return_large_blocks();
     const int code = iso_limits_check("isothermd") ? EXIT_FAULT : obey_options(argc, argv);
     return iso_output_end("isothermd") && code == EXIT_OK ? EXIT_FAULT : code;
 }

@@ -8,16 +8,17 @@
 
 #include "core/base/fault.h"
 #include "core/match/search.h"
-#include "core/match/site.h"
+#include "firmware/site/site_index.h"
 #include "isotherm/index.h"
 
 /* All zero: there are no candidates. */
 struct iso_candidate_list {
     const struct iso_search_entry *entries; /* the entries of one person are consecutive */
     int n_entries;
-    const struct iso_index *index;      /* if not NULL, it is used instead of the entries */
-    const struct iso_site_metric *site; /* the metric of the index; NULL: the shipped one */
-    int64_t person;                     /* only this person of the index; 0: all people */
+    const struct iso_index *index;     /* if not NULL, it is used instead of the entries */
+    const struct iso_site_index *site; /* the site of the index (site_index.h), whose metric gives
+                                          the best people their scores; NULL: the index does */
+    int64_t person;                    /* only this person of the index; 0: all people */
 
     /* OPTIONAL, with an index: a function that opens the templates of one of its people, as
      * iso_gallery_templates does, and a number that changes whenever they may have changed. NULL:

@@ -57,7 +57,7 @@ struct iso_candidate_list iso_gallery_everybody(struct iso_gallery *gallery)
         .entries = gallery->memory.entries,
         .n_entries = (int)gallery->memory.n_entries,
         .index = index,
-        .site = index ? iso_site_index_metric(site) : NULL,
+        .site = site,
         .templates = open_templates,
         .owner = gallery,
         .version = iso_gallery_version(gallery).changes,

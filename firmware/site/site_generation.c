@@ -38,9 +38,8 @@ void iso_site_shared_forget(struct iso_site_shared *shared, int64_t person)
 
 void iso_site_generation_free(struct iso_site_generation *generation)
 {
-    iso_index_free(generation->index);
     iso_site_shared_free(generation->shared);
-    *generation = (struct iso_site_generation){.index = NULL};
+    *generation = (struct iso_site_generation){.shared = NULL};
 }
 
 static int adapt(const struct iso_site_work *work, const struct iso_site *statistics,
@@ -96,8 +95,7 @@ static int collect_statistics(struct iso_site_work *work, struct iso_site *stati
     return error ? error : pass_people(work, statistics, true);
 }
 
-/* Computes the statistics and the metric. The statistics of many people are large, so they are
- * freed before the index is made. */
+/* Computes the statistics and the metric. */
 static int compute_metric(struct iso_site_work *work, struct iso_site_generation *out)
 {
     struct iso_site *statistics = NULL;
@@ -115,8 +113,6 @@ static int compute_metric(struct iso_site_work *work, struct iso_site_generation
     return error;
 }
 
-/* ---- the index ---- */
-
 void iso_site_capture(const struct iso_site_work *work, const struct iso_site_shared *shared,
                       const struct iso_metric_vector *capture, struct iso_metric_vector *out)
 {
@@ -128,58 +124,9 @@ void iso_site_capture(const struct iso_site_work *work, const struct iso_site_sh
     }
 }
 
-/* Computes the vector of the person who was read, by the metric of the generation. */
-static int put_person(const struct iso_site_work *work,
-                      const struct iso_site_generation *generation)
-{
-    struct iso_metric_vector all = {.n = 0}, one;
-    const struct iso_metric *metric = generation->shared ? generation->shared->adapted.metric
-                                                         : work->metric;
-    for (int i = 0; i < work->person.n; i++) {
-        iso_site_capture(work, generation->shared, &work->person.captures[i], &one);
-        iso_metric_vector_add(metric, &one, &all);
-    }
-    const int error = iso_index_put(generation->index, work->person.number, &all);
-    explicit_bzero(&all, sizeof all);
-    explicit_bzero(&one, sizeof one);
-    return error;
-}
-
-/* Counts the people, so that the index gets room for them and not for more. */
-static int count_people(struct iso_site_work *work, size_t *n)
-{
-    size_t at = 0;
-    int more;
-    for (*n = 0; (more = read_next(work, false, &at)) > 0; ++*n) {
-    }
-    return more;
-}
-
-static int fill_index(struct iso_site_work *work, struct iso_site_generation *generation)
-{
-    size_t n = 0, at = 0;
-    int error = count_people(work, &n);
-    if (!error) {
-        error = iso_index_new(generation->shared ? generation->shared->adapted.metric
-                                                 : work->metric,
-                              &generation->index);
-    }
-    if (!error) {
-        error = iso_index_reserve(generation->index, n);
-    }
-    int more = 1;
-    while (!error && (more = read_next(work, false, &at)) > 0) {
-        error = put_person(work, generation);
-    }
-    return error ? error : more;
-}
-
 int iso_site_generation_make(struct iso_site_work *work, struct iso_site_generation *out)
 {
-    int error = compute_metric(work, out);
-    if (!error) {
-        error = fill_index(work, out);
-    }
+    const int error = compute_metric(work, out);
     explicit_bzero(&work->person, sizeof work->person);
     if (error) {
         iso_site_generation_free(out);

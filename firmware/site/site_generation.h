@@ -1,5 +1,5 @@
-/* A metric that is adapted to the people of a site, and the index by it. Internal to
- * firmware/site; the thread of site_index.h computes them. */
+/* A metric that is adapted to the people of a site. Internal to firmware/site; the thread of
+ * site_index.h computes it. */
 #ifndef ISO_FIRMWARE_SITE_SITE_GENERATION_H
 #define ISO_FIRMWARE_SITE_SITE_GENERATION_H
 
@@ -42,7 +42,6 @@ struct iso_site_shared {
 
 struct iso_site_generation {
     struct iso_site_shared *shared; /* NULL: the shipped metric */
-    struct iso_index *index;
     struct iso_site_summary summary;
 };
 
@@ -54,7 +53,7 @@ struct iso_site_work {
     struct iso_site_person person; /* room for the person who is read */
 };
 
-/* Computes the statistics, the metric and the index. -ECANCELED if the people have changed, -EDOM,
+/* Computes the statistics and the metric. -ECANCELED if the people have changed, -EDOM,
  * -ENOMEM; then *out is all zero. The person is wiped at the end. */
 int iso_site_generation_make(struct iso_site_work *work, struct iso_site_generation *out)
     __attribute__((warn_unused_result));

@@ -20,13 +20,14 @@ struct job {
 struct iso_site_index {
     const struct iso_metric *metric;
     bool adapt;
-    struct iso_site_generation current; /* the thread does not use it */
-    struct job job;                     /* only the thread uses it */
+    struct iso_index *index; /* the thread does not use it, nor the next one */
+    struct iso_site_generation current;
+    struct job job; /* only the thread uses it */
     pthread_t thread;
     bool running;
     pthread_mutex_t mutex; /* protects all members below; held for microseconds */
     pthread_cond_t changed;
-    struct iso_site_rows rows;
+    struct iso_site_rows rows;     /* the thread only reads them; see iso_site_index_person() */
     struct iso_site_record record; /* which of them teach */
     uint64_t version;              /* counts the changes of the rows and the record */
     uint64_t computed;             /* the version that the thread has finished */
@@ -95,7 +96,7 @@ static void run_estimate(struct iso_site_index *site, struct iso_site_shared *me
  * and on return. */
 static void run_job(struct iso_site_index *site)
 {
-    struct iso_site_generation made = {.index = NULL};
+    struct iso_site_generation made = {.shared = NULL};
     site->job.version = site->version;
     (void)pthread_mutex_unlock(&site->mutex);
     const int error = iso_site_generation_make(&site->job.work, &made);
@@ -133,7 +134,7 @@ static void *run_thread(void *context)
 int iso_site_index_new(const struct iso_metric *metric, bool adapt, struct iso_site_index **out)
 {
     struct iso_site_index *site = calloc(1, sizeof *site);
-    if (!site || iso_index_new(metric, &site->current.index)) {
+    if (!site || iso_index_new(metric, &site->index)) {
         free(site);
         return -ENOMEM;
     }
@@ -172,6 +173,7 @@ void iso_site_index_free(struct iso_site_index *site)
         (void)pthread_mutex_unlock(&site->mutex);
         (void)pthread_join(site->thread, NULL);
     }
+    iso_index_free(site->index);
     iso_site_generation_free(&site->current);
     iso_site_generation_free(&site->ready);
     iso_site_rows_free(&site->rows);
@@ -184,7 +186,7 @@ void iso_site_index_free(struct iso_site_index *site)
 
 int iso_site_index_reserve(struct iso_site_index *site, size_t n)
 {
-    int error = iso_index_reserve(site->current.index, iso_index_size(site->current.index) + 1);
+    int error = iso_index_reserve(site->index, iso_index_size(site->index) + 1);
     if (!error && site->adapt) {
         (void)pthread_mutex_lock(&site->mutex);
         error = iso_site_rows_reserve(&site->rows, n);
@@ -202,7 +204,7 @@ static struct iso_site_generation begin_change(struct iso_site_index *site)
     site->version++;
     site->is_ready = false;
     site->is_estimated = false;
-    site->ready = (struct iso_site_generation){.index = NULL};
+    site->ready = (struct iso_site_generation){.shared = NULL};
     return outdated;
 }
 
@@ -216,12 +218,7 @@ static void end_change(struct iso_site_index *site, struct iso_site_generation *
 int iso_site_index_add(struct iso_site_index *site, int64_t person, uint64_t number,
                        const struct iso_metric_vector *vector)
 {
-    struct iso_metric_vector turned = *vector;
-    if (site->current.shared) {
-        iso_site_turn(&site->current.shared->adapted, vector, &turned);
-    }
-    const int error = iso_index_add(site->current.index, person, &turned);
-    explicit_bzero(&turned, sizeof turned);
+    const int error = iso_index_add(site->index, person, vector);
     if (!error && site->adapt) {
         struct iso_site_generation outdated = begin_change(site);
         iso_site_rows_insert(&site->rows, person, number, vector);
@@ -233,7 +230,7 @@ int iso_site_index_add(struct iso_site_index *site, int64_t person, uint64_t num
 void iso_site_index_remove(struct iso_site_index *site, int64_t person)
 {
     /* A person without a vector is not in the index. */
-    if (iso_index_remove(site->current.index, person) == 0 && site->adapt) {
+    if (iso_index_remove(site->index, person) == 0 && site->adapt) {
         iso_site_shared_forget(site->current.shared, person);
         struct iso_site_generation outdated = begin_change(site);
         iso_site_rows_remove(&site->rows, person);
@@ -262,17 +259,19 @@ size_t iso_site_index_count(struct iso_site_index *site, uint64_t first, bool te
 
 /* ---- the generation in use ---- */
 
-/* Takes over the generation that waits. The mutex is held. */
-static struct iso_site_generation take_ready(struct iso_site_index *site)
+/* Takes over the generation that waits, if one does. *before receives the one that was in use. The
+ * mutex is held. */
+static bool take_ready(struct iso_site_index *site, struct iso_site_generation *before)
 {
-    struct iso_site_generation before = {.index = NULL};
-    if (site->is_ready) {
-        before = site->current;
-        site->current = site->ready;
-        site->ready = (struct iso_site_generation){.index = NULL};
-        site->is_ready = false;
+    *before = (struct iso_site_generation){.shared = NULL};
+    if (!site->is_ready) {
+        return false;
     }
-    return before;
+    *before = site->current;
+    site->current = site->ready;
+    site->ready = (struct iso_site_generation){.shared = NULL};
+    site->is_ready = false;
+    return true;
 }
 
 bool iso_site_index_follow(struct iso_site_index *site)
@@ -280,21 +279,46 @@ bool iso_site_index_follow(struct iso_site_index *site)
     if (!site->running || pthread_mutex_trylock(&site->mutex)) {
         return false;
     }
-    struct iso_site_generation before = take_ready(site);
+    struct iso_site_generation before;
+    const bool followed = take_ready(site, &before);
     (void)pthread_mutex_unlock(&site->mutex);
-    const bool followed = before.index != NULL;
     iso_site_generation_free(&before);
     return followed;
 }
 
 const struct iso_index *iso_site_index_current(const struct iso_site_index *site)
 {
-    return site->current.index;
+    return site->index;
 }
 
 const struct iso_site_metric *iso_site_index_metric(const struct iso_site_index *site)
 {
     return site->current.shared ? &site->current.shared->adapted : NULL;
+}
+
+/* Only this thread changes the rows, so it reads them without the mutex. */
+int iso_site_index_person(const struct iso_site_index *site, int64_t person,
+                          struct iso_metric_vector *out)
+{
+    const struct iso_site_rows *rows = &site->rows;
+    const struct iso_site_shared *shared = site->current.shared;
+    struct iso_metric_vector capture, one;
+    if (!shared) {
+        return iso_index_find(site->index, person, out);
+    }
+    size_t at = iso_site_rows_find(rows, person);
+    if (at == rows->n || rows->person[at] != person) {
+        return -ENOENT;
+    }
+    *out = (struct iso_metric_vector){.n = 0};
+    for (; at < rows->n && rows->person[at] == person; at++) {
+        iso_site_rows_get(rows, at, &capture);
+        iso_site_turn(&shared->adapted, &capture, &one);
+        iso_metric_vector_add(shared->adapted.metric, &one, out);
+    }
+    explicit_bzero(&capture, sizeof capture);
+    explicit_bzero(&one, sizeof one);
+    return 0;
 }
 
 int iso_site_index_settle(struct iso_site_index *site)
@@ -306,7 +330,8 @@ int iso_site_index_settle(struct iso_site_index *site)
     while (site->computed != site->version) {
         (void)pthread_cond_wait(&site->changed, &site->mutex);
     }
-    struct iso_site_generation before = take_ready(site);
+    struct iso_site_generation before;
+    (void)take_ready(site, &before);
     const int error = site->error;
     (void)pthread_mutex_unlock(&site->mutex);
     iso_site_generation_free(&before);

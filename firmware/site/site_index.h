@@ -1,10 +1,13 @@
 /* An index of the people of a site, by a metric that is adapted to them (core/match/site.h).
  *
+ * The index itself is by the shipped metric: it finds the people who look most like a probe. The
+ * adapted metric then gives these few people their scores (iso_site_index_person). So there is only
+ * one index, and a new metric needs no new one.
+ *
  * This object keeps the vectors of all templates by the shipped metric. After every change of
- * people, its thread computes the statistics of the site from all vectors, then the adapted metric,
- * then a new index by that metric. Until the new index is complete, searches use the old index. The
- * change is made in the old index at once, by the old metric. iso_site_index_follow() takes the new
- * metric and the new index into use together. So a search never waits for the thread.
+ * people, its thread computes the statistics of the site from all vectors, and then the adapted
+ * metric. Until it is complete, searches use the metric before. iso_site_index_follow() takes the
+ * new metric into use. So a search never waits for the thread.
  *
  * The result depends only on the templates that are enrolled now, and on which of them may teach.
  * It does not depend on the order in which people were added and removed, and contains nothing of
@@ -76,15 +79,21 @@ void iso_site_index_set_record(struct iso_site_index *site, const struct iso_sit
  * not. 0 without `adapt`. */
 size_t iso_site_index_count(struct iso_site_index *site, uint64_t first, bool teaching);
 
-/* Takes a new metric and its index into use, if they are complete. Returns whether it did. Never
- * waits. */
+/* Takes a new metric into use, if it is complete. Returns whether it did. Never waits. */
 bool iso_site_index_follow(struct iso_site_index *site);
 
-/* The index to search in. Valid until people change or iso_site_index_follow() is called. */
+/* The index to search in, by the shipped metric. Valid until people change. */
 const struct iso_index *iso_site_index_current(const struct iso_site_index *site);
 
-/* The adapted metric of that index, or NULL if it is by the shipped metric. */
+/* The adapted metric in use; NULL if it is the shipped one. Valid until people change or
+ * iso_site_index_follow() is called. */
 const struct iso_site_metric *iso_site_index_metric(const struct iso_site_index *site);
+
+/* Computes the vector of a person, of all templates together, by the metric in use. The vectors of
+ * the templates are rounded (site_rows.h), unless the metric is the shipped one. Takes some ten
+ * microseconds a template. -ENOENT if nobody has this number. */
+int iso_site_index_person(const struct iso_site_index *site, int64_t person,
+                          struct iso_metric_vector *out) __attribute__((warn_unused_result));
 
 /* Waits until the thread has computed the metric of the present people, and takes it into use. For
  * programs that are not in a hurry. Returns the error of the state. */

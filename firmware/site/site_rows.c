@@ -1,14 +1,28 @@
 #include "firmware/site/site_rows.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/base/wipe.h"
 
-static float *mean_at(const struct iso_site_rows *rows, size_t at)
+static int8_t *mean_at(const struct iso_site_rows *rows, size_t at)
 {
     return &rows->mean[at * rows->width];
+}
+
+/* Moves the rows to the arrays of `larger`, and frees the old ones. */
+static void move_to(struct iso_site_rows *rows, const struct iso_site_rows *larger)
+{
+    if (rows->n > 0) {
+        memcpy(larger->person, rows->person, rows->n * sizeof *rows->person);
+        memcpy(larger->number, rows->number, rows->n * sizeof *rows->number);
+        memcpy(larger->unit, rows->unit, rows->n * sizeof *rows->unit);
+        memcpy(larger->mean, rows->mean, rows->n * rows->width * sizeof *rows->mean);
+    }
+    iso_site_rows_free(rows);
+    *rows = *larger;
 }
 
 int iso_site_rows_reserve(struct iso_site_rows *rows, size_t n)
@@ -19,37 +33,26 @@ int iso_site_rows_reserve(struct iso_site_rows *rows, size_t n)
     /* Not realloc, which would leave a copy in the old memory. */
     const size_t doubled = rows->capacity ? 2 * rows->capacity : 16;
     const size_t capacity = rows->n + n > doubled ? rows->n + n : doubled;
-    int64_t *person = calloc(capacity, sizeof *person);
-    uint64_t *number = calloc(capacity, sizeof *number);
-    float *mean = calloc(capacity, rows->width * sizeof *mean);
-    if (!person || !number || !mean) {
-        free(person);
-        free(number);
-        free(mean);
+    struct iso_site_rows larger = {.width = rows->width, .n = rows->n, .capacity = capacity};
+    larger.person = calloc(capacity, sizeof *larger.person);
+    larger.number = calloc(capacity, sizeof *larger.number);
+    larger.unit = calloc(capacity, sizeof *larger.unit);
+    larger.mean = calloc(capacity, rows->width * sizeof *larger.mean);
+    if (!larger.person || !larger.number || !larger.unit || !larger.mean) {
+        iso_site_rows_free(&larger);
         return -ENOMEM;
     }
-    if (rows->n > 0) {
-        memcpy(person, rows->person, rows->n * sizeof *person);
-        memcpy(number, rows->number, rows->n * sizeof *number);
-        memcpy(mean, rows->mean, rows->n * rows->width * sizeof *mean);
-    }
-    iso_wipe_free(rows->person);
-    iso_wipe_free(rows->number);
-    iso_wipe_free(rows->mean);
-    rows->person = person;
-    rows->number = number;
-    rows->mean = mean;
-    rows->capacity = capacity;
+    move_to(rows, &larger);
     return 0;
 }
 
-/* The first row of a person with a number above this one. */
-static size_t first_behind(const struct iso_site_rows *rows, int64_t person)
+/* The first row whose person has at least this number. */
+static size_t lower_bound(const struct iso_site_rows *rows, int64_t person)
 {
     size_t low = 0, high = rows->n;
     while (low < high) {
         const size_t middle = (low + high) / 2;
-        if (rows->person[middle] <= person) {
+        if (rows->person[middle] < person) {
             low = middle + 1;
         } else {
             high = middle;
@@ -58,40 +61,84 @@ static size_t first_behind(const struct iso_site_rows *rows, int64_t person)
     return low;
 }
 
+/* The row behind those of a person. */
+static size_t end_of(const struct iso_site_rows *rows, int64_t person)
+{
+    size_t at = lower_bound(rows, person);
+    while (at < rows->n && rows->person[at] == person) {
+        at++;
+    }
+    return at;
+}
+
+size_t iso_site_rows_find(const struct iso_site_rows *rows, int64_t person)
+{
+    return lower_bound(rows, person);
+}
+
 /* Moves all rows from `from` to the end, so that they begin at `to`. */
 static void move_rows(struct iso_site_rows *rows, size_t from, size_t to)
 {
     const size_t n = rows->n - from;
     memmove(&rows->person[to], &rows->person[from], n * sizeof *rows->person);
     memmove(&rows->number[to], &rows->number[from], n * sizeof *rows->number);
+    memmove(&rows->unit[to], &rows->unit[from], n * sizeof *rows->unit);
     memmove(mean_at(rows, to), mean_at(rows, from), n * rows->width * sizeof *rows->mean);
+}
+
+/* The smallest power of two of which 127 reach the largest number; 1 for zeros alone. */
+static float unit_of(const float *mean, size_t n)
+{
+    float largest = 0.0f;
+    int exponent;
+    for (size_t d = 0; d < n; d++) {
+        largest = isfinite(mean[d]) ? fmaxf(largest, fabsf(mean[d])) : largest;
+    }
+    const float fraction = frexpf(largest / 127.0f, &exponent);
+    return fraction > 0.0f ? ldexpf(1.0f, fraction > 0.5f ? exponent : exponent - 1) : 1.0f;
+}
+
+static void set_row(struct iso_site_rows *rows, size_t at, const float *mean)
+{
+    const float unit = unit_of(mean, rows->width);
+    int8_t *row = mean_at(rows, at);
+    rows->unit[at] = unit;
+    for (size_t d = 0; d < rows->width; d++) {
+        row[d] = isfinite(mean[d]) ? (int8_t)lrintf(mean[d] / unit) : 0;
+    }
 }
 
 void iso_site_rows_insert(struct iso_site_rows *rows, int64_t person, uint64_t number,
                           const struct iso_metric_vector *vector)
 {
-    const size_t at = first_behind(rows, person);
+    const size_t at = end_of(rows, person);
     move_rows(rows, at, at + 1);
     rows->n++;
     rows->person[at] = person;
     rows->number[at] = number;
-    memcpy(mean_at(rows, at), vector->mean, rows->width * sizeof *rows->mean);
+    set_row(rows, at, vector->mean);
 }
 
 void iso_site_rows_remove(struct iso_site_rows *rows, int64_t person)
 {
-    const size_t end = first_behind(rows, person);
-    size_t first = end;
-    while (first > 0 && rows->person[first - 1] == person) {
-        first--;
-    }
+    const size_t first = lower_bound(rows, person), end = end_of(rows, person);
     const size_t gone = end - first;
     if (gone > 0) {
         move_rows(rows, end, first);
         rows->n -= gone;
         explicit_bzero(&rows->person[rows->n], gone * sizeof *rows->person);
         explicit_bzero(&rows->number[rows->n], gone * sizeof *rows->number);
+        explicit_bzero(&rows->unit[rows->n], gone * sizeof *rows->unit);
         explicit_bzero(mean_at(rows, rows->n), gone * rows->width * sizeof *rows->mean);
+    }
+}
+
+void iso_site_rows_get(const struct iso_site_rows *rows, size_t at, struct iso_metric_vector *out)
+{
+    const int8_t *row = mean_at(rows, at);
+    *out = (struct iso_metric_vector){.n = 1};
+    for (size_t d = 0; d < rows->width; d++) {
+        out->mean[d] = rows->unit[at] * (float)row[d];
     }
 }
 
@@ -102,8 +149,7 @@ int iso_site_rows_copy(const struct iso_site_rows *rows, const struct iso_site_r
     size_t at = first;
     for (; at < rows->n && rows->person[at] == rows->person[first]; at++) {
         if (n < capacity && (!teaching || iso_site_record_teaches(teaching, rows->number[at]))) {
-            out[n] = (struct iso_metric_vector){.n = 1};
-            memcpy(out[n++].mean, mean_at(rows, at), rows->width * sizeof *rows->mean);
+            iso_site_rows_get(rows, at, &out[n++]);
         }
     }
     *next = at;
@@ -114,6 +160,7 @@ void iso_site_rows_free(struct iso_site_rows *rows)
 {
     iso_wipe_free(rows->person);
     iso_wipe_free(rows->number);
+    iso_wipe_free(rows->unit);
     iso_wipe_free(rows->mean);
     *rows = (struct iso_site_rows){.width = rows->width};
 }

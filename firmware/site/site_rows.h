@@ -1,5 +1,11 @@
 /* The vectors of all templates by the shipped metric: one row for each template, sorted by person.
- * Two threads must not use it at the same time. Biometric data. */
+ *
+ * A number of a vector takes one byte: it is rounded to a multiple of the row's unit, which is the
+ * smallest power of two with which the largest number fits. Vectors of real people reach about 12
+ * standard deviations within a person, so that the error of rounding has a standard deviation of
+ * 0.04. A vector that is rounded once more stays the same.
+ *
+ * Two threads must not change it at the same time. Biometric data. */
 #ifndef ISO_FIRMWARE_SITE_SITE_ROWS_H
 #define ISO_FIRMWARE_SITE_SITE_ROWS_H
 
@@ -16,18 +22,26 @@ struct iso_site_rows {
     size_t capacity;  /* rows that there is room for */
     int64_t *person;  /* [capacity], rising */
     uint64_t *number; /* [capacity]: of the template (site_record.h) */
-    float *mean;      /* [capacity][width] */
+    float *unit;      /* [capacity] */
+    int8_t *mean;     /* [capacity][width]: in units, -127..127 */
 };
 
 /* Makes room for n more rows. -ENOMEM. */
 int iso_site_rows_reserve(struct iso_site_rows *rows, size_t n) __attribute__((warn_unused_result));
 
-/* Inserts a row behind the last one of its person. The caller has made room. */
+/* Inserts a row behind the last one of its person. The caller has made room. A number of the vector
+ * that is not finite counts as zero. */
 void iso_site_rows_insert(struct iso_site_rows *rows, int64_t person, uint64_t number,
                           const struct iso_metric_vector *vector);
 
 /* Removes and wipes the rows of a person. */
 void iso_site_rows_remove(struct iso_site_rows *rows, int64_t person);
+
+/* The first row of a person; rows->n or a row of somebody else if there is none. */
+size_t iso_site_rows_find(const struct iso_site_rows *rows, int64_t person);
+
+/* Copies a row. Sets only n and mean of the vector. */
+void iso_site_rows_get(const struct iso_site_rows *rows, size_t at, struct iso_metric_vector *out);
 
 /* Copies the rows of one person to `out`, at most `capacity` of them: all, or with a record only
  * those that teach. `first`, less than rows->n, is the person's first row. Sets only n and mean of

@@ -1,6 +1,6 @@
 /* Measures the adaptation of the metric to the people of a site (firmware/site/site_index.h): the
- * time from the last change until the new metric and index are complete, the memory, and the time
- * that a search takes from the adapted index with the best people scored again. */
+ * time from the last change until the new metric is complete, the memory, and the time that a
+ * search takes with the best people scored by the adapted metric. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -29,7 +29,7 @@ static int fill_site(struct iso_site_index *site, const struct iso_metric *metri
     return error;
 }
 
-/* The time of a search by the metric, and of scoring the best people again. */
+/* The time of a search by the shipped metric, and of scoring the best people by the adapted one. */
 static int time_search(const struct iso_site_index *site, const struct iso_metric *metric,
                        struct sim_latency *search, struct sim_latency *again)
 {
@@ -42,12 +42,12 @@ static int time_search(const struct iso_site_index *site, const struct iso_metri
         struct iso_metric_vector probe, person;
         struct iso_search_hit hits[SHORTLIST];
         int n = 0;
-        iso_site_turn(adapted, &shipped, &probe);
         const int64_t begin_ns = sim_thread_cpu_ns(NULL);
-        error = iso_index_search(index, &probe, hits, SHORTLIST, &n);
+        error = iso_index_search(index, &shipped, hits, SHORTLIST, &n);
         const int64_t middle_ns = sim_thread_cpu_ns(NULL);
+        iso_site_turn(adapted, &shipped, &probe);
         for (int i = 0; !error && i < n; i++) {
-            error = iso_index_find(index, hits[i].person, &person);
+            error = iso_site_index_person(site, hits[i].person, &person);
             hits[i].score = iso_site_score(adapted, hits[i].person, &person, &probe);
         }
         search_ns[p] = middle_ns - begin_ns;

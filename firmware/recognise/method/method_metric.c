@@ -46,27 +46,44 @@ static int metric_open(const struct iso_method_setup *setup, void **self, struct
     return 0;
 }
 
-/* The metric of the index. */
-static const struct iso_metric *metric_among(const struct by_metric *method,
-                                             const struct iso_candidate_list *among)
+/* A probe, as the index and the metric of the site see it. */
+struct probe {
+    struct iso_metric_vector shipped;
+    struct iso_metric_vector turned; /* only if the site has adapted the metric */
+};
+
+/* The adapted metric of the site; NULL if the shipped one gives the scores. */
+static const struct iso_site_metric *adapted_of(const struct iso_candidate_list *among)
 {
-    return among->site ? among->site->metric : method->metric;
+    return among->site ? iso_site_index_metric(among->site) : NULL;
+}
+
+static int project(const struct by_metric *method, const struct iso_candidate_list *among,
+                   const struct iso_template *tmpl, struct probe *probe)
+{
+    const struct iso_site_metric *adapted = adapted_of(among);
+    const int error = iso_metric_project(method->metric, tmpl, &probe->shipped);
+    if (!error && adapted) {
+        iso_site_turn(adapted, &probe->shipped, &probe->turned);
+    }
+    return error;
 }
 
 /* Compares with one person of an index. False if the index does not have the person. */
 static bool score_one(const struct by_metric *method, const struct iso_candidate_list *among,
-                      const struct iso_metric_vector *probe, int64_t number,
-                      struct iso_search_hit *hit)
+                      const struct probe *probe, int64_t number, struct iso_search_hit *hit)
 {
+    const struct iso_site_metric *adapted = adapted_of(among);
     struct iso_metric_vector person;
-    if (iso_index_find(among->index, number, &person)) {
+    if (adapted ? iso_site_index_person(among->site, number, &person)
+                : iso_index_find(among->index, number, &person)) {
         return false;
     }
     *hit = (struct iso_search_hit){
         .person = number,
         .distance_mm = NAN,
-        .score = among->site ? iso_site_score(among->site, number, &person, probe)
-                             : iso_metric_score(method->metric, &person, probe),
+        .score = adapted ? iso_site_score(adapted, number, &person, &probe->turned)
+                         : iso_metric_score(method->metric, &person, &probe->shipped),
     };
     explicit_bzero(&person, sizeof person);
     return true;
@@ -80,14 +97,14 @@ static int falling(const void *a, const void *b)
     return order ? order : (x->person > y->person) - (x->person < y->person);
 }
 
-/* Finds the best people of the index. The scan of an adapted index counts for each person an offset
- * that contains the own face; the best people are scored again without it. */
+/* Finds the best people of the index. If the site has adapted the metric, that metric gives these
+ * people their scores. */
 static int find_best(const struct by_metric *method, const struct iso_candidate_list *among,
-                     const struct iso_metric_vector *probe, struct iso_search_hit *hits,
-                     int capacity, int *n_hits)
+                     const struct probe *probe, struct iso_search_hit *hits, int capacity,
+                     int *n_hits)
 {
-    const int error = iso_index_search(among->index, probe, hits, capacity, n_hits);
-    if (error || !among->site) {
+    const int error = iso_index_search(among->index, &probe->shipped, hits, capacity, n_hits);
+    if (error || !adapted_of(among)) {
         return error;
     }
     for (int i = 0; i < *n_hits; i++) {
@@ -104,10 +121,9 @@ static int search_index(const struct by_metric *method, const struct iso_candida
 {
     enum { SHORTLIST = ISO_RERANK_CANDIDATES };
     struct iso_search_hit best[SHORTLIST];
-    struct iso_metric_vector probe;
+    struct probe probe;
     int n = 0;
-    const struct iso_metric *metric = metric_among(method, among);
-    int error = iso_metric_project(metric, tmpl, &probe);
+    int error = project(method, among, tmpl, &probe);
     if (error) {
         return error;
     }
@@ -118,7 +134,7 @@ static int search_index(const struct by_metric *method, const struct iso_candida
     }
     explicit_bzero(&probe, sizeof probe);
     if (!error && among->templates) {
-        error = iso_reranker_take(method->reranker, metric, among, tmpl, best, n);
+        error = iso_reranker_take(method->reranker, method->metric, among, tmpl, best, n);
     }
     if (error) {
         return error;

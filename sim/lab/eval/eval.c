@@ -92,6 +92,7 @@ static int search_gallery(struct sim_eval *eval, struct sim_eval_method *m, stru
             .match = o->match,
             .rerank = m->method == &sim_method_hfpc,
             .site = adapted ? &eval->adapted : NULL,
+            .shipped = eval->metric,
         };
         if (m->method == &sim_method_hfpc_upper) {
             scoring.metric = NULL;

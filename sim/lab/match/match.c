@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/wipe.h"
 #include "sim/lab/match/latency.h"
 #include "sim/lab/match/parallel.h"
 
@@ -13,6 +14,8 @@ struct matching {
     const struct sim_gallery *gallery;
     const struct sim_scoring *scoring;
     struct iso_metric_vector *enrolled; /* [n_people], with a metric */
+    struct iso_metric_vector *indexed;  /* [n_people]: by the shipped metric, with a site */
+    double *rank; /* [threads][n_people]: scores by which candidates are chosen */
     struct sim_matches *matches;
     struct iso_rerank_workspace *rerank;    /* of each thread */
     struct iso_icp_workspace *registration; /* of each thread */
@@ -39,11 +42,11 @@ static int measure_distances(const struct matching *work, int worker,
     return 0;
 }
 
-/* Computes the vectors of the people, each from all of that person's templates. */
-static int enrol_vectors(const struct matching *work)
+/* Computes the vectors of the people by a metric, each from all of that person's templates. NULL:
+ * none. */
+static int enrol_vectors(const struct sim_gallery *gallery, const struct iso_metric *metric,
+                         struct iso_metric_vector *enrolled)
 {
-    const struct sim_gallery *gallery = work->gallery;
-    const struct iso_metric *metric = work->scoring->metric;
     for (size_t i = 0; metric && i < gallery->n_templates; i++) {
         struct iso_metric_vector one;
         const int error = iso_metric_project(metric, gallery->templates[i], &one);
@@ -51,7 +54,7 @@ static int enrol_vectors(const struct matching *work)
             return error;
         }
         if (!error) {
-            iso_metric_vector_add(metric, &one, &work->enrolled[gallery->person[i]]);
+            iso_metric_vector_add(metric, &one, &enrolled[gallery->person[i]]);
         }
     }
     return 0;
@@ -104,11 +107,12 @@ static double look_again(const struct matching *work, int worker, const struct i
                       metric_score);
 }
 
+/* Reranks the people whose `rank` is highest. */
 static void rerank_scores(const struct matching *work, int worker, const struct iso_template *probe,
-                          double *score)
+                          const double *rank, double *score)
 {
     size_t best[ISO_RERANK_CANDIDATES];
-    const int n = shortlist_people(score, work->gallery->n_people, best);
+    const int n = shortlist_people(rank, work->gallery->n_people, best);
     double fused[ISO_RERANK_CANDIDATES], least = INFINITY;
     for (int i = 0; i < n; i++) {
         fused[i] = look_again(work, worker, probe, best[i], score[best[i]]);
@@ -122,20 +126,36 @@ static void rerank_scores(const struct matching *work, int worker, const struct 
     }
 }
 
+/* Scores the people by the shipped metric, for the choice of candidates. */
+static int rank_people(const struct matching *work, const struct iso_template *tmpl, double *rank)
+{
+    const struct iso_metric *shipped = work->scoring->shipped;
+    struct iso_metric_vector probe;
+    const int error = iso_metric_project(shipped, tmpl, &probe);
+    for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
+        rank[p] = iso_metric_score(shipped, &work->indexed[p], &probe);
+    }
+    return error;
+}
+
 static int search_by_metric(const struct matching *work, int worker, struct sim_sample *sample,
                             double *distance_mm, double *score)
 {
     const struct iso_metric *metric = work->scoring->metric;
     const struct iso_site_metric *site = work->scoring->site;
+    double *rank = site ? &work->rank[(size_t)worker * work->gallery->n_people] : score;
     struct iso_metric_vector probe;
-    const int error = iso_metric_project(metric, &sample->tmpl, &probe);
+    int error = iso_metric_project(metric, &sample->tmpl, &probe);
     for (size_t p = 0; !error && p < work->gallery->n_people; p++) {
         score[p] = site ? iso_site_score(site, (int64_t)p, &work->enrolled[p], &probe)
                         : iso_metric_score(metric, &work->enrolled[p], &probe);
         distance_mm[p] = NAN;
     }
+    if (!error && site) {
+        error = rank_people(work, &sample->tmpl, rank);
+    }
     if (!error && work->scoring->rerank) {
-        rerank_scores(work, worker, &sample->tmpl, score);
+        rerank_scores(work, worker, &sample->tmpl, rank, score);
     }
     return error ? give_up(sample, error) : 0;
 }
@@ -210,29 +230,50 @@ int sim_matches_new(const struct sim_corpus *corpus, const struct sim_acquisitio
     return 0;
 }
 
+static int reserve_memory(struct matching *work, int threads)
+{
+    const size_t n = work->gallery->n_people;
+    work->enrolled = calloc(n + 1, sizeof *work->enrolled);
+    work->indexed = calloc(n + 1, sizeof *work->indexed);
+    work->rank = calloc((size_t)threads * n + 1, sizeof *work->rank);
+    work->rerank = calloc((size_t)threads, sizeof *work->rerank);
+    work->registration = calloc((size_t)threads, sizeof *work->registration);
+    return work->enrolled && work->indexed && work->rank && work->rerank && work->registration
+               ? 0
+               : -ENOMEM;
+}
+
+static void free_memory(const struct matching *work)
+{
+    iso_wipe_free(work->enrolled);
+    iso_wipe_free(work->indexed);
+    free(work->rank);
+    free(work->rerank);
+    free(work->registration);
+}
+
 int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisition,
               const struct sim_gallery *gallery, const struct sim_scoring *scoring, int threads,
               struct sim_matches **out)
 {
-    const size_t n_people = gallery->n_people;
     struct sim_matches *m = NULL;
-    int error = sim_matches_new(corpus, acquisition, n_people, &m);
-    if (!error) {
-        struct matching work = {acquisition, gallery, scoring, NULL, m, NULL, NULL};
-        work.enrolled = calloc(n_people + 1, sizeof *work.enrolled);
-        work.rerank = calloc((size_t)threads, sizeof *work.rerank);
-        work.registration = calloc((size_t)threads, sizeof *work.registration);
-        error = work.enrolled && work.rerank && work.registration ? enrol_vectors(&work) : -ENOMEM;
-        if (!error) {
-            error = sim_parallel(threads, "searching", m->n_probes, match_probe, &work);
-        }
-        if (work.enrolled) {
-            explicit_bzero(work.enrolled, (n_people + 1) * sizeof *work.enrolled);
-        }
-        free(work.enrolled);
-        free(work.rerank);
-        free(work.registration);
+    int error = sim_matches_new(corpus, acquisition, gallery->n_people, &m);
+    if (error) {
+        return error;
     }
+    struct matching work = {
+        .acquisition = acquisition, .gallery = gallery, .scoring = scoring, .matches = m};
+    error = reserve_memory(&work, threads);
+    if (!error) {
+        error = enrol_vectors(gallery, scoring->metric, work.enrolled);
+    }
+    if (!error && scoring->site) {
+        error = enrol_vectors(gallery, scoring->shipped, work.indexed);
+    }
+    if (!error) {
+        error = sim_parallel(threads, "searching", m->n_probes, match_probe, &work);
+    }
+    free_memory(&work);
     if (error) {
         sim_matches_free(m);
         return error;

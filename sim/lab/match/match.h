@@ -23,6 +23,8 @@ struct sim_scoring {
                     the metric's score, limited to the lowest score of the reranked ones */
     const struct iso_site_metric *site; /* the metric is adapted to the people of the gallery
                                            themselves (core/match/site.h); NULL: it is not */
+    const struct iso_metric *shipped;   /* with `site`: chooses the candidates for reranking, as the
+                                           index of a daemon does (firmware/site/site_index.h) */
     const bool *wanted; /* [n_samples of the acquisition]: only these are searched; NULL: all */
 };
 

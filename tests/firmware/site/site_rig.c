@@ -32,14 +32,16 @@ int site_rig_tear_down(void **state)
     return 0;
 }
 
-/* The vector of one template of a person. */
+/* The vector of one template of a person. Rows (site_rows.h) keep its numbers without rounding, so
+ * that the tests can compare to the bit. */
 struct iso_metric_vector site_rig_vector_of(const struct iso_metric *metric, int64_t person, int i)
 {
     struct iso_metric_vector vector = {.n = 1};
     struct iso_metric_steps steps;
     for (int d = 0; d < DIMENSIONS; d++) {
         const double own = sin(17.0 * (double)person + 3.0 * d), noise = sin(7.0 * i + 5.0 * d);
-        vector.mean[d] = (float)(1.5 + 2.0 * own + 0.7 * noise);
+        const double exact = 1.5 + 2.0 * own + 0.7 * noise;
+        vector.mean[d] = (float)(rint(16.0 * exact) / 16.0);
     }
     iso_metric_steps_fill(metric, &steps);
     iso_metric_vector_judge(metric, &steps, &vector);

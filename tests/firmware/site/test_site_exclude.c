@@ -31,7 +31,7 @@ static double highest_score(const struct iso_site_index *site, const struct iso_
     struct iso_metric_vector person, shipped, probe;
     double highest = -INFINITY;
     for (int way = 0; way < 2; way++) {
-        assert_int_equal(iso_index_find(iso_site_index_current(site), pair[way], &person), 0);
+        assert_int_equal(iso_site_index_person(site, pair[way], &person), 0);
         for (int i = 0; i < TEMPLATES; i++) {
             shipped = probe = site_rig_vector_of(metric, pair[1 - way], i);
             if (adapted) {
@@ -85,7 +85,7 @@ static void expect_taught_by(struct iso_site_index *site, struct iso_site_index 
     assert_memory_equal(own->turn, expected->turn, DIMENSIONS * DIMENSIONS * sizeof(float));
     assert_memory_equal(own->offset, expected->offset, DIMENSIONS * sizeof(float));
     for (int p = 0; p < PEOPLE; p++) {
-        assert_int_equal(iso_index_find(iso_site_index_current(site), p, &found), 0);
+        assert_int_equal(iso_site_index_person(site, p, &found), 0);
         assert_int_equal(found.n, TEMPLATES);
     }
 }
@@ -129,7 +129,7 @@ static void all_can_be_excluded(void **state)
     assert_true(iso_site_is_provisional(iso_site_index_state(site)));
     assert_int_equal(iso_site_index_state(site).summary.people, 0);
     struct iso_metric_vector found;
-    assert_int_equal(iso_index_find(iso_site_index_current(site), 1, &found), 0);
+    assert_int_equal(iso_site_index_person(site, 1, &found), 0);
     assert_int_equal(found.n, TEMPLATES);
     for (int p = 4; p < 7; p++) {
         site_rig_add_person(site, metric, p);
