@@ -17,8 +17,6 @@
  * people before a Kinect v2 five directions of 152 have more than 6; their limit costs nothing. */
 static const double variance_limit = 6.0;
 
-static const double unit = 4096.0; /* as in site.c */
-
 /* Half of the directions are known with this sum of weights. */
 enum { KNOWN_HALF = 50 };
 
@@ -63,12 +61,6 @@ static void add_squares(const struct iso_site *site, const double *residual, dou
     explicit_bzero(along, sizeof along);
 }
 
-static int rising(const void *a, const void *b)
-{
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 /* The mean of sorted values without the largest ones. One person teaches nothing. */
 static double mean_of_most(const float *value, size_t n)
 {
@@ -90,7 +82,7 @@ static double mean_variance(const struct iso_site *site, float *value)
             value[p] += site->variance[p * n + k] / (float)n;
         }
     }
-    qsort(value, site->taught, sizeof *value, rising);
+    iso__site_sort(value, site->taught);
     return fmin(mean_of_most(value, site->taught), variance_limit);
 }
 
@@ -111,7 +103,7 @@ static int find_values(struct iso_site *site)
         for (size_t p = 0; p < site->taught; p++) {
             value[p] = site->variance[p * n + k];
         }
-        qsort(value, site->taught, sizeof *value, rising);
+        iso__site_sort(value, site->taught);
         const double along = fmin(mean_of_most(value, site->taught), variance_limit);
         site->value[k] = mean + known * fmax(along - mean, 0.0);
     }
@@ -124,10 +116,11 @@ static int find_values(struct iso_site *site)
 static void add_person(struct iso_site *site, const struct iso_metric_vector *captures, int n,
                        const double *mean)
 {
+    const double weight = 1.0 / ((double)ISO_SITE_UNITS * ISO_SITE_UNITS * (n - 1));
     double residual[ISO_METRIC_DIMENSIONS_MAX];
     for (int i = 0; i < n; i++) {
         iso__site_residual(site, &captures[i], mean, residual);
-        add_squares(site, residual, 1.0 / (unit * unit * (n - 1)),
+        add_squares(site, residual, weight,
                     &site->variance[site->reviewed_taught * (size_t)site->n]);
     }
     site->reviewed_taught++;

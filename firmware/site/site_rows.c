@@ -16,28 +16,22 @@ int iso_site_rows_reserve(struct iso_site_rows *rows, size_t n)
     if (rows->n + n <= rows->capacity) {
         return 0;
     }
-    /* Not realloc, which would leave a copy in the old memory. */
     const size_t doubled = rows->capacity ? 2 * rows->capacity : 16;
     const size_t capacity = rows->n + n > doubled ? rows->n + n : doubled;
-    int64_t *person = calloc(capacity, sizeof *person);
-    uint64_t *number = calloc(capacity, sizeof *number);
-    float *mean = calloc(capacity, rows->width * sizeof *mean);
-    if (!person || !number || !mean) {
-        free(person);
-        free(number);
-        free(mean);
+    int64_t *person = iso_wipe_grow(rows->person, rows->n, capacity, sizeof *person);
+    if (!person) {
         return -ENOMEM;
     }
-    if (rows->n > 0) {
-        memcpy(person, rows->person, rows->n * sizeof *person);
-        memcpy(number, rows->number, rows->n * sizeof *number);
-        memcpy(mean, rows->mean, rows->n * rows->width * sizeof *mean);
-    }
-    iso_wipe_free(rows->person);
-    iso_wipe_free(rows->number);
-    iso_wipe_free(rows->mean);
     rows->person = person;
+    uint64_t *number = iso_wipe_grow(rows->number, rows->n, capacity, sizeof *number);
+    if (!number) {
+        return -ENOMEM;
+    }
     rows->number = number;
+    float *mean = iso_wipe_grow(rows->mean, rows->n, capacity, rows->width * sizeof *mean);
+    if (!mean) {
+        return -ENOMEM;
+    }
     rows->mean = mean;
     rows->capacity = capacity;
     return 0;
