@@ -8,16 +8,18 @@
 #include "core/base/wipe.h"
 #include "core/match/site_state.h"
 
-/* How far a person counts in the offset in one dimension: standard deviations between people. The
- * offset of few people is then nearly a median, that of many nearly a mean (Huber 1964). */
+/* The limit of a person's deviation from the median of the people, for each dimension, in standard
+ * deviations between people. The offset is the median plus the mean of the limited deviations, so
+ * that nobody can move it far (Huber 1964: one step towards his estimate of location). */
 static const double deviation_limit = 2.0;
 
-/* The limit of the squared difference between a capture and the mean of its person, for each
- * dimension. Rendered captures have 1 on average. A sensor with coarse depth gives up to 4. */
+/* The limit of the squared difference between a capture and the mean of its person, averaged over
+ * the dimensions. A capture that differs more is moved towards the mean. Rendered captures have 1
+ * on average. A sensor with coarse depth gives up to 4. */
 static const double residual_limit = 8.0;
 
-/* The weight of a person is the number of captures less one, at most this. The share `a` reaches
- * half of its limit with the other number as the sum of weights. */
+/* The weight of a person is the number of captures less one, at most WEIGHT_MAX. When the sum of
+ * the weights is WEIGHT_HALF, the share `a` is half of its limit. */
 enum { WEIGHT_MAX = 4, WEIGHT_HALF = 16 };
 
 int iso_site_new(const struct iso_metric *metric, struct iso_site **out)
@@ -89,9 +91,10 @@ void iso__site_residual(const struct iso_site *site, const struct iso_metric_vec
     }
 }
 
-/* Adds the products of the residuals of a person, as an estimate of the covariance times the weight
- * of the person. The products are below 2^36 and their sums below 2^42, so that numbers of double
- * precision hold them exactly; processors multiply these faster than integers of 64 bits. */
+/* Adds a person's covariance, which is estimated from the residuals, times the weight of the
+ * person. The products of residuals are below 2^36 and their sums below 2^42, so that numbers of
+ * double precision hold them exactly. Processors multiply such numbers faster than integers of 64
+ * bits. */
 static int add_scatter(struct iso_site *site, const struct iso_metric_vector *captures, int n,
                        const double *mean)
 {
@@ -186,8 +189,8 @@ double iso__site_clipped(const struct iso_site *site, size_t person, int d)
     return site->median[d] + fmax(-limit, fmin(limit, off));
 }
 
-/* Computes the offset in one dimension from the sorted means of the people. It shrinks to zero for
- * few people: the location of n people is taken n / (n + 1) times. */
+/* Computes the offset in one dimension from the sorted means of the people. The offset of n people
+ * is multiplied by n / (n + 1), because that of few people is uncertain. */
 static void find_offset_at(struct iso_site *site, int d, const float *value)
 {
     const size_t n = site->people;

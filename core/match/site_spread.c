@@ -1,9 +1,10 @@
 /* How much the people of a site vary from capture to capture, and in which directions.
  *
- * The directions are those of their pooled covariance. The variance along a direction is a mean
- * over people without those who vary most along it: a tenth of them, but at least one. Whatever one
- * person shows alone, such as captures that were crafted so that two other people look alike, is
- * left out in this way. */
+ * The directions are the eigenvectors of the pooled covariance of the people. The variance along a
+ * direction is a mean over the people, without those who vary most along it: a tenth of the people,
+ * but at least one. An attacker may enrol captures that vary along the difference of two other
+ * people, so that these look alike. If nobody else varies along this direction, the mean leaves
+ * these captures out. */
 #include <errno.h>
 #include <lapacke.h>
 #include <math.h>
@@ -13,11 +14,12 @@
 #include "core/base/wipe.h"
 #include "core/match/site_state.h"
 
-/* The largest variance that a direction may have, as a multiple of the rendered one. Among real
- * people before a Kinect v2 five directions of 152 have more than 6; their limit costs nothing. */
+/* The largest variance that a direction may have, as a multiple of the variance of rendered people.
+ * Real people before a Kinect v2 exceed this limit in five of 152 directions. To limit the variance
+ * of these five did not make recognition worse. */
 static const double variance_limit = 6.0;
 
-/* Half of the directions are known with this sum of weights. */
+/* With this sum of weights, half of a direction's excess over the mean variance counts. */
 enum { KNOWN_HALF = 50 };
 
 int iso_site_find_directions(struct iso_site *site)
@@ -28,7 +30,7 @@ int iso_site_find_directions(struct iso_site *site)
     if (error) {
         return error;
     }
-    free(site->variance); /* of a call that failed; it is still empty */
+    free(site->variance); /* from an earlier call that failed; nothing was written to it */
     site->variance = calloc(site->taught * n + 1, sizeof *site->variance);
     if (!site->variance) {
         return -ENOMEM;
@@ -61,7 +63,8 @@ static void add_squares(const struct iso_site *site, const double *residual, dou
     explicit_bzero(along, sizeof along);
 }
 
-/* The mean of sorted values without the largest ones. One person teaches nothing. */
+/* The mean of n sorted values without the largest ones. A single value, of one person, is left out
+ * as well: the result is then 1, the variance of rendered people. */
 static double mean_of_most(const float *value, size_t n)
 {
     const size_t most = n - (n / 10 > 1 ? n / 10 : 1);
@@ -72,7 +75,8 @@ static double mean_of_most(const float *value, size_t n)
     return most > 0 ? sum / (double)most : 1.0;
 }
 
-/* The mean variance of people over all directions. `value` is room for a number of each. */
+/* The variance of the people, averaged over all directions. `value` is working memory for one
+ * number of each person. */
 static double mean_variance(const struct iso_site *site, float *value)
 {
     const size_t n = (size_t)site->n;
@@ -86,10 +90,11 @@ static double mean_variance(const struct iso_site *site, float *value)
     return fmin(mean_of_most(value, site->taught), variance_limit);
 }
 
-/* Ends the second pass: computes the variance along each direction. Few captures show how much
- * people vary, but not in which directions: the variances shrink towards their mean (Ledoit and
- * Wolf 2004). A variance below the mean counts as the mean, because most directions of few captures
- * have none by chance; somebody who turns the directions would gain from it. */
+/* Ends the second pass: computes the variance along each direction. A few captures show how much
+ * people vary on the whole, but not how the variance is distributed over the directions. Therefore
+ * the variances shrink towards their mean (Ledoit and Wolf 2004). A variance below the mean is
+ * replaced by the mean. Few captures have no variance along most directions, by chance alone, and
+ * an attacker who can turn the directions could choose one that seems to have none. */
 static int find_values(struct iso_site *site)
 {
     const size_t n = (size_t)site->n;

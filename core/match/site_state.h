@@ -45,7 +45,7 @@ void iso__site_residual(const struct iso_site *site, const struct iso_metric_vec
 /* Sorts n values, rising. */
 void iso__site_sort(float *value, size_t n);
 
-/* A person's mean in dimension d as it counts in the offset. */
+/* A person's mean in dimension d, with the limited deviation that counts in the offset. */
 double iso__site_clipped(const struct iso_site *site, size_t person, int d);
 
 /* Computes median and offset. -ENOMEM. */
