@@ -9,10 +9,10 @@ enum { CHUNK = 128 };
 /* Adds the 4 x 4 block of entries that begins at (a, b), for some rows. */
 static void add_block(const float *rows, int n_rows, int stride, int a, int b, int n, double *h)
 {
-    iso_lanes sum[ISO_GRAM_LANES] = {{0}};
+    iso_gram_lanes sum[ISO_GRAM_LANES] = {{0}};
     const float *row = rows;
     for (int i = 0; i < n_rows; i++, row += stride) {
-        iso_lanes right = iso_lanes_at(row + b);
+        iso_gram_lanes right = iso_gram_lanes_at(row + b);
         sum[0] += row[a] * right;
         sum[1] += row[a + 1] * right;
         sum[2] += row[a + 2] * right;

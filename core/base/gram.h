@@ -6,15 +6,17 @@
  * shorter row with zeros. The address of each row is a multiple of ISO_GRAM_ALIGNMENT bytes. */
 enum { ISO_GRAM_LANES = 4, ISO_GRAM_ALIGNMENT = 16 };
 
-typedef float iso_lanes __attribute__((vector_size(16)));
+/* Four floats at once. core/base/lanes.h has the wider vectors of code that is compiled for each
+ * processor. */
+typedef float iso_gram_lanes __attribute__((vector_size(16)));
 
 /* Returns the four values at this address, which is a multiple of ISO_GRAM_ALIGNMENT. */
-static inline iso_lanes iso_lanes_at(const float *aligned)
+static inline iso_gram_lanes iso_gram_lanes_at(const float *aligned)
 {
-    return *(const iso_lanes *)aligned;
+    return *(const iso_gram_lanes *)aligned;
 }
 
-static inline double iso_lanes_sum(iso_lanes v)
+static inline double iso_gram_lanes_sum(iso_gram_lanes v)
 {
     return (double)(v[0] + v[1] + v[2] + v[3]);
 }

@@ -8,9 +8,10 @@ struct iso_interval {
 
 /* The exact 95 % interval of a proportion (Clopper and Pearson, "The use of confidence or fiducial
  * limits illustrated in the case of the binomial", 1934). `rate` is 0..1. `trials` is the number of
- * independent trials whose rate has the same variance; it need not be a whole number (Korn and
- * Graubard, "Confidence intervals for proportions with small expected number of positive counts
- * estimated from survey data", 1998). 0..1 if `trials` is 0. */
+ * independent trials, or the effective number of dependent ones: that of the independent trials
+ * whose rate has the same variance. It need not be a whole number (Korn and Graubard, "Confidence
+ * intervals for proportions with small expected number of positive counts estimated from survey
+ * data", 1998). 0..1 if `trials` is 0. */
 struct iso_interval iso_proportion_interval(double rate, double trials);
 
 #endif

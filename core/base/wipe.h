@@ -1,4 +1,4 @@
-/* Freeing memory that holds a face. */
+/* Memory of the heap that holds a face: how it is freed, and how it grows. */
 #ifndef ISO_CORE_BASE_WIPE_H
 #define ISO_CORE_BASE_WIPE_H
 
@@ -14,6 +14,23 @@ static inline void iso_wipe_free(void *block)
         explicit_bzero(block, malloc_usable_size(block));
     }
     free(block);
+}
+
+/* Moves the first `used` items of a block to a new block with room for `capacity` items, of which
+ * the others are zero. Wipes and frees the old block, which may be NULL if `used` is 0. Returns the
+ * new block; NULL if there is no memory for it, and then the old block stays as it is. realloc()
+ * does not wipe: it may leave a copy of the face in the old memory. */
+static inline void *iso_wipe_grow(void *block, size_t used, size_t capacity, size_t item_size)
+{
+    void *larger = calloc(capacity, item_size);
+    if (!larger) {
+        return NULL;
+    }
+    if (used > 0) {
+        memcpy(larger, block, used * item_size);
+    }
+    iso_wipe_free(block);
+    return larger;
 }
 
 #endif

@@ -24,8 +24,8 @@ static const double covered_max[ISO_FACE_PARTS] = {
     [ISO_PART_MOUTH] = 0.6, [ISO_PART_LEFT] = 0.6, [ISO_PART_RIGHT] = 0.6,
 };
 
-/* A head that is turned or bowed further than this, 25 degrees, is told to turn if the gates refuse
- * it. They do accept such heads. */
+/* The checks may accept a head that is turned or bowed further than this, 25 degrees. If they
+ * refuse it, the person is told to turn the head. */
 static const double frontal_max_rad = 25.0 * M_PI / 180.0;
 
 /* Walls and tables have at least this share of their surface on one plane. Backs of people, and

@@ -20,7 +20,7 @@ static const double upright_cosine_min = 0.5;
  * and hair best when it is turned. In the later rounds it is smaller: with 5 mm2, frontal fits were
  * taken for some turned heads; with 1.5 mm2, the back of a head was taken for a covered face. */
 static const double turned_rough_cost_mm2 = 5.0, turned_cost_mm2 = 2.0;
-/* What is added to the latter where it decides whether there is a face at all. */
+/* What is added to turned_cost_mm2 in the decision whether there is a face at all. */
 static const double turned_doubt_mm2 = 3.0;
 
 /* A fit this good is certainly a face; parts of the scene behind it are not searched. */

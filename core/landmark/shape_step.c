@@ -25,16 +25,16 @@ void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int 
     for (uint32_t i = 0; i < f->model->n_vertices; i++) {
         const float *x = iso__shape_modes_at(f, i), *y = x + f->mode_stride,
                     *z = y + f->mode_stride;
-        iso_lanes sum[3] = {{0}};
+        iso_gram_lanes sum[3] = {{0}};
         for (int k = 0; k < f->mode_stride; k += ISO_GRAM_LANES) {
-            iso_lanes some = iso_lanes_at(c + k);
-            sum[0] += some * iso_lanes_at(x + k);
-            sum[1] += some * iso_lanes_at(y + k);
-            sum[2] += some * iso_lanes_at(z + k);
+            iso_gram_lanes some = iso_gram_lanes_at(c + k);
+            sum[0] += some * iso_gram_lanes_at(x + k);
+            sum[1] += some * iso_gram_lanes_at(y + k);
+            sum[2] += some * iso_gram_lanes_at(z + k);
         }
-        f->shape[i] = iso_add(
-            f->model->mean_mm[i],
-            iso_vec3(iso_lanes_sum(sum[0]), iso_lanes_sum(sum[1]), iso_lanes_sum(sum[2])));
+        f->shape[i] = iso_add(f->model->mean_mm[i],
+                              iso_vec3(iso_gram_lanes_sum(sum[0]), iso_gram_lanes_sum(sum[1]),
+                                       iso_gram_lanes_sum(sum[2])));
     }
 }
 

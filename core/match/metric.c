@@ -161,22 +161,6 @@ static double length_of(const struct iso_metric *metric, const float *mean, doub
     return length;
 }
 
-/* The step of the most likely variance within a person, given the vector of a template. */
-static int likeliest_step(const struct iso_metric *metric, const float *mean)
-{
-    double best = INFINITY;
-    int step = 0;
-    for (int s = ISO_METRIC_STEP_MIN; s <= ISO_METRIC_STEP_ONE_MAX; s++) {
-        double log_volume;
-        const double length = length_of(metric, mean, iso_metric_variance(s), &log_volume);
-        if (length + log_volume < best) {
-            best = length + log_volume;
-            step = s;
-        }
-    }
-    return step;
-}
-
 static int step_of(float weight)
 {
     const long step = lrint(2.0 * log2((double)weight));
@@ -206,6 +190,30 @@ static void set_step(const struct iso_metric *metric, int step, struct iso_metri
     vector->scale = normal_scale(metric, vector);
 }
 
+/* Sets the step of the most likely variance within a person. `unlikeliness` is, for each step of
+ * one template, minus twice the logarithm of the likelihood, up to a constant. */
+static void set_likeliest_step(const struct iso_metric *metric,
+                               const double unlikeliness[ISO_METRIC_STEPS_ONE],
+                               struct iso_metric_vector *vector)
+{
+    int best = 0;
+    for (int s = 1; s < ISO_METRIC_STEPS_ONE; s++) {
+        best = unlikeliness[s] < unlikeliness[best] ? s : best;
+    }
+    set_step(metric, best + ISO_METRIC_STEP_MIN, vector);
+}
+
+static void judge_vector(const struct iso_metric *metric, struct iso_metric_vector *vector)
+{
+    double unlikeliness[ISO_METRIC_STEPS_ONE], log_volume;
+    for (int s = 0; s < ISO_METRIC_STEPS_ONE; s++) {
+        const double variance = iso_metric_variance(s + ISO_METRIC_STEP_MIN);
+        const double length = length_of(metric, vector->mean, variance, &log_volume);
+        unlikeliness[s] = length + log_volume;
+    }
+    set_likeliest_step(metric, unlikeliness, vector);
+}
+
 void iso_metric_steps_fill(const struct iso_metric *metric, struct iso_metric_steps *steps)
 {
     static const float nothing[ISO_METRIC_DIMENSIONS_MAX];
@@ -221,19 +229,15 @@ void iso_metric_steps_fill(const struct iso_metric *metric, struct iso_metric_st
 void iso_metric_vector_judge(const struct iso_metric *metric, const struct iso_metric_steps *steps,
                              struct iso_metric_vector *vector)
 {
-    double sum[ISO_METRIC_STEPS_ONE];
-    int best = 0;
-    memcpy(sum, steps->log_volume, sizeof sum);
+    double unlikeliness[ISO_METRIC_STEPS_ONE];
+    memcpy(unlikeliness, steps->log_volume, sizeof unlikeliness);
     for (int d = 0; d < metric->n_dimensions; d++) {
         const double square = (double)vector->mean[d] * (double)vector->mean[d];
         for (int s = 0; s < ISO_METRIC_STEPS_ONE; s++) {
-            sum[s] += square * steps->inverse[d][s];
+            unlikeliness[s] += square * steps->inverse[d][s];
         }
     }
-    for (int s = 1; s < ISO_METRIC_STEPS_ONE; s++) {
-        best = sum[s] < sum[best] ? s : best;
-    }
-    set_step(metric, best + ISO_METRIC_STEP_MIN, vector);
+    set_likeliest_step(metric, unlikeliness, vector);
 }
 
 /* Adds the contribution of one residual: its value times its row of the projection. */
@@ -269,7 +273,7 @@ int iso_metric_project(const struct iso_metric *metric, const struct iso_templat
     for (int i = 0; i < metric->n_nodes; i++) {
         project_value(metric, 3 * curves.n + i, height_residual(metric, &tmpl->upper, i), out);
     }
-    set_step(metric, likeliest_step(metric, out->mean), out);
+    judge_vector(metric, out);
     explicit_bzero(residual_mm, sizeof residual_mm);
     return 0;
 }

@@ -1,5 +1,5 @@
-/* Completes a vector of a metric (isotherm/metric.h) if only its numbers are known, and not the
- * template. */
+/* Completes a vector of a metric (isotherm/metric.h) of which only the numbers `mean` are known,
+ * and not the template that they come from. */
 #ifndef ISO_CORE_MATCH_METRIC_VECTOR_H
 #define ISO_CORE_MATCH_METRIC_VECTOR_H
 
@@ -7,14 +7,14 @@
 
 enum { ISO_METRIC_STEPS_ONE = ISO_METRIC_STEP_ONE_MAX - ISO_METRIC_STEP_MIN + 1 };
 
-/* Numbers of a metric for the likelihood of vectors, for each step of one template. They do not
- * depend on the vector, so a program with many vectors computes them once. */
+/* The parts of a vector's likelihood that depend on the metric and not on the vector, for each step
+ * that one template may have. A program that completes many vectors computes them once. */
 struct iso_metric_steps {
     double log_volume[ISO_METRIC_STEPS_ONE]; /* logarithm of the product of the variances */
     double inverse[ISO_METRIC_DIMENSIONS_MAX][ISO_METRIC_STEPS_ONE]; /* 1 / the variances */
 };
 
-/* Computes these numbers of a metric. */
+/* Computes these parts for a metric. */
 void iso_metric_steps_fill(const struct iso_metric *metric, struct iso_metric_steps *steps);
 
 /* Computes step, weight and scale of a vector of one template from its numbers. `steps` is of this

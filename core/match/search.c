@@ -2,7 +2,20 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+
+static int by_score(const void *a, const void *b)
+{
+    const struct iso_search_hit *x = a, *y = b;
+    const int order = (x->score < y->score) - (x->score > y->score);
+    return order ? order : (x->person > y->person) - (x->person < y->person);
+}
+
+void iso_search_sort(struct iso_search_hit *hits, size_t n)
+{
+    qsort(hits, n, sizeof *hits, by_score);
+}
 
 /* Inserts a hit into a list that is sorted by falling score and has only one hit of a person. */
 static void insert_hit(struct iso_search_hit *hits, int *n, int capacity, struct iso_search_hit hit)

@@ -15,6 +15,9 @@ struct iso_search_entry {
     const struct iso_template *tmpl;
 };
 
+/* Sorts n hits by falling score, and people of equal score by rising number. */
+void iso_search_sort(struct iso_search_hit *hits, size_t n);
+
 /* Finds the best hits by distance, sorted by falling score; a person has one hit, by the best
  * template. hits [capacity] receives them; it is also used as working memory, so that its contents
  * are undefined after an error. *n_hits is their number; 0 for an empty gallery. Entries that have

@@ -8,20 +8,18 @@
 #include "core/base/wipe.h"
 #include "core/match/site_state.h"
 
-/* How far a person counts in the offset in one dimension: standard deviations between people. The
- * offset of few people is then nearly a median, that of many nearly a mean (Huber 1964). */
+/* The limit of a person's deviation from the median of the people, for each dimension, in standard
+ * deviations between people. The offset is the median plus the mean of the limited deviations, so
+ * that nobody can move it far (Huber 1964: one step towards his estimate of location). */
 static const double deviation_limit = 2.0;
 
-/* Products are of numbers that are rounded to 2^-12 of the rendered standard deviation within a
- * person. So their sums are exact and do not depend on the order of people. */
-static const double unit = 4096.0;
-
-/* The limit of the squared difference between a capture and the mean of its person, for each
- * dimension. Rendered captures have 1 on average. A sensor with coarse depth gives up to 4. */
+/* The limit of the squared difference between a capture and the mean of its person, averaged over
+ * the dimensions. A capture that differs more is moved towards the mean. Rendered captures have 1
+ * on average. A sensor with coarse depth gives up to 4. */
 static const double residual_limit = 8.0;
 
-/* The weight of a person is the number of captures less one, at most this. The share `a` reaches
- * half of its limit with the other number as the sum of weights. */
+/* The weight of a person is the number of captures less one, at most WEIGHT_MAX. When the sum of
+ * the weights is WEIGHT_HALF, the share `a` is half of its limit. */
 enum { WEIGHT_MAX = 4, WEIGHT_HALF = 16 };
 
 int iso_site_new(const struct iso_metric *metric, struct iso_site **out)
@@ -89,13 +87,14 @@ void iso__site_residual(const struct iso_site *site, const struct iso_metric_vec
     }
     const double scale = fmin(1.0, sqrt(residual_limit * site->n / fmax(length, 1e-9)));
     for (int d = 0; d < site->n; d++) {
-        out[d] = rint(unit * scale * ((double)capture->mean[d] - mean[d]));
+        out[d] = rint(ISO_SITE_UNITS * scale * ((double)capture->mean[d] - mean[d]));
     }
 }
 
-/* Adds the products of the residuals of a person, as an estimate of the covariance times the weight
- * of the person. The products are below 2^36 and their sums below 2^42, so that numbers of double
- * precision hold them exactly; processors multiply these faster than integers of 64 bits. */
+/* Adds a person's covariance, which is estimated from the residuals, times the weight of the
+ * person. The products of residuals are below 2^36 and their sums below 2^42, so that numbers of
+ * double precision hold them exactly. Processors multiply such numbers faster than integers of 64
+ * bits. */
 static int add_scatter(struct iso_site *site, const struct iso_metric_vector *captures, int n,
                        const double *mean)
 {
@@ -133,22 +132,16 @@ static int reserve_person(struct iso_site *site)
     if (site->people < site->capacity) {
         return 0;
     }
-    /* Not realloc, which would leave a copy in the old memory. */
     const size_t n = (size_t)site->n, capacity = site->capacity ? 2 * site->capacity : 16;
-    int64_t *number = calloc(capacity, sizeof *number);
-    float *mean = calloc(capacity, n * sizeof *mean);
-    if (!number || !mean) {
-        free(number);
-        free(mean);
+    int64_t *number = iso_wipe_grow(site->number, site->people, capacity, sizeof *number);
+    if (!number) {
         return -ENOMEM;
     }
-    if (site->people > 0) {
-        memcpy(number, site->number, site->people * sizeof *number);
-        memcpy(mean, site->mean, site->people * n * sizeof *mean);
-    }
-    iso_wipe_free(site->number);
-    iso_wipe_free(site->mean);
     site->number = number;
+    float *mean = iso_wipe_grow(site->mean, site->people, capacity, n * sizeof *mean);
+    if (!mean) {
+        return -ENOMEM;
+    }
     site->mean = mean;
     site->capacity = capacity;
     return 0;
@@ -178,10 +171,15 @@ int iso_site_add(struct iso_site *site, int64_t number, const struct iso_metric_
 
 /* ---- the offset ---- */
 
-static int rising(const void *a, const void *b)
+static int by_value(const void *a, const void *b)
 {
     const float x = *(const float *)a, y = *(const float *)b;
     return (x > y) - (x < y);
+}
+
+void iso__site_sort(float *value, size_t n)
+{
+    qsort(value, n, sizeof *value, by_value);
 }
 
 double iso__site_clipped(const struct iso_site *site, size_t person, int d)
@@ -191,8 +189,8 @@ double iso__site_clipped(const struct iso_site *site, size_t person, int d)
     return site->median[d] + fmax(-limit, fmin(limit, off));
 }
 
-/* Computes the offset in one dimension from the sorted means of the people. It shrinks to zero for
- * few people: the location of n people is taken n / (n + 1) times. */
+/* Computes the offset in one dimension from the sorted means of the people. The offset of n people
+ * is multiplied by n / (n + 1), because that of few people is uncertain. */
 static void find_offset_at(struct iso_site *site, int d, const float *value)
 {
     const size_t n = site->people;
@@ -216,7 +214,7 @@ int iso__site_find_offset(struct iso_site *site)
         for (size_t p = 0; p < site->people; p++) {
             value[p] = site->mean[p * (size_t)site->n + (size_t)d];
         }
-        qsort(value, site->people, sizeof *value, rising);
+        iso__site_sort(value, site->people);
         find_offset_at(site, d, value);
     }
     iso_wipe_free(value);

@@ -16,14 +16,15 @@
  * metric has the form of the shipped one, costs the same, and keeps its scale. `a` rises to one
  * half with the number of captures; o shrinks to 0 for few people.
  *
- * Somebody who enrols crafted templates should not move the scores of others. So the statistics
- * count what people have in common, and not what one of them shows alone (site.c, site_spread.c,
- * iso_site_score): o is a median over people, with the mean of small deviations from it; and a
- * direction of W_site counts as far as several people vary along it.
+ * An attacker may enrol crafted templates in order to change the scores of other people. The
+ * statistics limit what one person can change. The offset o is the median over the people plus the
+ * mean of their deviations from it, each of which is limited (site.c). The variance along a
+ * direction of W_site is a mean that leaves out the people who vary most (site_spread.c). A score
+ * is the lowest one of several, each of which leaves out some people (iso_site_score).
  *
  * The statistics are computed in two passes over the same people: iso_site_add() for each of them,
- * iso_site_find_directions(), then iso_site_review() for each of them. The order of people does not
- * matter, to the bit.
+ * iso_site_find_directions(), then iso_site_review() for each of them. The result is the same to
+ * the bit in every order of the people.
  *
  * Biometric data of the site: the caller keeps it as safe as templates. One thread uses an object.
  */
@@ -37,8 +38,8 @@
 
 enum {
     ISO_SITE_CAPTURES = 64, /* most captures of one person that are used */
-    ISO_SITE_OWN_MAX = 64,  /* in sites of more people, the share of one in the offset is so small
-                               that it is not left out of a score */
+    ISO_SITE_OWN_MAX = 64, /* with more people, each has so small a share in the offset that a score
+                              does not leave it out */
 };
 
 struct iso_site;
@@ -62,18 +63,21 @@ void iso_site_free(struct iso_site *site);
 
 /* First pass: adds a person with n captures, each the vector of one template by the metric of
  * iso_site_new(). `number` is the caller's number of the person; no two people have the same.
- * Captures beyond ISO_SITE_CAPTURES are not used. -EINVAL without a capture, for a number that is
- * not finite, or after iso_site_find_directions(); -ENOMEM. After an error nothing has changed. */
+ * Only the first ISO_SITE_CAPTURES captures are used. Returns -EINVAL if n is less than 1, if the
+ * mean of the captures is not finite, or if iso_site_find_directions() was called before; -ENOMEM.
+ * After an error the statistics are as they were. */
 int iso_site_add(struct iso_site *site, int64_t number, const struct iso_metric_vector *captures,
                  int n) __attribute__((warn_unused_result));
 
-/* Ends the first pass: computes the offset, and the directions in which the people vary.  -EDOM if
- * the decomposition fails, -ENOMEM. About 10 ms. */
+/* Ends the first pass: computes the offset, and the directions in which the people vary. Returns
+ * -EINVAL if the first pass has ended before, -EDOM if the decomposition fails, -ENOMEM. Takes
+ * about 10 ms. */
 int iso_site_find_directions(struct iso_site *site) __attribute__((warn_unused_result));
 
-/* Second pass: measures how much a person varies along each direction. Everybody who was added is
- * reviewed once, with the same captures. -EINVAL before iso_site_find_directions(), or if all were
- * reviewed; -ENOMEM. */
+/* Second pass: measures how much a person varies along each direction. The caller passes every
+ * person of the first pass once, with the same captures. Returns -EINVAL if n is less than 1, if
+ * iso_site_find_directions() was not called, if the mean of the captures is not finite, or if there
+ * are more people, or more people with several captures, than in the first pass; -ENOMEM. */
 int iso_site_review(struct iso_site *site, const struct iso_metric_vector *captures, int n)
     __attribute__((warn_unused_result));
 
@@ -88,8 +92,9 @@ struct iso_site_metric {
     float *turn; /* [n][n]: number k of an adapted vector is the sum of number d times turn[d][k] */
     float *offset;                  /* [n]: o in the adapted coordinates */
     struct iso_metric_steps *steps; /* of the adapted metric (metric_vector.h) */
-    int n_own;                      /* people with an own share: all who are left, or none */
-    int64_t *number;                /* [n_own]: rising */
+    int n_own;                      /* people whose share in o is known: all, except those whom
+                                       iso_site_metric_forget() removed; none in large sites */
+    int64_t *number;                /* [n_own]: their numbers, rising */
     float *own; /* [n_own][n]: a person's mean, as it counts in o, in the adapted coordinates */
 };
 
@@ -103,8 +108,9 @@ int iso_site_adapt(const struct iso_site *site, const struct iso_metric *metric,
 /* Wipes and frees an adapted metric, which may be all zero. */
 void iso_site_metric_free(struct iso_site_metric *adapted);
 
-/* Removes and wipes a person's own share. The offset still contains it, among the others', until
- * the metric is adapted anew. Nothing happens for a person without one. */
+/* Wipes and removes a person's share in the offset from the list of shares. The offset itself, to
+ * which this person has contributed, changes only when the metric is adapted anew. Nothing happens
+ * if the list has no share of this person. */
 void iso_site_metric_forget(struct iso_site_metric *adapted, int64_t number);
 
 /* Converts the vector of a template by the shipped metric to its vector by the adapted metric. Up
@@ -114,10 +120,12 @@ void iso_site_turn(const struct iso_site_metric *adapted, const struct iso_metri
                    struct iso_metric_vector *out);
 
 /* Computes the score of a probe and a person of the site. It differs from iso_metric_score() in two
- * ways. It leaves out the person's own share of the offset: each of n people adds an n-th of the
- * own face to the offset, and without this correction that part would count as common to everybody.
- * And it is the least score without one more of four groups of people, so that somebody who enrols
- * crafted templates to turn the offset towards the difference of two people gains little.
+ * ways. First, it leaves out the person's own share in the offset. Each of n people contributes an
+ * n-th of the own face to the offset; without this correction, the score would treat that part as
+ * common to everybody. Second, the people are divided into four groups, and the score is computed
+ * four times, each time without the shares of one group. The lowest of the four scores is the
+ * result. An attacker whose crafted templates turn the offset towards the difference of two people
+ * then gains little, because one of the four scores does not contain these templates.
  *
  * `number` is the one of iso_site_add(); it may be that of nobody. `person` and `probe` are vectors
  * by the adapted metric. If `adapted` has no own shares, this is iso_metric_score(). Returns

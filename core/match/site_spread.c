@@ -1,9 +1,10 @@
 /* How much the people of a site vary from capture to capture, and in which directions.
  *
- * The directions are those of their pooled covariance. The variance along a direction is a mean
- * over people without those who vary most along it: a tenth of them, but at least one. Whatever one
- * person shows alone, such as captures that were crafted so that two other people look alike, is
- * left out in this way. */
+ * The directions are the eigenvectors of the pooled covariance of the people. The variance along a
+ * direction is a mean over the people, without those who vary most along it: a tenth of the people,
+ * but at least one. An attacker may enrol captures that vary along the difference of two other
+ * people, so that these look alike. If nobody else varies along this direction, the mean leaves
+ * these captures out. */
 #include <errno.h>
 #include <lapacke.h>
 #include <math.h>
@@ -13,13 +14,12 @@
 #include "core/base/wipe.h"
 #include "core/match/site_state.h"
 
-/* The largest variance that a direction may have, as a multiple of the rendered one. Among real
- * people before a Kinect v2 five directions of 152 have more than 6; their limit costs nothing. */
+/* The largest variance that a direction may have, as a multiple of the variance of rendered people.
+ * Real people before a Kinect v2 exceed this limit in five of 152 directions. To limit the variance
+ * of these five did not make recognition worse. */
 static const double variance_limit = 6.0;
 
-static const double unit = 4096.0; /* as in site.c */
-
-/* Half of the directions are known with this sum of weights. */
+/* With this sum of weights, half of a direction's excess over the mean variance counts. */
 enum { KNOWN_HALF = 50 };
 
 int iso_site_find_directions(struct iso_site *site)
@@ -30,7 +30,7 @@ int iso_site_find_directions(struct iso_site *site)
     if (error) {
         return error;
     }
-    free(site->variance); /* of a call that failed; it is still empty */
+    free(site->variance); /* from an earlier call that failed; nothing was written to it */
     site->variance = calloc(site->taught * n + 1, sizeof *site->variance);
     if (!site->variance) {
         return -ENOMEM;
@@ -63,13 +63,8 @@ static void add_squares(const struct iso_site *site, const double *residual, dou
     explicit_bzero(along, sizeof along);
 }
 
-static int rising(const void *a, const void *b)
-{
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
-/* The mean of sorted values without the largest ones. One person teaches nothing. */
+/* The mean of n sorted values without the largest ones. A single value, of one person, is left out
+ * as well: the result is then 1, the variance of rendered people. */
 static double mean_of_most(const float *value, size_t n)
 {
     const size_t most = n - (n / 10 > 1 ? n / 10 : 1);
@@ -80,7 +75,8 @@ static double mean_of_most(const float *value, size_t n)
     return most > 0 ? sum / (double)most : 1.0;
 }
 
-/* The mean variance of people over all directions. `value` is room for a number of each. */
+/* The variance of the people, averaged over all directions. `value` is working memory for one
+ * number of each person. */
 static double mean_variance(const struct iso_site *site, float *value)
 {
     const size_t n = (size_t)site->n;
@@ -90,14 +86,15 @@ static double mean_variance(const struct iso_site *site, float *value)
             value[p] += site->variance[p * n + k] / (float)n;
         }
     }
-    qsort(value, site->taught, sizeof *value, rising);
+    iso__site_sort(value, site->taught);
     return fmin(mean_of_most(value, site->taught), variance_limit);
 }
 
-/* Ends the second pass: computes the variance along each direction. Few captures show how much
- * people vary, but not in which directions: the variances shrink towards their mean (Ledoit and
- * Wolf 2004). A variance below the mean counts as the mean, because most directions of few captures
- * have none by chance; somebody who turns the directions would gain from it. */
+/* Ends the second pass: computes the variance along each direction. A few captures show how much
+ * people vary on the whole, but not how the variance is distributed over the directions. Therefore
+ * the variances shrink towards their mean (Ledoit and Wolf 2004). A variance below the mean is
+ * replaced by the mean. Few captures have no variance along most directions, by chance alone, and
+ * an attacker who can turn the directions could choose one that seems to have none. */
 static int find_values(struct iso_site *site)
 {
     const size_t n = (size_t)site->n;
@@ -111,7 +108,7 @@ static int find_values(struct iso_site *site)
         for (size_t p = 0; p < site->taught; p++) {
             value[p] = site->variance[p * n + k];
         }
-        qsort(value, site->taught, sizeof *value, rising);
+        iso__site_sort(value, site->taught);
         const double along = fmin(mean_of_most(value, site->taught), variance_limit);
         site->value[k] = mean + known * fmax(along - mean, 0.0);
     }
@@ -124,10 +121,11 @@ static int find_values(struct iso_site *site)
 static void add_person(struct iso_site *site, const struct iso_metric_vector *captures, int n,
                        const double *mean)
 {
+    const double weight = 1.0 / ((double)ISO_SITE_UNITS * ISO_SITE_UNITS * (n - 1));
     double residual[ISO_METRIC_DIMENSIONS_MAX];
     for (int i = 0; i < n; i++) {
         iso__site_residual(site, &captures[i], mean, residual);
-        add_squares(site, residual, 1.0 / (unit * unit * (n - 1)),
+        add_squares(site, residual, weight,
                     &site->variance[site->reviewed_taught * (size_t)site->n]);
     }
     site->reviewed_taught++;

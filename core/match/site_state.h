@@ -6,6 +6,11 @@
 
 #include "core/match/site.h"
 
+/* Residuals are whole multiples of 1/4096 of the rendered standard deviation within a person. Their
+ * products are whole numbers, too, so that sums of these are exact and do not depend on the order
+ * of people. */
+enum { ISO_SITE_UNITS = 4096 };
+
 struct iso_site {
     int n;                                    /* dimensions */
     float between[ISO_METRIC_DIMENSIONS_MAX]; /* of the metric, [n] */
@@ -13,7 +18,7 @@ struct iso_site {
     int64_t *number;  /* [people]: the caller's numbers */
     float *mean;      /* [people][n]: the mean of each person's captures */
     int64_t weight;   /* sum over people who taught */
-    int64_t *scatter; /* [n][n], lower triangle: weighted products of residuals, in units squared */
+    int64_t *scatter; /* [n][n], lower triangle: weighted products of residuals */
 
     /* After the first pass. */
     bool has_directions;
@@ -32,12 +37,15 @@ int iso__site_weight(int n);
 int iso__site_mean(const struct iso_site *site, const struct iso_metric_vector *captures, int n,
                    double *mean) __attribute__((warn_unused_result));
 
-/* What is left of a capture when its person's mean is subtracted, shortened to its limit, in units:
- * [site->n] whole numbers. */
+/* Computes the difference between a capture and the mean of its person, shortened to the limit of
+ * its length, as multiples of 1 / ISO_SITE_UNITS: [site->n] whole numbers. */
 void iso__site_residual(const struct iso_site *site, const struct iso_metric_vector *capture,
                         const double *mean, double *out);
 
-/* A person's mean in dimension d as it counts in the offset. */
+/* Sorts n values, rising. */
+void iso__site_sort(float *value, size_t n);
+
+/* A person's mean in dimension d, with the limited deviation that counts in the offset. */
 double iso__site_clipped(const struct iso_site *site, size_t person, int d);
 
 /* Computes median and offset. -ENOMEM. */

@@ -49,8 +49,8 @@ struct iso_presentation_options {
      * frames (strong, astra and kinect2) 3 lie beyond them, of 376 real ones none. 2 of 800 masks
      * lie within them. */
     double too_small, too_large;
-    /* 7. If the mean face fits worse than this at every size, the size is wrong. Hair before the
-     * forehead does not count (size.h). Rendered people reach 5.5 and real ones 4.1. */
+    /* 7. If the mean face fits worse than this at every size, the size is wrong. Hair in
+     * front of the forehead does not count (size.h). Rendered people reach 5.5, real ones 4.1. */
     double no_size_cost_mm2;
     /* 3. Eyes are cut out if both lie at least this far behind their lids. Genuine frames
      * reach 1.4. */

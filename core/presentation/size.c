@@ -28,9 +28,9 @@ static const double scale_min = 0.3, scale_max = 2.2;
 /* The weight of the modes' prior beside the squared residual of a vertex. */
 static const double stiffness_mm2 = 4.0;
 
-/* A surface at least this far in front of a vertex above the eyebrows is hair. Foreheads differ by
- * less from the shaped mean face; the fringes of real people (Kinect v2) lie 4 to 10 mm before it.
- */
+/* A surface at least this far in front of a vertex above the eyebrows is taken for hair. Bare
+ * foreheads differ by less from the shaped mean face. The fringes of real people (Kinect v2) lie 4
+ * to 10 mm in front of it. */
 static const double hair_before_mm = 4.0;
 
 enum { BROW_IBUG = 19 };
@@ -195,7 +195,7 @@ static int take_step(const struct iso_sizer *s, const struct iso_frame *frame, d
     return state->scale > scale_min && state->scale < scale_max ? 0 : -ENODATA;
 }
 
-/* The cost over all vertices, or over the bare ones. */
+/* The cost over all vertices, or over the bare ones alone (size.h). */
 static double cost_of(const struct iso_sizer *s, const struct iso_frame *frame,
                       const struct state *state, int n_modes, bool bare_only)
 {

@@ -8,11 +8,12 @@
  * large person has the features of large people, but a large print has those of the person it
  * shows. The remaining scale is what the shapes of people do not explain.
  *
- * Hair is not part of the size. Above the eyebrows, where a fringe hangs, a vertex with a surface
- * in front of it is not bare: from the step at which the modes become free it has no weight, and it
- * does not count for the cost. Below the eyebrows every vertex counts, and so does a surface behind
- * the head: there is no hair, but a mask of a wrong size is before the head at one place and behind
- * it at another. */
+ * Hair is not part of the size. If a vertex above the eyebrows has a surface in front of it, this
+ * surface is taken for hair, and the vertex is covered; all other vertices are bare. Covered
+ * vertices have no weight in the steps in which the modes are free, and they do not count in the
+ * cost of the result. A surface below the eyebrows is never taken for hair, and neither is a
+ * surface behind the head. A mask of a wrong size is therefore still noticed: its surface lies in
+ * front of the head at some places and behind it at others. */
 #ifndef ISO_CORE_PRESENTATION_SIZE_H
 #define ISO_CORE_PRESENTATION_SIZE_H
 

@@ -8,8 +8,8 @@
 #include "core/frame/depth_step.h"
 #include "core/frame/shrink.h"
 
-/* The least bounds, and how many steps of the sensor (depth_step.h) they are at least: a pixel may
- * be one step off, but not two. */
+/* Two bounds on differences in depth. Both are raised to bound_steps times the step of the depths
+ * (depth_step.h) if this is more, so that a pixel may differ by one step, but not by two. */
 static const float neighbour_mm = 8.0f;
 static const float median_mm = 6.0f;
 static const double bound_steps = 1.25;
@@ -17,7 +17,8 @@ static const double piece_mm2 = 3000.0;
 
 enum { NEIGHBOURS_MIN = 5 };
 
-/* Pixels that differ by more, mm, are not of one surface. */
+/* A pixel that differs by more, mm, from a neighbour or from the median is not on the same surface.
+ */
 struct bounds {
     float neighbour_mm, median_mm;
 };
@@ -96,8 +97,9 @@ static struct bounds bounds_of(const struct iso_frame *frame)
 }
 
 /* Whether a pixel, which is two or more from the border, agrees with its surroundings. The distance
- * from the median is checked by counting, without sorting: a pixel lies within 6 mm of the median
- * if at most half of the measured pixels lie more than 6 mm before it and at most half behind. */
+ * from the median is checked by counting, without sorting: a pixel lies within the bound of
+ * the median if at most half of the measured pixels lie further than the bound in front of it, and
+ * at most half lie further behind it. */
 static int agrees(const float *at, int width, struct bounds bounds)
 {
     const float z = *at;

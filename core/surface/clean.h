@@ -4,8 +4,8 @@
  * of the median of its 5 x 5 surroundings. The two outermost rows and columns of the part are
  * dropped. Then connected pieces of less than 30 cm^2 are dropped (flying pixels, hair).
  *
- * Both bounds are at least 1.25 times the step in which the depths come (depth_step.h): from 6.5 mm
- * on. With the bound of 8 mm, in steps of 8 mm, a slope had no two neighbours within the bound. */
+ * Some sensors report depths in coarse steps (depth_step.h). Both bounds are at least 1.25 times
+ * the step, so that neighbours on a slope, which differ by a whole step, are kept. */
 #ifndef ISO_CORE_SURFACE_CLEAN_H
 #define ISO_CORE_SURFACE_CLEAN_H
 

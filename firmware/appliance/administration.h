@@ -58,11 +58,11 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
                                const struct iso_validity_change *change, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Excludes templates, so that they do not teach the metric any more: all that are enrolled now, or
- * those of the last enrolment that still teaches (iso_gallery_reset_site()). `who` says who asks,
- * for the record. *n is the number of templates that have taught until now; 0: nothing has changed.
- * -EINVAL if the metric does not adapt, or an error of the gallery; then nothing has changed.
- * (appliance_learn.c) */
+/* Excludes templates, so that the metric no longer learns from them: all that are enrolled now, or
+ * those of the last enrolment that is not excluded (iso_gallery_reset_site()). `who` describes the
+ * user who asks, for the record. *n is the number of templates that this call has excluded; 0:
+ * nothing has changed. -EINVAL if the metric does not adapt, or an error of the gallery; then
+ * nothing has changed. (appliance_learn.c) */
 int iso_appliance_reset_site(struct iso_appliance *appliance, const char *who, size_t *n,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 int iso_appliance_roll_back_site(struct iso_appliance *appliance, const char *who, size_t *n,

@@ -53,7 +53,7 @@ static void tell_steps_since(struct iso_appliance *appliance, enum iso_enroll_po
                   enrolment->kept[pose] ? ISO_CONTRACT_STEP_PASSED : ISO_CONTRACT_STEP_LEFT_OUT,
                   0.0);
     }
-    iso__appliance_reset_hints(appliance); /* frames of the step before count no more */
+    iso__appliance_reset_hints(appliance); /* the frames of the step before no longer count */
     if (enrolment->state == ISO_ENROLMENT_ACTIVE) {
         tell_step(appliance, enrolment->pose, ISO_CONTRACT_STEP_BEGUN, 0.0);
     }
@@ -68,7 +68,7 @@ static struct iso_enroll_gate gate_of(const struct iso_appliance *appliance)
     return gate;
 }
 
-/* Reports how far the head is from the pose, if that is what hinders the enrolment. */
+/* Reports how far the head is from the pose, if it is not in the pose. */
 static void tell_turn(const struct iso_appliance *appliance)
 {
     const struct iso_extraction *extraction = &appliance->face.extraction;
@@ -173,8 +173,8 @@ static void write_poses(const struct iso_enrolment *enrolment, char out[static 6
     }
 }
 
-/* Records that the enrolment is complete, with which poses, and which limits it changes. Limits
- * that were not named stay as the gallery has them. */
+/* Records that the enrolment is complete, which poses it has, and which limits of validity it
+ * changes. Limits that the request does not name stay as the gallery has them. */
 static int record_completion(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     struct iso_audit_record record = enrolment_record(appliance, ISO_CONTRACT_RESULT_COMPLETED);

@@ -189,8 +189,9 @@ static void take_attack(struct iso_appliance *appliance, enum iso_capture cue, i
 }
 
 /* Handles a frame of a head that is turned far and also has a cue of an attack. The attitude of a
- * living head may give this cue, so it is no attack frame. It counts as a frame of nobody: whoever
- * holds a mask askew does not get the frames without a cue for free. */
+ * living head may give this cue, so it is no attack frame. It counts as a frame of
+ * nobody. So an attacker who holds a mask at an angle cannot get in with a few frames without a cue
+ * among many with one. */
 static void take_doubtful_face(struct iso_appliance *appliance, int64_t t_ns, int64_t arrival_ns)
 {
     struct iso_decision_frame nobody = {.score = NAN, .t_ns = t_ns};

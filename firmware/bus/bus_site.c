@@ -1,5 +1,6 @@
-/* The methods about the metric of the site: what the people have taught it, the error rates that
- * their templates show, who looks alike, and the acts that take the teaching back. */
+/* The methods about the metric of the site. They tell what the people have taught it, the error
+ * rates that are estimated from their templates, and who looks alike; and they take back what the
+ * metric has learned. */
 #include <stdio.h>
 
 #include "firmware/appliance/administration.h"
@@ -176,7 +177,7 @@ int iso__bus_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error 
 typedef int (*take_back_fn)(struct iso_appliance *appliance, const char *who, size_t *n,
                             struct iso_fault *fault);
 
-/* Says who makes a call, for the record. */
+/* Describes the user who makes a call, for the record. */
 static void describe_caller(sd_bus_message *call, char *who, size_t size)
 {
     sd_bus_creds *creds = NULL;

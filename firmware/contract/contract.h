@@ -38,7 +38,8 @@
  *                                        of templates that have taught until now. It is recorded
  *                                        with the user who asks. A second call changes nothing
  *   RollBackSite() -> u                  the same for the templates of the last enrolment or import
- *                                        that still teaches, of the last 16; 0: there is none
+ *                                        from which the metric still learns. The daemon remembers
+ *                                        the last 16 of them; 0: there is none
  *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each;
  *                                        at most 1000, and only records that are still kept
  *   VerifyLog(t sequence, s head) -> b sound, t first, t last, s head, t flaw_at, s flaw

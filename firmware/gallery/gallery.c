@@ -125,8 +125,9 @@ static int add_prepared(struct iso_gallery *gallery, const struct iso_person *pe
     return error;
 }
 
-/* Makes the forms in which a template is stored and kept. It is written and read back, so that the
- * search sees the same before and after a restart. */
+/* Makes the two forms of a template: the bytes that are stored, and the template that is kept in
+ * memory. The latter is read from the bytes, so that a search has the same result before and after
+ * a restart. */
 static int prepare_addition(struct iso_gallery *gallery, const struct iso_template *tmpl,
                             struct addition *out, struct iso_fault *fault)
 {

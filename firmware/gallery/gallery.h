@@ -47,7 +47,7 @@
 enum {
     ISO_GALLERY_APPLICATION_ID = 0x49534f54, /* the characters "ISOT" */
     ISO_GALLERY_SCHEMA_SEALED = 2,           /* the first version that is sealed */
-    ISO_GALLERY_SCHEMA = 3, /* the newest version; it records which templates teach */
+    ISO_GALLERY_SCHEMA = 3, /* the newest version; it records which templates are excluded */
     ISO_GALLERY_TEMPLATES_MAX = ISO_CONTRACT_TEMPLATES_MAX, /* of one person */
 };
 
@@ -230,12 +230,12 @@ bool iso_gallery_follow_site(struct iso_gallery *gallery);
 /* What the people of the gallery have taught, and whether searches use it. */
 struct iso_site_state iso_gallery_site(struct iso_gallery *gallery);
 
-/* Excludes templates, so that they do not teach the metric any more: those that are enrolled now
- * (reset), or those of the last enrolment that still teaches, as far as the last
- * ISO_SITE_MARKS_MAX enrolments are known (roll_back). They go on to identify their people, and
- * later enrolments teach. *n receives the number of templates that have taught until now; if it is
- * 0, nothing was changed. Errors of iso_gallery_set_validity(); -EINVAL if the metric does not
- * adapt. */
+/* Excludes templates, so that the metric no longer learns from them. `reset` excludes all templates
+ * that are enrolled now. `roll_back` excludes those of the last enrolment that the metric still
+ * learns from, if it is among the last ISO_SITE_MARKS_MAX enrolments. The excluded templates still
+ * identify their people, and the metric learns from later enrolments. *n receives the number of
+ * templates that this call has excluded; if it is 0, nothing has changed. Errors of
+ * iso_gallery_set_validity(); -EINVAL if the metric does not adapt. */
 int iso_gallery_reset_site(struct iso_gallery *gallery, size_t *n, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 int iso_gallery_roll_back_site(struct iso_gallery *gallery, size_t *n, struct iso_fault *fault)

@@ -179,8 +179,8 @@ static int check_items(const struct iso_gallery *gallery, const struct iso_galle
     return check_names(gallery, items, n, fault);
 }
 
-/* An import is an enrolment. If it only gives people other numbers, the marks of earlier enrolments
- * no longer tell who was enrolled later. */
+/* An import counts as an enrolment. If it only gives new numbers to people of this gallery, the
+ * marks of earlier enrolments are dropped: marks refer to the order of numbers. */
 static void mark_import(struct iso_gallery *gallery)
 {
     if (gallery->renumbers) {

@@ -1,5 +1,6 @@
-/* The poses of an enrolment. A visitor does not always look straight at the camera: a template of a
- * turned or bowed head of the same person is nearer to such a visit than a frontal one is. Pure. */
+/* The poses of an enrolment. Visitors do not always look straight at the camera. A turned or bowed
+ * head resembles a template of the same pose more than a frontal template. Therefore a person is
+ * enrolled in several poses. Pure. */
 #ifndef ISO_FIRMWARE_RECOGNISE_ENROLL_POSE_H
 #define ISO_FIRMWARE_RECOGNISE_ENROLL_POSE_H
 
@@ -15,7 +16,8 @@ enum iso_enroll_pose {
     ISO_ENROLL_POSES
 };
 
-/* The word of a pose: ISO_CONTRACT_POSE_... of firmware/contract/contract.h; NULL outside. */
+/* The word of a pose: ISO_CONTRACT_POSE_... of firmware/contract/contract.h; NULL if the number is
+ * not that of a pose. */
 const char *iso_enroll_pose_name(enum iso_enroll_pose pose);
 
 /* Which attitudes of a head count as a pose. All angles are in radians and above 0. */
@@ -28,8 +30,8 @@ struct iso_enroll_angles {
 
 /* Judges an attitude: yaw_rad above 0 is to the subject's left, pitch_rad above 0 is up
  * (isotherm/extract.h). Returns OK if it counts as the pose, else which way to turn about the axis
- * that exceeds its limit most. *turn_rad receives how far it is from there to the middle of the
- * pose, 0 if the pose is reached. */
+ * that exceeds its limit most. *turn_rad receives the angle about this axis to the middle of the
+ * pose; 0 if the pose is reached. */
 enum iso_capture iso_enroll_pose_judge(enum iso_enroll_pose pose,
                                        const struct iso_enroll_angles *angles, double yaw_rad,
                                        double pitch_rad, double *turn_rad);

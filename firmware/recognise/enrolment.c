@@ -132,9 +132,9 @@ static int compare_own(const struct iso_enrolment *enrolment, const struct iso_t
     return iso_candidates_none(&gallery->own) ? 0 : best_score(pipeline, &gallery->own, tmpl, out);
 }
 
-/* The lowest score with which a template belongs to a person. Somebody who looks like the person
- * may pass the few frames of another pose than the frontal one; their template is less noisy than a
- * frame, so it has to score higher. */
+/* The lowest score with which a template belongs to a person. A pose other than the frontal one has
+ * few frames, and somebody who looks like the person may pass all of them. The template that is
+ * made of them has to reach a higher score, because it is less noisy than a frame. */
 static double lowest_own(const struct iso_enrolment *enrolment)
 {
     const struct iso_enrolment_options *options = &enrolment->options;
@@ -188,8 +188,8 @@ static int complete_step(struct iso_enrolment *enrolment, const struct iso_pipel
     return error ? error : judge(enrolment, fused, pipeline, gallery, now_ns);
 }
 
-/* Too many misfits end the enrolment, or only the present pose: a head that is bowed may not be
- * recognised, and the frontal template is good nevertheless. */
+/* In the frontal step, too many misfits end the enrolment. In another step they only end this pose:
+ * a bowed head may fail to be recognised although the frontal template is good. */
 static void take_misfit(struct iso_enrolment *enrolment, int64_t now_ns)
 {
     enrolment->misfits++;

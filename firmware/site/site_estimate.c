@@ -153,8 +153,8 @@ static double compare_one_way(const struct comparing *comparing, struct member *
     return highest;
 }
 
-/* Compares everybody with everybody else. Between two people it asks the reader, who says whether
- * the people have changed. */
+/* Compares everybody with everybody else. Before each person it asks the reader whether the people
+ * have changed. */
 static int compare_others(const struct comparing *comparing)
 {
     const struct iso_site_reader *reader = &comparing->work->reader;

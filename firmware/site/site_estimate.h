@@ -4,9 +4,10 @@
  * the first few with everybody else (non-mated). The scores are those of the metric alone, without
  * the comparison of surfaces that decides close scores at the door (core/match/rerank.h).
  *
- * The estimates are those of single templates, not of visits. They know the people whom the metric
- * was adapted to, and captures of enrolments: a stranger reaches a score somewhat more often, and
- * the same person misses it more often on another day. */
+ * The estimates are those of single templates, not of visits. They are somewhat too low, because
+ * the metric was adapted to these people, and because all templates come from enrolments: a
+ * stranger reaches a score somewhat more often than estimated, and on another day the same person
+ * misses it more often. */
 #ifndef ISO_FIRMWARE_SITE_SITE_ESTIMATE_H
 #define ISO_FIRMWARE_SITE_SITE_ESTIMATE_H
 

@@ -12,37 +12,34 @@ static int8_t *mean_at(const struct iso_site_rows *rows, size_t at)
     return &rows->mean[at * rows->width];
 }
 
-/* Moves the rows to the arrays of `larger`, and frees the old ones. */
-static void move_to(struct iso_site_rows *rows, const struct iso_site_rows *larger)
-{
-    if (rows->n > 0) {
-        memcpy(larger->person, rows->person, rows->n * sizeof *rows->person);
-        memcpy(larger->number, rows->number, rows->n * sizeof *rows->number);
-        memcpy(larger->unit, rows->unit, rows->n * sizeof *rows->unit);
-        memcpy(larger->mean, rows->mean, rows->n * rows->width * sizeof *rows->mean);
-    }
-    iso_site_rows_free(rows);
-    *rows = *larger;
-}
-
 int iso_site_rows_reserve(struct iso_site_rows *rows, size_t n)
 {
     if (rows->n + n <= rows->capacity) {
         return 0;
     }
-    /* Not realloc, which would leave a copy in the old memory. */
     const size_t doubled = rows->capacity ? 2 * rows->capacity : 16;
     const size_t capacity = rows->n + n > doubled ? rows->n + n : doubled;
-    struct iso_site_rows larger = {.width = rows->width, .n = rows->n, .capacity = capacity};
-    larger.person = calloc(capacity, sizeof *larger.person);
-    larger.number = calloc(capacity, sizeof *larger.number);
-    larger.unit = calloc(capacity, sizeof *larger.unit);
-    larger.mean = calloc(capacity, rows->width * sizeof *larger.mean);
-    if (!larger.person || !larger.number || !larger.unit || !larger.mean) {
-        iso_site_rows_free(&larger);
+    int64_t *person = iso_wipe_grow(rows->person, rows->n, capacity, sizeof *person);
+    if (!person) {
         return -ENOMEM;
     }
-    move_to(rows, &larger);
+    rows->person = person;
+    uint64_t *number = iso_wipe_grow(rows->number, rows->n, capacity, sizeof *number);
+    if (!number) {
+        return -ENOMEM;
+    }
+    rows->number = number;
+    float *unit = iso_wipe_grow(rows->unit, rows->n, capacity, sizeof *unit);
+    if (!unit) {
+        return -ENOMEM;
+    }
+    rows->unit = unit;
+    int8_t *mean = iso_wipe_grow(rows->mean, rows->n, capacity, rows->width * sizeof *mean);
+    if (!mean) {
+        return -ENOMEM;
+    }
+    rows->mean = mean;
+    rows->capacity = capacity;
     return 0;
 }
 

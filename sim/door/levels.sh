@@ -12,18 +12,14 @@
 # usage: levels.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY SCRATCH
 set -eu
 sim=$1 ict=$2 data=$3 scratch=$4
+. "$(dirname "$0")/../corpus/generate_once.sh"
 groups=${GROUP_COUNT:-5} visits=${VISITS:-200} strangers=${STRANGERS:-200} alike=${ALIKE:-200} adapt=${ADAPT:-both} real=${REAL:-}
 export OPENBLAS_NUM_THREADS=1
 mkdir -p "$scratch"
 
 # render PRESET SEED VISITS_OF_ENROLLED_PEOPLE STRANGERS
 render() {
-    corpus=$scratch/$1-$2
-    if [ ! -e "$corpus/manifest.csv" ]; then
-        rm -rf "${corpus:?}" # remains of an interrupted run
-        "$sim" generate --ict "$ict" --preset "$1" --seed "$2" --people 100 --probes "$3" --strangers "$4" \
-            --frames-per-visit 7 --out "$corpus"
-    fi
+    generate_once "$sim" "$ict" "$scratch/$1-$2" --preset "$1" --seed "$2" --people 100 --probes "$3" --strangers "$4" --frames-per-visit 7
 }
 
 # measure RESULT OPTION...

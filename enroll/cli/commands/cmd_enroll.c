@@ -13,8 +13,8 @@
 #include "enroll/cli/text/report.h"
 #include "firmware/contract/contract.h"
 
-/* The daemon gives up after 60 s; with poses it then keeps those that are complete, and tells so.
- */
+/* The daemon ends an enrolment after 60 s. If it has several poses, the daemon then keeps the
+ * complete ones and reports this. In this case the tool waits longer, to receive the report. */
 enum { QUICK_TIMEOUT_S = 60, POSES_TIMEOUT_S = 70, RESULT_SIZE = 64, WHAT_SIZE = 300 };
 
 struct enrolment {
@@ -94,7 +94,8 @@ static void read_detail(sd_bus_message *signal, const char *result, struct enrol
     }
 }
 
-/* What a pose asks of the person. An unknown one, of a later daemon, is named as it is. */
+/* Returns what the person has to do for a pose. The word of an unknown pose, of a later daemon, is
+ * returned as it is. */
 static const char *pose_text(const char *pose)
 {
     static const struct {
@@ -121,7 +122,7 @@ static void note_pose(json_t **poses, const char *pose)
     (void)json_array_append_new(*poses, json_string(pose));
 }
 
-/* Handles what became of a step. The progress line is removed meanwhile. */
+/* Handles the signal about a step. Before it prints, it removes the progress line. */
 static void take_step(sd_bus_message *signal, struct enrolment *enrolment)
 {
     const char *pose, *state;

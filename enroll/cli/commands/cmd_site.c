@@ -1,5 +1,5 @@
-/* site: show what the people have taught the metric, and the error rates that their templates show;
- * take the teaching back. */
+/* site: show what the people have taught the metric and the error rates that are estimated from
+ * their templates, or take back what the metric has learned. */
 #include "enroll/cli/commands/commands.h"
 
 #include <errno.h>

@@ -226,8 +226,8 @@ static void judge_gallery(struct cli_diagnosis *diagnosis, const json_t *state)
     }
 }
 
-/* Judges whether the metric has adapted to the people, if it shall. Reports nothing if an older
- * daemon does not have this key. */
+/* Checks whether the metric has adapted to the people, if the configuration asks for it. Reports
+ * nothing if the daemon is older and does not have this key. */
 static void judge_site(struct cli_diagnosis *diagnosis, const json_t *state)
 {
     const char *word = cli_state_text(state, "site");

@@ -25,8 +25,8 @@ struct cli_hints {
 };
 
 /* Prints the hint on a line of its own, unless it is the same as the last one, because the daemon
- * repeats a hint that is still valid. A hint to turn by another angle, more than 5 degrees from the
- * last one, is printed again. An unknown word is printed as it is. */
+ * repeats a hint that is still valid. A hint to turn is printed again if its angle differs by more
+ * than 5 degrees from the printed one. An unknown word is printed as it is. */
 void cli_hints_say(struct cli_hints *hints, const char *capture_word);
 
 /* Returns the array of words, which the caller releases, and begins a new one. NULL if there is no

@@ -1,4 +1,5 @@
-/* What the daemon knows of the metric of the site, as text for people, and what would help. */
+/* The report of the daemon about the metric of the site as text for people, and advice what would
+ * make recognition better. */
 #ifndef CLI_TEXT_SITE_TEXT_H
 #define CLI_TEXT_SITE_TEXT_H
 

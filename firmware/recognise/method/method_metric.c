@@ -89,14 +89,6 @@ static bool score_one(const struct by_metric *method, const struct iso_candidate
     return true;
 }
 
-/* Sorts by falling score, and people of equal score by rising number. */
-static int falling(const void *a, const void *b)
-{
-    const struct iso_search_hit *x = a, *y = b;
-    const int order = (x->score < y->score) - (x->score > y->score);
-    return order ? order : (x->person > y->person) - (x->person < y->person);
-}
-
 /* Finds the best people of the index. If the site has adapted the metric, that metric gives these
  * people their scores. */
 static int find_best(const struct by_metric *method, const struct iso_candidate_list *among,
@@ -110,7 +102,7 @@ static int find_best(const struct by_metric *method, const struct iso_candidate_
     for (int i = 0; i < *n_hits; i++) {
         (void)score_one(method, among, probe, hits[i].person, &hits[i]);
     }
-    qsort(hits, (size_t)*n_hits, sizeof *hits, falling);
+    iso_search_sort(hits, (size_t)*n_hits);
     return 0;
 }
 

@@ -110,13 +110,6 @@ static int find(struct iso_reranker *look, const struct iso_candidate_list *amon
     return error;
 }
 
-static int falling(const void *a, const void *b)
-{
-    const double x = ((const struct iso_search_hit *)a)->score;
-    const double y = ((const struct iso_search_hit *)b)->score;
-    return (x < y) - (x > y);
-}
-
 int iso_reranker_take(struct iso_reranker *look, const struct iso_metric *metric,
                       const struct iso_candidate_list *among, const struct iso_template *probe,
                       struct iso_search_hit *hits, int n)
@@ -139,6 +132,6 @@ int iso_reranker_take(struct iso_reranker *look, const struct iso_metric *metric
         hits[i].score = iso_rerank(&look->rerank, metric, &probe->upper, person, slot->n,
                                    hits[i].score);
     }
-    qsort(hits, (size_t)n, sizeof *hits, falling);
+    iso_search_sort(hits, (size_t)n);
     return 0;
 }

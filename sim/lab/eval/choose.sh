@@ -7,18 +7,9 @@
 # usage: choose.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY SCRATCH
 set -eu
 sim=$1 ict=$2 data=$3 scratch=$4
+. "$(dirname "$0")/../../corpus/generate_once.sh"
 export OPENBLAS_NUM_THREADS=1
 mkdir -p "$scratch/results"
-
-# render SENSOR
-render() {
-    corpus=$scratch/choose-$1
-    if [ ! -e "$corpus/manifest.csv" ]; then
-        rm -rf "${corpus:?}" # remains of an interrupted run
-        "$sim" generate --ict "$ict" --preset strong --seed 23 --sensor "$1" --people "${PEOPLE:-40}" --probes "${PROBES:-80}" \
-            --strangers "${STRANGERS:-20}" --out "$corpus"
-    fi
-}
 
 # evaluate RESULT OPTION...: evaluates the current corpus
 evaluate() {
@@ -42,7 +33,9 @@ row() {
 }
 
 for sensor in ${SENSORS:-truedepth astra kinect2}; do
-    render "$sensor"
+    corpus=$scratch/choose-$sensor
+    generate_once "$sim" "$ict" "$corpus" --preset strong --seed 23 --sensor "$sensor" --people "${PEOPLE:-40}" --probes "${PROBES:-80}" \
+        --strangers "${STRANGERS:-20}"
     echo "$sensor, $(($(wc -l <"$corpus/manifest.csv") - 1)) frames:"
     printf '%-28s  %-20s  %-20s  %-20s  %-20s  %s\n' 'radii smoothing landmarks' 'rank 1 %' 'EER %' 'FNMR at FMR 1e-2 %' 'at 1e-3 %' p
     for radii in ${RADII:-10 18 12,20,28,36 20,28,36 28,36,44}; do

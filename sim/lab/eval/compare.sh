@@ -8,6 +8,7 @@
 set -eu
 sim=$1 ict=$2 data=$3 real=$4 scratch=$5
 shift 5
+. "$(dirname "$0")/../../corpus/generate_once.sh"
 export OPENBLAS_NUM_THREADS=1
 mkdir -p "$scratch/results"
 
@@ -15,10 +16,7 @@ mkdir -p "$scratch/results"
 render() {
     name=$1
     shift
-    if [ ! -e "$scratch/$name/manifest.csv" ]; then
-        rm -rf "${scratch:?}/$name" # remains of an interrupted run
-        "$sim" generate --ict "$ict" "$@" --out "$scratch/$name"
-    fi
+    generate_once "$sim" "$ict" "$scratch/$name" "$@"
 }
 
 # evaluate RESULT OPTION...

@@ -12,12 +12,13 @@
 #include "sim/lab/match/training_set.h"
 #include "sim/lab/measure/calibration.h"
 
-/* Which rows are enrolled. The rows in question are of the session of a row of the gallery, by the
- * same person with the same expression, in another pose, and have the role probe. */
+/* Which rows are enrolled. An enrolment may consist of several rows: one with the role gallery, and
+ * others with the role probe, which have the same person, session and expression and another pose.
+ * The latter are called the other poses here. */
 enum sim_enrolled {
-    SIM_ENROLLED_ROLE,    /* rows with the role gallery; those in question are probes */
-    SIM_ENROLLED_FRONTAL, /* the same, without the rows in question: the searches of _POSES */
-    SIM_ENROLLED_POSES,   /* also the rows in question */
+    SIM_ENROLLED_ROLE,    /* rows with the role gallery; the other poses are searched for */
+    SIM_ENROLLED_FRONTAL, /* the same, but the other poses are left out */
+    SIM_ENROLLED_POSES,   /* rows with the role gallery, and the other poses */
 };
 
 struct sim_eval_options {

@@ -19,9 +19,10 @@ int sim_option_site(const char *text, void *field);
 int sim_site_adapt(const struct sim_gallery *gallery, const struct iso_metric *metric,
                    struct iso_site_metric *out) __attribute__((warn_unused_result));
 
-/* Judges the visitors who are enrolled as if they were strangers. A visitor whose own captures are
- * in the site statistics is told apart from the others better than a stranger is, so that the false
- * match rate of these comparisons would be too low.
+/* Compares the visitors who are enrolled with the other people as if the visitors were strangers.
+ * If the site statistics contain a visitor's own captures, the metric distinguishes this visitor
+ * from the others better than it distinguishes a stranger. The false match rate of these
+ * comparisons would be too low.
  *
  * Sets matches->stranger_score: for each person with searches, the metric is adapted to the
  * templates of all others, and these searches are compared with the others only. The scores are the

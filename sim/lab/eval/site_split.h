@@ -5,9 +5,8 @@
  * All splits are made if there are at most SIM_SITE_SPLITS, otherwise that many at random, the same
  * ones in each run.
  *
- * Nobody is judged by what he or she has taught. Neither the visitor of a search nor a person whom
- * the search is compared with is among the people of the statistics: the visitor is judged as a
- * stranger at the site would be.
+ * The statistics never contain captures of the two people who are compared: neither those of the
+ * visitor nor those of the other person. The visitor is a stranger to the site.
  *
  * Comparisons of all splits are pooled. A comparison is in several splits, so that intervals from
  * counts would be too narrow. The intervals resample the people of the probes (Bolle, Ratha and

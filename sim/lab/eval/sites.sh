@@ -7,18 +7,9 @@
 # usage: sites.sh ISOTHERM_SIM ICT_DIRECTORY DATA_DIRECTORY SCRATCH
 set -eu
 sim=$1 ict=$2 data=$3 scratch=$4
+. "$(dirname "$0")/../../corpus/generate_once.sh"
 export OPENBLAS_NUM_THREADS=1
 mkdir -p "$scratch"
-
-# render SENSOR
-render() {
-    corpus=$scratch/sites-$1
-    if [ ! -e "$corpus/manifest.csv" ]; then
-        rm -rf "${corpus:?}" # remains of an interrupted run
-        "$sim" generate --ict "$ict" --preset strong --sensor "$1" --seed 1701 --people 100 --probes 100 --strangers 0 \
-            --frames-per-visit 2 --out "$corpus"
-    fi
-}
 
 # evaluate SENSOR PEOPLE SITE: prints the rates as cells of a table
 evaluate() {
@@ -35,7 +26,8 @@ evaluate() {
 echo '| sensor | people | site | reach 2, % | reach 3, % | reach 4, % | mated lost at 3, % |'
 echo '| --- | --- | --- | --- | --- | --- | --- |'
 for sensor in ${SENSORS:-truedepth d435 astra kinect2}; do
-    render "$sensor"
+    generate_once "$sim" "$ict" "$scratch/sites-$sensor" --preset strong --sensor "$sensor" --seed 1701 --people 100 --probes 100 --strangers 0 \
+        --frames-per-visit 2
     for people in ${PEOPLE:-5 10 30 100}; do
         for site in none gallery; do
             # shellcheck disable=SC2016

@@ -34,8 +34,8 @@ struct sim_matches {
     size_t *sample;      /* [n_probes], rising */
     double *distance_mm; /* [n_probes][n_people]; INFINITY: not comparable; NaN with a metric */
     double *score;       /* the same shape; -INFINITY: not comparable */
-    /* The same shape, or NULL. What the scores would be if the visitor were no person of the site.
-     * They are used for comparisons of an enrolled visitor with another person
+    /* The same shape, or NULL: the scores of a metric that is adapted to a site without the
+     * visitor. They are used for comparisons of an enrolled visitor with another person
      * (sim/lab/eval/site_gallery.h). */
     double *stranger_score;
     int64_t *wall_ns,

@@ -1,5 +1,6 @@
-/* How well the scores of a metric mean what they say: the promised false match rates, the
- * information in the scores, and the costs at the security levels. */
+/* The calibration of a metric's scores: whether the measured false match rates are the promised
+ * ones, how much information the scores have, and what decisions by them cost at the security
+ * levels. */
 #ifndef SIM_LAB_MEASURE_CALIBRATION_H
 #define SIM_LAB_MEASURE_CALIBRATION_H
 

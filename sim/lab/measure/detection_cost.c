@@ -18,8 +18,8 @@ static double cost_at(const struct sim_det_point *point, double weight)
     return point->fnmr + weight * point->fmr;
 }
 
-/* The point whose decisions are those of a threshold: the first one that is not below it. n >= 1;
- * the last point is at INFINITY. */
+/* Returns the point that decides in the same way as a threshold: the first one that is not below
+ * it. n >= 1; the last point is at INFINITY. */
 static const struct sim_det_point *point_at(const struct sim_det_point *points, size_t n,
                                             double threshold)
 {

@@ -8,8 +8,9 @@
  *
  * For s > 0 the likelihood ratio is therefore that of the promise. Its denominator is the density
  * that the promise gives to p in non-mated comparisons, which is 1. Its numerator is the density of
- * p in mated comparisons. It is not known; k p^(k-1) concentrates mated comparisons at small p the
- * more, the smaller k is, and all k of 0..1 have equal weight (Sellke, Bayarri and Berger 2001 for
+ * p in mated comparisons, which is not known. A family of densities stands for it: k p^(k-1) with k
+ * in 0..1. The smaller k is, the more of the mated comparisons have a small p. The numerator is the
+ * mean over all k with equal weights (Sellke, Bayarri and Berger 2001 for
  * the family; Vovk and Wang, "E-values", 2021, section 2, for the mean over k):
  *
  *     L(s) = (1 - p + p ln p) / (p ln(p)^2).

@@ -17,10 +17,12 @@ struct sim_promise_point {
 };
 
 /* Measures the curve. The people of the probes, whose numbers are below n_people, are resampled
- * with all their comparisons (Bolle, Ratha and Pankanti 2004). Resampling takes a match that did
- * not occur for impossible. Therefore the interval is at least as wide as Wilson's of `distinct`
- * comparisons, the number of different ones if some are in `scores` several times. The scores must
- * be sorted (sim_scores_sort). The same scores give the same intervals. -ENOMEM. */
+ * with all their comparisons (Bolle, Ratha and Pankanti 2004). If no comparison
+ * reaches a score, none does in any resample, and the rate would seem to be 0 for certain.
+ * Therefore the interval is extended to contain Wilson's interval of `distinct` independent
+ * comparisons. `distinct` is the number of different comparisons; `scores` may contain some of them
+ * several times. The scores must be sorted (sim_scores_sort). The same scores give the same
+ * intervals. -ENOMEM. */
 int sim_promise_curve_of(const struct sim_scores *scores, uint32_t n_people, double distinct,
                          struct sim_promise_point out[SIM_PROMISE_POINTS])
     __attribute__((warn_unused_result));

@@ -1,4 +1,4 @@
-/* What the scores of a metric promise and what they keep, in the reports of an evaluation. */
+/* The calibration of a metric's scores (calibration.h) in the reports of an evaluation. */
 #ifndef SIM_LAB_REPORT_REPORT_CALIBRATION_H
 #define SIM_LAB_REPORT_REPORT_CALIBRATION_H
 
@@ -7,8 +7,8 @@
 #include "sim/lab/report/json.h"
 #include "sim/lab/report/report.h"
 
-/* Prints the measured rates at the scores 1 to 4 with intervals over people, Cllr, and the costs at
- * the levels. Nothing if they are not known. */
+/* Prints the measured false match rates at the scores 1 to 4 with intervals over people, Cllr, and
+ * the costs at the levels. Prints nothing if they are not known. */
 void sim_report_calibration(const struct sim_calibration *calibration, FILE *out);
 
 /* The same figures and the whole curve of the promise. A new reference, or NULL. */

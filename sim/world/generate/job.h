@@ -25,7 +25,7 @@ struct sim_job_kind {
  * - poses: the same, but an enrolment also has a recording of each other pose, as a row of the same
  *   session whose role is probe.
  * - pairs: as visits, but a second person stands behind the visitor in every visit, and an
- * enrolment has three times as many frames.
+ *   enrolment has three times as many frames.
  * - repeats: equally many sessions of each person; nobody is enrolled. */
 extern const struct sim_job_kind sim_job_visits, sim_job_poses, sim_job_pairs, sim_job_repeats;
 

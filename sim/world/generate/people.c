@@ -102,8 +102,9 @@ static const struct {
 
 enum { N_POSES = sizeof poses / sizeof *poses };
 
-/* Records the enrolment of a person: the frontal row of the gallery, and rows of the same session
- * in the other poses. They have the same random draws, so the hair is the same, too. */
+/* Records the enrolment of a person: the frontal row, with the role gallery, and rows of the same
+ * session in the other poses. All of them use the same random numbers, so that the hair is the
+ * same, too. */
 static int record_enrolment(const struct sim_job *job, int index, struct iso_fault *fault)
 {
     struct sim_session_plan plan = plan_of(job, 'p', index, 0, SIM_ROLE_GALLERY);

@@ -24,55 +24,60 @@ static double ramp_between(double from, double to, double x)
     return f * f * (3.0 - 2.0 * f);
 }
 
-struct sim_hair sim_hair_of_person(uint64_t person_key)
+/* The shares and ranges in which people differ. */
+struct variety {
+    double long_share, fringe_share;
+    double fringe_most_mm, front_most_rad;
+};
+
+static struct sim_hair draw_person(struct sim_random random, struct variety variety)
 {
-    struct sim_random random = sim_random_seeded(person_key, sim_random_hash("hair"), 0);
     struct sim_hair hair = {0};
     hair.scalp = sim_random_unit(&random) > 1.0 / 12.0;
-    hair.curtain = hair.scalp && sim_random_unit(&random) < 0.25;
+    hair.curtain = hair.scalp && sim_random_unit(&random) < variety.long_share;
     hair.thickness_mm = sim_random_between(&random, 5.0, 28.0);
     hair.hairline_mm = 6.0 * sim_random_normal(&random);
-    if (sim_random_unit(&random) < 0.2) {
-        hair.hairline_mm += sim_random_between(&random, 15.0, 35.0);
+    if (sim_random_unit(&random) < variety.fringe_share) {
+        hair.hairline_mm += sim_random_between(&random, 15.0, variety.fringe_most_mm);
     }
-    hair.curtain_front = sim_random_between(&random, 0.1, 0.75);
+    hair.curtain_front = sim_random_between(&random, 0.1, variety.front_most_rad);
     hair.key = sim_random_u64(&random);
     return hair;
 }
 
-struct sim_hair sim_hair_of_session(const struct sim_hair *hair, struct sim_random *random)
+struct sim_hair sim_hair_of_person(uint64_t person_key)
 {
-    struct sim_hair today = *hair;
-    today.thickness_mm *= 1.0 + 0.12 * fmin(fmax(sim_random_normal(random), -2.0), 2.0);
-    today.hairline_mm += 2.5 * sim_random_normal(random);
-    today.curtain_front += 0.06 * sim_random_normal(random);
-    today.key = sim_random_u64(random);
-    return today;
+    return draw_person(sim_random_seeded(person_key, sim_random_hash("hair"), 0),
+                       (struct variety){0.25, 0.2, 35.0, 0.75});
 }
 
 struct sim_hair sim_hair_kept(uint64_t person_key)
 {
-    struct sim_random random = sim_random_seeded(person_key, sim_random_hash("kept hair"), 0);
-    struct sim_hair hair = {0};
-    hair.scalp = sim_random_unit(&random) > 1.0 / 12.0;
-    hair.curtain = hair.scalp && sim_random_unit(&random) < 0.5;
-    hair.thickness_mm = sim_random_between(&random, 5.0, 28.0);
-    hair.hairline_mm = 6.0 * sim_random_normal(&random);
-    if (sim_random_unit(&random) < 0.5) {
-        hair.hairline_mm += sim_random_between(&random, 15.0, 50.0);
-    }
-    hair.curtain_front = sim_random_between(&random, 0.1, 0.9);
-    hair.key = sim_random_u64(&random);
-    return hair;
+    return draw_person(sim_random_seeded(person_key, sim_random_hash("kept hair"), 0),
+                       (struct variety){0.5, 0.5, 50.0, 0.9});
+}
+
+/* Changes the hair by the given standard deviations; that of the thickness is a share of it. */
+static struct sim_hair draw_day(const struct sim_hair *hair, double thickness, double hairline_mm,
+                                double front_rad, struct sim_random *random)
+{
+    struct sim_hair today = *hair;
+    today.thickness_mm *= 1.0 + thickness * fmin(fmax(sim_random_normal(random), -2.0), 2.0);
+    today.hairline_mm += hairline_mm * sim_random_normal(random);
+    today.curtain_front += front_rad * sim_random_normal(random);
+    return today;
+}
+
+struct sim_hair sim_hair_of_session(const struct sim_hair *hair, struct sim_random *random)
+{
+    struct sim_hair today = draw_day(hair, 0.12, 2.5, 0.06, random);
+    today.key = sim_random_u64(random);
+    return today;
 }
 
 struct sim_hair sim_hair_kept_today(const struct sim_hair *hair, struct sim_random *random)
 {
-    struct sim_hair today = *hair;
-    today.thickness_mm *= 1.0 + 0.06 * fmin(fmax(sim_random_normal(random), -2.0), 2.0);
-    today.hairline_mm += 1.5 * sim_random_normal(random);
-    today.curtain_front += 0.03 * sim_random_normal(random);
-    return today;
+    return draw_day(hair, 0.06, 1.5, 0.03, random);
 }
 
 /* Approximate distance of a point of the mean head inside the hairline, mm (< 0: bare skin). The

@@ -28,12 +28,14 @@ struct sim_hair sim_hair_of_person(uint64_t person_key);
 /* The same person's hair on another day. */
 struct sim_hair sim_hair_of_session(const struct sim_hair *hair, struct sim_random *random);
 
-/* Hair that stays as it is between visits, as a cut and a habit of combing do: about 1 in 12 people
- * is bald, 1 in 2 has long hair that reaches farther over the cheeks, and 1 in 2 has a fringe,
- * which may reach down to the eyebrows. The same key gives the same hair, bumps included. */
+/* Hair that stays as it is between visits, because people keep their haircut and comb it in the
+ * same way. About 1 in 12 people is bald, 1 in 2 has long hair that reaches farther over the
+ * cheeks, and 1 in 2 has a fringe, which may reach down to the eyebrows. The same key gives the
+ * same hair, with the same bumps. */
 struct sim_hair sim_hair_kept(uint64_t person_key);
 
-/* The kept hair on another day: the same bumps, other thickness and hairline by a little. */
+/* The kept hair on another day: it has the same bumps, and its thickness, its hairline and the
+ * reach of its curtain differ a little. */
 struct sim_hair sim_hair_kept_today(const struct sim_hair *hair, struct sim_random *random);
 
 /* The shell in the face frame, for a head whose neutral surface is `vertices_mm`

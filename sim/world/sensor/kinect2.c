@@ -1,14 +1,15 @@
 /* Time of flight: Kinect v2.
  *
  * - 512 x 424, f 365 px, 1 mm counts, 0.5 to 4.5 m: Kinect for Windows SDK 2.0.
- * - Noise about 1 mm at 0.8 m on a bright frontal surface, growing with distance and with falling
- *   amplitude; flying pixels: one that straddles a jump reports the amplitude-weighted mean of
- *   the visible surfaces, or nothing: Sarbolandi, Lefloch and Kolb, "Kinect Range Sensing:
- *   Structured-Light versus Time-of-Flight Kinect", CVIU 139 (2015).
- * - Multipath and wiggling: systematic errors of some millimetres: Corti, Giancola, Mainetti and
- *   Sala, "A metrological characterization of the Kinect V2 time-of-flight camera", Robotics and
- *   Autonomous Systems 75 (2016); here an offset common to the frame and a smooth error of half a
- *   millimetre over a face.
+ * - Noise and flying pixels: Sarbolandi, Lefloch and Kolb, "Kinect Range Sensing:
+ *   Structured-Light versus Time-of-Flight Kinect", CVIU 139 (2015). The noise is about 1 mm at
+ *   0.8 m on a bright surface that faces the sensor. It grows with the distance, and when the
+ *   amplitude falls. A pixel that sees several surfaces reports the mean of their depths, weighted
+ *   by amplitude, or nothing.
+ * - Multipath and wiggling cause systematic errors of some millimetres: Corti, Giancola, Mainetti
+ *   and Sala, "A metrological characterization of the Kinect V2 time-of-flight camera", Robotics
+ *   and Autonomous Systems 75 (2016). In this model they are an offset that the whole frame shares,
+ *   and a smooth error of half a millimetre over a face.
  * - Assumed: the albedos in the near infrared, and the loss of mixed pixels. */
 #include <math.h>
 

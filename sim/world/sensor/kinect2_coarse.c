@@ -1,22 +1,24 @@
 /* Time of flight as coarse recordings of a Kinect v2 show it: multipath, flying pixels, a wiggling
- * distance and depths that come in steps of 1 to 8 mm.
+ * distance, and depths that come in steps of 1 to 8 mm.
  *
- * - 512 x 424, f 365 px, 0.5 to 4.5 m: Kinect for Windows SDK 2.0.
- * - Noise of about 1 mm at 0.8 m, which grows with distance and with falling amplitude; pixels on
- *   an outline that report a depth between the surfaces: Sarbolandi, Lefloch and Kolb, "Kinect
- *   Range Sensing: Structured-Light versus Time-of-Flight Kinect", CVIU 139 (2015). Here a pixel
- *   gathers the light of twice its breadth, so that outlines are two pixels broad, and half as many
- *   mixed pixels drop out as before kinect2.
- * - Wiggling, a harmonic error of the distance, and light that arrives late in hollows by way of
- *   other surfaces: Corti, Giancola, Mainetti and Sala, "A metrological characterization of the
- *   Kinect V2 time-of-flight camera", Robotics and Autonomous Systems 75 (2016), who also find an
- *   uncertainty of 1.5 mm and more. Wasenmueller and Stricker, "Comparison of Kinect v1 and v2
- * depth images in terms of accuracy and precision", ACCV workshops (2016), show the same in
- * corners. The period is a quarter of the unambiguous range at 80 MHz, 1.87 m.
- * - Errors that neighbouring pixels share, because the sensor's software filters its depths. Their
- *   size was chosen on real frames, by the residuals of the fit (sim/results/time-of-flight.md).
- * - Assumed: the steps (8 bits for 1 to 2 m would be steps of 4 to 8 mm), and the share of
- *   multipath, which are drawn for each recording; the amplitude of the wiggling. */
+ * - Size, focal length and range (512 x 424, f 365 px, 0.5 to 4.5 m): Kinect for Windows SDK 2.0.
+ * - Noise: Sarbolandi, Lefloch and Kolb, "Kinect Range Sensing: Structured-Light versus
+ *   Time-of-Flight Kinect", CVIU 139 (2015). The standard deviation is about 1 mm at 0.8 m. It
+ * grows with the distance, and when the amplitude falls.
+ * - Flying pixels: the same paper. A pixel on an outline reports a depth between the two surfaces.
+ *   In this model a pixel receives light from an area of twice its breadth, so that outlines are
+ *   two pixels broad. The share of such pixels that drop out is half of that in kinect2.
+ * - Wiggling, a periodic error of the distance: Corti, Giancola, Mainetti and Sala, "A metrological
+ *   characterization of the Kinect V2 time-of-flight camera", Robotics and Autonomous Systems 75
+ *   (2016). The period is a quarter of the unambiguous range at 80 MHz, which is 1.87 m.
+ * - Multipath: in hollows, light also arrives late, by way of other surfaces. The same paper, and
+ *   Wasenmueller and Stricker, "Comparison of Kinect v1 and v2 depth images in terms of accuracy
+ *   and precision", ACCV workshops (2016), who measured corners.
+ * - Errors that neighbouring pixels share, because the sensor's software filters its depths. The
+ *   size of these errors was chosen such that the residuals of the fit resemble those of real
+ * frames (sim/results/time-of-flight.md).
+ * - Assumed: the steps (8 bits for 1 to 2 m would be steps of 4 to 8 mm), the share of multipath,
+ *   and the amplitude of the wiggling. Steps and share are drawn for each recording. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -35,7 +37,7 @@ static const double wiggle_mm = 1.5, wiggle_period_mm = 469.0;
 static const double share_least = 0.2, share_most = 0.6;
 
 enum {
-    BLUR = 1, /* samples of the view beside a pixel */
+    BLUR = 1, /* samples of the view that a pixel receives besides its own, on each side */
     /* Radii of the windows in which errors are alike. */
     FILTER_PX = 1,
     TEXTURE_PX = 3,
@@ -43,7 +45,7 @@ enum {
     STEP_MOST_MM = 8,
 };
 
-/* What stays the same during a recording. */
+/* The properties that stay the same during a recording. */
 struct coarse {
     struct sim_multipath multipath;
     double step_mm, wiggle_phase_rad;
@@ -55,7 +57,7 @@ static int coarse_new(void **own)
     if (!coarse) {
         return -ENOMEM;
     }
-    /* Means, for a measurement without a recording. */
+    /* The means, which hold until a recording begins. */
     coarse->multipath = (struct sim_multipath){0.5 * (share_least + share_most), 6.0, 4, 60.0};
     coarse->step_mm = 4.0;
     *own = coarse;
@@ -75,7 +77,8 @@ static double wiggle(const struct coarse *coarse, double z_mm)
     return wiggle_mm * sin(6.283185307179586 * z_mm / wiggle_period_mm + coarse->wiggle_phase_rad);
 }
 
-/* The mixed depths of all pixels, 0 for those that are not measured; their noise, mm. */
+/* Computes the depth of each pixel, which may be a mean of several surfaces (0: not measured), and
+ * the standard deviation of its noise, mm. */
 static void receive(const struct sim_view *view, struct sim_random *random, float *depth_mm,
                     float *sd_mm)
 {

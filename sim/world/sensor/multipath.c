@@ -19,7 +19,8 @@ static double depth_of_cell(const struct grid *grid, int column, int row)
     return (double)grid->depth_mm[(size_t)v * (size_t)grid->width + (size_t)u];
 }
 
-/* The mean depth of a cell behind the middle of opposite cells; 0 if it has none. */
+/* How far a cell lies behind the middle of two opposite cells, on average over the pairs in its
+ * surroundings; 0 if there is no pair on the same surface. */
 static double hollowness(const struct sim_multipath *model, const struct grid *grid, int column,
                          int row)
 {

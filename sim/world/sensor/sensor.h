@@ -77,9 +77,9 @@ void sim_sensor_workspace_free(struct sim_sensor_workspace *workspace);
  * anything that the sensor shall measure. The workspace must outlive the view. */
 void sim_sensor_attach(struct sim_sensor_workspace *workspace, struct sim_view *view);
 
-/* Begins a recording: draws the model's properties that differ between recordings and stay during
- * one. A model without such properties draws nothing. Before the first call a model has the mean of
- * these properties. */
+/* Begins a recording: draws the model's properties that differ between recordings and stay the same
+ * during one. A model without such properties draws nothing. Before the first call the properties
+ * have fixed values in the middle of their ranges. */
 void sim_sensor_begin(struct sim_sensor_workspace *workspace, struct sim_random *random);
 
 /* Measures one frame from a finished view of this sensor (sim_view_new with its camera and

@@ -86,8 +86,10 @@ static enum iso_capture way_back(double yaw_deg, double pitch_deg)
     return pitch_deg > 0.0 ? ISO_CAPTURE_LOOK_DOWN : ISO_CAPTURE_LOOK_UP;
 }
 
-/* With the default limits, a head that is turned or bowed by 25 to 55 degrees is either accepted or
- * told how to look into the camera. Beyond 45 degrees it is not accepted. */
+/* With the default limits, a head that is turned or bowed by 25 to 50 degrees is either accepted,
+ * or the person is told which way to turn back to the camera. From 50 degrees on no head is
+ * accepted.
+ */
 static void a_turned_head_is_told_to_turn(void **state)
 {
     struct extract_rig *f = *state;
@@ -104,8 +106,8 @@ static void a_turned_head_is_told_to_turn(void **state)
     }
 }
 
-/* A head of a wrong size is called so if it looks into the camera, and is told to turn if it is
- * turned by 35 degrees. It is never accepted. */
+/* A head of a wrong size is refused for its size if it looks into the camera. If it is turned by 35
+ * degrees, the person is told to turn instead. Such a head is never accepted. */
 static void a_turned_head_of_a_wrong_size_is_told_to_turn(void **state)
 {
     struct extract_rig *f = *state;

@@ -211,9 +211,9 @@ static void no_variance_is_boundless(void **state)
     assert_near(summary_of(f->metric, people, 16).growth, 6.0, 1e-6);
 }
 
-/* Nine people vary along axis 1 and have nothing in common. The tenth enrols captures that are as
- * unlike people as numbers can be: the offset moves by two elevenths of a standard deviation, and
- * no variance appears along axis 2. */
+/* Nine people vary along axis 1 and have nothing in common. The tenth person enrols captures with
+ * huge numbers, which no face gives. The offset moves by only two elevenths of a standard
+ * deviation, and the variance along axis 2 does not rise. */
 static void what_one_person_shows_alone_is_left_out(void **state)
 {
     struct fixture *f = *state;
@@ -272,7 +272,7 @@ static void a_vector_can_be_turned(void **state)
     iso_site_metric_free(&site);
 }
 
-/* Each pass has its time, and everybody is in both. */
+/* Calls in the wrong pass are refused, and so is a person who is in one pass alone. */
 static void wrong_arguments_are_refused(void **state)
 {
     struct fixture *f = *state;

@@ -1,8 +1,9 @@
-/* Somebody with the code enrols crafted templates to move the scores of other people. The attacker
- * chooses vectors, which no real face could give, as long as the limits of core/match/site.c allow:
- * along axes of the metric, towards people and strangers, along their differences, and captures
- * that are spread along each of these. The test bounds how far the attacker moves the scores of
- * honest people and of strangers.
+/* An attacker who knows the code enrols crafted templates in order to change the scores of other
+ * people. The templates may have any vectors, even those that no real face could give; the limits
+ * of core/match/site.c bound their effect. The attacker tries vectors far along axes of the metric,
+ * towards people and strangers, and along their differences, and captures that are spread along
+ * each of these directions. The test bounds how far the scores of honest people and of strangers
+ * change.
  *
  * People are drawn from the distribution of the shipped metric (its `between`; 1 within a person),
  * with an offset that they have in common, as real people before one sensor have. The first

@@ -1,5 +1,6 @@
-/* The score of a person of the site without the own share of the offset and without the share that
- * helps the probe most, compared with the formula for matrices of three rows. */
+/* The score of a person of the site leaves out the person's own share in the offset, and it is the
+ * least of the scores that also leave out one of four groups of people. The test compares it with
+ * the formula for whole matrices, which have three rows here. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -175,7 +176,7 @@ static void a_person_is_scored_without_shares_of_the_offset(void **state)
     assert_int_equal(iso_metric_project(metric, &tmpl, &shipped), 0);
     shipped.mean[0] += 3.0f;
     iso_site_turn(&site, &shipped, &probe);
-    int lower = 0; /* people whose score another share raises */
+    int lower = 0; /* people whose score is lower than without their own share alone */
     for (int p = 0; p < PEOPLE; p++) {
         iso_site_turn(&site, &captures[p], &person);
         const double score = iso_site_score(&site, 10 * p, &person, &probe);

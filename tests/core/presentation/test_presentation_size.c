@@ -86,7 +86,7 @@ static void a_head_with_a_fringe_keeps_its_size(void **state)
     }
 }
 
-/* A fringe hides the size of no mask. */
+/* A mask of a wrong size is noticed although it has a fringe. */
 static void a_mask_with_a_fringe_keeps_its_size(void **state)
 {
     struct rig *rig = *state;
@@ -98,7 +98,7 @@ static void a_mask_with_a_fringe_keeps_its_size(void **state)
     }
 }
 
-/* What is in front of the cheeks is no hair: there, the cost is that of the surface. */
+/* A surface in front of the cheeks is not taken for hair, so it raises the cost. */
 static void only_the_forehead_may_have_hair(void **state)
 {
     struct rig *rig = *state;

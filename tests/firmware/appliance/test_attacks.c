@@ -69,8 +69,9 @@ static void show_turned(struct rig *rig, int n)
     rig_run(rig, 100);
 }
 
-/* A turned head with a cue of an attack may be alive, so it is told to turn. But its frames count
- * as those of nobody: who holds a mask askew gets no two frames out of many. */
+/* A turned head with a cue of an attack may be that of a living person, who is told to turn. Its
+ * frames count as frames of nobody. So an attacker who holds a mask at an angle cannot get in with
+ * two good frames among many with a cue. */
 static void a_cue_of_a_turned_head_counts_against_it(void **state)
 {
     struct rig *rig = *state;

@@ -10,10 +10,7 @@
 static void enroll(struct rig *rig, const char *person)
 {
     const struct iso_enroll_request request = {.person = person};
-    struct iso_fault fault = {.text = ""};
-    if (iso_appliance_enroll(rig->appliance, &request, &fault)) {
-        fail_msg("%s", fault.text);
-    }
+    rig_start_enrolling(rig, &request);
 }
 
 /* ---- claim ---- */
@@ -165,10 +162,7 @@ static void enroll_within(struct rig *rig, const char *name,
                           const struct iso_validity_change *validity)
 {
     const struct iso_enroll_request request = {.person = name, .validity = *validity};
-    struct iso_fault fault = {.text = ""};
-    if (iso_appliance_enroll(rig->appliance, &request, &fault)) {
-        fail_msg("%s", fault.text);
-    }
+    rig_start_enrolling(rig, &request);
     rig_show(rig, 50, 3);
     rig_run(rig, 200);
     assert_non_null(strstr(rig_news(rig), "enroll completed"));

@@ -21,10 +21,7 @@ static void turn(struct rig *rig, struct attitude attitude)
 static void enroll(struct rig *rig, const char *person)
 {
     const struct iso_enroll_request request = {.person = person, .poses = true};
-    struct iso_fault fault = {.text = ""};
-    if (iso_appliance_enroll(rig->appliance, &request, &fault)) {
-        fail_msg("%s", fault.text);
-    }
+    rig_start_enrolling(rig, &request);
 }
 
 /* Shows n frames of a face in an attitude. */

@@ -6,6 +6,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "core/match/search.h"
 #include "firmware/recognise/method/reranker.h"
 
 enum { PEOPLE = 30 };
@@ -150,6 +151,20 @@ static void a_template_that_cannot_be_opened_is_an_error(void **state)
     assert_int_equal(look_at(rig, 1, -1), -EINVAL);
 }
 
+static void hits_are_sorted_by_score_and_then_by_number(void **state)
+{
+    struct iso_search_hit hits[] = {{.person = 7, .score = 1.0},
+                                    {.person = 9, .score = 2.0},
+                                    {.person = 3, .score = 1.0},
+                                    {.person = 1, .score = -INFINITY}};
+    (void)state;
+    iso_search_sort(hits, 4);
+    assert_int_equal(hits[0].person, 9);
+    assert_int_equal(hits[1].person, 3);
+    assert_int_equal(hits[2].person, 7);
+    assert_int_equal(hits[3].person, 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -158,6 +173,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_gallery_that_changed_is_asked_again, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_template_that_cannot_be_opened_is_an_error, set_up,
                                         tear_down),
+        cmocka_unit_test(hits_are_sorted_by_score_and_then_by_number),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

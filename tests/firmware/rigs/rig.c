@@ -307,3 +307,11 @@ void rig_start_claimed(struct rig *rig)
     rig_start(rig);
     assert_int_equal(iso_appliance_claim(rig->appliance), 0);
 }
+
+void rig_start_enrolling(struct rig *rig, const struct iso_enroll_request *request)
+{
+    struct iso_fault fault = {.text = ""};
+    if (iso_appliance_enroll(rig->appliance, request, &fault)) {
+        fail_msg("%s", fault.text);
+    }
+}

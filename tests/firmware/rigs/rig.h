@@ -49,6 +49,9 @@ void rig_start(struct rig *rig);
 /* Like rig_start; afterwards a client has the claim. */
 void rig_start_claimed(struct rig *rig);
 
+/* Starts the enrolment of a request, for the client that has the claim. */
+void rig_start_enrolling(struct rig *rig, const struct iso_enroll_request *request);
+
 /* Adds a person to the gallery, with one template of this face. */
 void rig_enrol(struct rig *rig, const char *person, int face);
 

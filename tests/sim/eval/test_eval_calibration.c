@@ -270,7 +270,8 @@ static void the_interval_is_of_people(void **state)
     assert_near(curve[30].interval.low, 0.0, 0.0);
     assert_true(curve[30].interval.high >= 0.5);
     assert_near(curve[31].fmr, 0.0, 0.0);
-    /* None of 800 does not mean none at all: Wilson's upper end. */
+    /* None of the 800 comparisons reaches this score, but the true rate may be above 0. The upper
+     * end is that of Wilson's interval. */
     assert_near(curve[31].interval.high, sim_rate_interval((struct sim_rate){0, 800}).high, 1e-12);
     assert_near(again[30].interval.high, curve[30].interval.high, 0.0);
 }
