@@ -213,6 +213,7 @@ int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_templa
                         int64_t now_ns, const struct iso_pipeline *pipeline,
                         const struct iso_enrolment_gallery *gallery, bool *passed)
 {
+    const int stage = enrolment->stage;
     double score = 0;
     int error = lowest_score(enrolment, frame, pipeline, &score);
     if (error) {
@@ -233,7 +234,7 @@ int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_templa
             return error;
         }
     }
-    *passed = true;
+    *passed = enrolment->stage > stage; /* a pose that is left out takes its stages back */
     return 0;
 }
 

@@ -100,10 +100,11 @@ static inline int iso_enrolment_steps(const struct iso_enrolment *enrolment)
 void iso_enrolment_begin(struct iso_enrolment *enrolment,
                          const struct iso_enrolment_options *options, int64_t now_ns);
 
-/* Handles a usable frame in the pose of the present step; only while ACTIVE. *passed: the frame was
- * used (otherwise it was a misfit). Check the state after the call. Returns a negative errno if a
- * comparison fails for a reason other than the frame. Such an error ends the enrolment only in the
- * last stage of a step: FAILED. */
+/* Handles a usable frame in the pose of the present step; only while ACTIVE. *passed: a stage is
+ * passed. Otherwise the frame was a misfit, or the last one of a pose that is left out, because its
+ * frames have too few points in common or its template does not belong to the face. Check the state
+ * after the call. Returns a negative errno if a comparison fails for a reason other than the frame.
+ * Such an error ends the enrolment only in the last stage of a step: FAILED. */
 int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_template *frame,
                         int64_t now_ns, const struct iso_pipeline *pipeline,
                         const struct iso_enrolment_gallery *gallery, bool *passed)

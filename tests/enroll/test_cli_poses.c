@@ -40,19 +40,22 @@ static void enrolling_guides_through_the_poses(void **state)
     const struct cli_result result = cli_run(&script, "enroll anna");
 
     (void)state;
-    assert_string_equal(result.out, "Enrolling anna: look straight at the camera.\n"
-                                    "step 1 of 5: look straight at the camera\n"
-                                    "stage 1/3 done (quality 0.88)\n"
-                                    "step 2 of 5: turn your head a little to your left\n"
-                                    "  turn a little to your left, by about 18 degrees\n"
-                                    "  turn a little to your left, by about 9 degrees\n"
-                                    "  close your mouth and look calm\n"
-                                    "stage 2/3 done (quality 0.75)\n"
-                                    "step 4 of 5: lower your chin a little\n"
-                                    "step 4 of 5 is left out: the pose was not reached in time\n"
-                                    "step 5 of 5: sideways\n"
-                                    "step 5 of 5 is left out: the pose was not reached in time\n"
-                                    "anna is enrolled. Poses that are left out: down sideways.\n");
+    assert_string_equal(result.out,
+                        "Enrolling anna: look straight at the camera.\n"
+                        "step 1 of 5: look straight at the camera\n"
+                        "stage 1/3 done (quality 0.88)\n"
+                        "step 2 of 5: turn your head a little to your left\n"
+                        "  turn a little to your left, by about 18 degrees\n"
+                        "  turn a little to your left, by about 9 degrees\n"
+                        "  close your mouth and look calm\n"
+                        "stage 2/3 done (quality 0.75)\n"
+                        "step 4 of 5: lower your chin a little\n"
+                        "step 4 of 5 (down) is left out: too few frames of this pose in "
+                        "time, or not of the same face\n"
+                        "step 5 of 5: sideways\n"
+                        "step 5 of 5 (sideways) is left out: too few frames of this pose in "
+                        "time, or not of the same face\n"
+                        "anna is enrolled. Poses that are left out: down sideways.\n");
     cli_expect_exit(&result, 0);
 
     const struct cli_result again = cli_run(&script, "enroll anna --json");

@@ -140,7 +140,9 @@ static void take_step(sd_bus_message *signal, struct enrolment *enrolment)
     } else if (strcmp(state, ISO_CONTRACT_STEP_LEFT_OUT) == 0) {
         note_pose(&enrolment->left_out, pose);
         fprintf(enrolment->hints.out,
-                "step %u of %u is left out: the pose was not reached in time\n", step, steps);
+                "step %u of %u (%s) is left out: too few frames of this pose in time, or not of "
+                "the same face\n",
+                step, steps, pose);
     }
 }
 

@@ -82,7 +82,7 @@ static void a_pose_of_a_look_alike_is_left_out(void **state)
     (void)state;
     begin_poses();
     assert_true(frame(56));
-    assert_true(frame(56));
+    assert_false(frame(56)); /* no stage is passed, because the pose is left out */
     assert_int_equal(enrolment.pose, ISO_ENROLL_RIGHT);
     assert_false(enrolment.kept[ISO_ENROLL_LEFT]);
     assert_int_equal(enrolment.stage, 3);
@@ -90,6 +90,42 @@ static void a_pose_of_a_look_alike_is_left_out(void **state)
     assert_true(frame(55));
     assert_true(frame(55));
     assert_true(enrolment.kept[ISO_ENROLL_RIGHT]);
+}
+
+/* Adds a frame of face 50 without measured points. It agrees with others, because the puppets
+ * compare the radius alone, and cannot be fused. */
+static int frame_without_points(bool *passed)
+{
+    struct iso_template tmpl = puppet_template(50, PUPPET_ALGORITHM);
+    memset(tmpl.weight, 0, sizeof tmpl.weight);
+    return iso_enrolment_frame(&enrolment, &tmpl, now_ns, &pipeline, &gallery, passed);
+}
+
+static void a_pose_whose_frames_cannot_be_fused_is_left_out(void **state)
+{
+    bool passed = true;
+    (void)state;
+    begin_poses();
+    assert_true(frame(50));
+    assert_int_equal(frame_without_points(&passed), 0);
+    assert_false(passed);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_ACTIVE);
+    assert_int_equal(enrolment.pose, ISO_ENROLL_RIGHT);
+    assert_false(enrolment.kept[ISO_ENROLL_LEFT]);
+    assert_int_equal(enrolment.stage, 3);
+    assert_int_equal(enrolment.stages, 9);
+}
+
+/* The frontal pose is necessary. */
+static void frontal_frames_that_cannot_be_fused_end_the_enrolment(void **state)
+{
+    bool passed = false;
+    (void)state;
+    assert_true(frame(50));
+    assert_true(frame(50));
+    assert_int_equal(frame_without_points(&passed), -ENODATA);
+    assert_false(passed);
+    assert_int_equal(enrolment.state, ISO_ENROLMENT_FAILED);
 }
 
 static void leaves_a_pose_out_in_time(void **state)
@@ -179,6 +215,10 @@ int main(void)
         cmocka_unit_test_setup(a_pose_has_to_show_the_same_face, enrolment_rig_setup),
         cmocka_unit_test_setup(a_pose_of_another_face_is_left_out, enrolment_rig_setup),
         cmocka_unit_test_setup(a_pose_of_a_look_alike_is_left_out, enrolment_rig_setup),
+        cmocka_unit_test_setup(a_pose_whose_frames_cannot_be_fused_is_left_out,
+                               enrolment_rig_setup),
+        cmocka_unit_test_setup(frontal_frames_that_cannot_be_fused_end_the_enrolment,
+                               enrolment_rig_setup),
         cmocka_unit_test_setup(leaves_a_pose_out_in_time, enrolment_rig_setup),
         cmocka_unit_test_setup(an_attack_frame_in_the_last_pose_keeps_nothing, enrolment_rig_setup),
         cmocka_unit_test_setup(attack_frames_count_over_poses, enrolment_rig_setup),
