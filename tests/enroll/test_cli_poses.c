@@ -83,11 +83,29 @@ static void a_quick_enrolment_asks_for_no_poses(void **state)
     json_decref(document);
 }
 
+static void a_person_without_room_is_told_what_makes_room(void **state)
+{
+    const struct fake_script script = {.fail_method = "EnrollStart",
+                                       .fail_error = "org.isotherm.Error.GalleryFull",
+                                       .fail_text = "anna has 12 templates"};
+    struct cli_result result = cli_run(&script, "enroll anna");
+
+    (void)state;
+    cli_expect_exit(&result, 4);
+    assert_string_equal(result.err,
+                        "isotherm: anna has 12 templates; --quick adds one template and not five, "
+                        "isotherm remove NAME makes room\n");
+    result = cli_run(&script, "enroll --quick anna");
+    assert_string_equal(result.err,
+                        "isotherm: anna has 12 templates; isotherm remove NAME makes room\n");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(enrolling_guides_through_the_poses),
         cmocka_unit_test(a_quick_enrolment_asks_for_no_poses),
+        cmocka_unit_test(a_person_without_room_is_told_what_makes_room),
     };
 
     return cli_find_bus() ? cmocka_run_group_tests(tests, NULL, cli_teardown) : TEST_SKIPPED;
