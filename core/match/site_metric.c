@@ -134,6 +134,7 @@ static int fill_adapted(const struct iso_site *site, const struct iso_metric *me
         offset[d] = (float)site->offset[d];
     }
     turn_row(out->turn, site->n, offset, out->offset);
+    explicit_bzero(offset, sizeof offset);
     return fill_own(site, out);
 }
 
@@ -165,6 +166,7 @@ int iso_site_adapt(const struct iso_site *site, const struct iso_metric *metric,
         iso_site_metric_free(out);
     }
     iso_wipe_free(directions);
+    explicit_bzero(value, sizeof value);
     return error;
 }
 
