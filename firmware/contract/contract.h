@@ -90,7 +90,8 @@
  *       a word ISO_CONTRACT_POSE_..., state a word ISO_CONTRACT_STEP_.... turn_deg: with
  *       ISO_CONTRACT_STEP_TURN, how far the head is from the pose, in degrees; else 0. The frontal
  *       pose is necessary. Every other one is left out if it is not complete in time, or if its
- *       frames do not belong to the frontal face
+ *       frames do not belong to the frontal face. The signal that step 1 has begun is sent before
+ *       the reply of EnrollStart: a client that wants it listens before the call
  *   VerifyStatus, IdentifyStatus(s result, b done, s person, d score, d threshold)
  *       result: "enroll-", "verify-" or "identify-", followed by one of the words
  *       ISO_CONTRACT_RESULT_..., or by "retry-" and a word of isotherm/capture.h. The latter is a
