@@ -186,3 +186,14 @@ int iso_site_generation_make(struct iso_site_work *work, struct iso_site_generat
     }
     return error;
 }
+
+int iso_site_generation_ship(struct iso_site_work *work, struct iso_site_generation *out)
+{
+    *out = (struct iso_site_generation){.index = NULL};
+    const int error = fill_index(work, out);
+    explicit_bzero(&work->person, sizeof work->person);
+    if (error) {
+        iso_site_generation_free(out);
+    }
+    return error;
+}

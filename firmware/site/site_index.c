@@ -31,6 +31,7 @@ struct iso_site_index {
     uint64_t version;              /* counts the changes of the rows and the record */
     uint64_t computed;             /* the version that the thread has finished */
     int error;                     /* of that version */
+    bool holds_removed;            /* `current` has learned from templates that teach no more */
     bool is_ready;                 /* `ready` waits to become the current generation */
     struct iso_site_generation ready;
     bool is_estimated; /* `estimate` is that of the present people */
@@ -60,8 +61,8 @@ static int read_person(void *context, bool teaching, size_t *at, struct iso_site
     return more;
 }
 
-/* Hands over the generation of a job that has ended with `error`. Returns false if the people have
- * changed meanwhile; then the caller keeps the generation. The mutex is held. */
+/* Hands over the generation of a job that has ended with `error`, if there is one. Returns false if
+ * the people have changed meanwhile; then the caller keeps the generation. The mutex is held. */
 static bool publish(struct iso_site_index *site, const struct iso_site_generation *made, int error)
 {
     if (site->version != site->job.version || error == -ECANCELED) {
@@ -69,7 +70,7 @@ static bool publish(struct iso_site_index *site, const struct iso_site_generatio
     }
     site->computed = site->job.version;
     site->error = error;
-    if (!error) {
+    if (made->index) {
         site->ready = *made;
         site->is_ready = true;
     }
@@ -91,6 +92,24 @@ static void run_estimate(struct iso_site_index *site, struct iso_site_shared *me
     (void)pthread_mutex_unlock(&site->mutex);
 }
 
+/* Makes the generation of the present people. If that fails, and the one in use has learned from
+ * somebody who was removed, makes the one by the shipped metric instead. Returns the error of the
+ * former. */
+static int make_generation(struct iso_site_index *site, struct iso_site_generation *made)
+{
+    const int error = iso_site_generation_make(&site->job.work, made);
+    if (!error || error == -ECANCELED) {
+        return error;
+    }
+    (void)pthread_mutex_lock(&site->mutex);
+    const bool holds_removed = site->holds_removed;
+    (void)pthread_mutex_unlock(&site->mutex);
+    if (holds_removed && iso_site_generation_ship(&site->job.work, made) == -ECANCELED) {
+        return -ECANCELED;
+    }
+    return error;
+}
+
 /* Computes the generation of the present people, and then the estimate. The mutex is held on entry
  * and on return. */
 static void run_job(struct iso_site_index *site)
@@ -98,7 +117,7 @@ static void run_job(struct iso_site_index *site)
     struct iso_site_generation made = {.index = NULL};
     site->job.version = site->version;
     (void)pthread_mutex_unlock(&site->mutex);
-    const int error = iso_site_generation_make(&site->job.work, &made);
+    const int error = make_generation(site, &made);
     struct iso_site_shared *metric = iso_site_shared_keep(made.shared);
     (void)pthread_mutex_lock(&site->mutex);
     const bool published = publish(site, &made, error);
@@ -236,6 +255,7 @@ void iso_site_index_remove(struct iso_site_index *site, int64_t person)
     if (iso_index_remove(site->current.index, person) == 0 && site->adapt) {
         iso_site_shared_forget(site->current.shared, person);
         struct iso_site_generation outdated = begin_change(site);
+        site->holds_removed = true;
         iso_site_rows_remove(&site->rows, person);
         end_change(site, &outdated);
     }
@@ -245,6 +265,7 @@ void iso_site_index_set_record(struct iso_site_index *site, const struct iso_sit
 {
     struct iso_site_generation outdated = begin_change(site);
     site->record = *record;
+    site->holds_removed = true;
     end_change(site, &outdated);
 }
 
@@ -271,6 +292,7 @@ static struct iso_site_generation take_ready(struct iso_site_index *site)
         site->current = site->ready;
         site->ready = (struct iso_site_generation){.index = NULL};
         site->is_ready = false;
+        site->holds_removed = false;
     }
     return before;
 }
