@@ -14,29 +14,30 @@
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
+static const struct fake_status with_poses[] = {
+    {"step-begun", false, 1, 5, 0, "frontal", 0},
+    {"enroll-stage-passed", false, 1, 3, 0.875, NULL, 0},
+    {"step-passed", false, 1, 5, 0, "frontal", 0},
+    {"step-begun", false, 2, 5, 0, "left", 0},
+    {"step-turn", false, 2, 5, 17.6, "left", 0},
+    {"enroll-retry-turn-left", false, 1, 3, 0, NULL, 0},
+    {"step-turn", false, 2, 5, 13, "left", 0},
+    {"enroll-retry-turn-left", false, 1, 3, 0, NULL, 0}, /* hardly less than before */
+    {"step-turn", false, 2, 5, 9, "left", 0},
+    {"enroll-retry-turn-left", false, 1, 3, 0, NULL, 0},
+    {"enroll-retry-expression", false, 1, 3, 0, NULL, 0}, /* has no angle */
+    {"enroll-stage-passed", false, 2, 3, 0.75, NULL, 0},
+    {"step-passed", false, 2, 5, 0, "left", 0},
+    {"step-begun", false, 4, 5, 0, "down", 0},
+    {"step-left-out", false, 4, 5, 0, "down", 0},
+    {"step-begun", false, 5, 5, 0, "sideways", 0}, /* of a later daemon */
+    {"step-left-out", false, 5, 5, 0, "sideways", 0},
+    {"enroll-completed", true, 2, 2, 0.8125, NULL, 0},
+};
+
 static void enrolling_guides_through_the_poses(void **state)
 {
-    static const struct fake_status statuses[] = {
-        {"step-begun", false, 1, 5, 0, "frontal", 0},
-        {"enroll-stage-passed", false, 1, 3, 0.875, NULL, 0},
-        {"step-passed", false, 1, 5, 0, "frontal", 0},
-        {"step-begun", false, 2, 5, 0, "left", 0},
-        {"step-turn", false, 2, 5, 17.6, "left", 0},
-        {"enroll-retry-turn-left", false, 1, 3, 0, NULL, 0},
-        {"step-turn", false, 2, 5, 13, "left", 0},
-        {"enroll-retry-turn-left", false, 1, 3, 0, NULL, 0}, /* hardly less than before */
-        {"step-turn", false, 2, 5, 9, "left", 0},
-        {"enroll-retry-turn-left", false, 1, 3, 0, NULL, 0},
-        {"enroll-retry-expression", false, 1, 3, 0, NULL, 0}, /* has no angle */
-        {"enroll-stage-passed", false, 2, 3, 0.75, NULL, 0},
-        {"step-passed", false, 2, 5, 0, "left", 0},
-        {"step-begun", false, 4, 5, 0, "down", 0},
-        {"step-left-out", false, 4, 5, 0, "down", 0},
-        {"step-begun", false, 5, 5, 0, "sideways", 0}, /* of a later daemon */
-        {"step-left-out", false, 5, 5, 0, "sideways", 0},
-        {"enroll-completed", true, 2, 2, 0.8125, NULL, 0},
-    };
-    const struct fake_script script = {.statuses = statuses, .n_statuses = COUNT(statuses)};
+    const struct fake_script script = {.statuses = with_poses, .n_statuses = COUNT(with_poses)};
     const struct cli_result result = cli_run(&script, "enroll anna");
 
     (void)state;
