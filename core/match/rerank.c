@@ -4,8 +4,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "isotherm/index.h"
+
 enum {
-    CHOSEN = 2,    /* templates of a person that are registered */
+    CHOSEN = 2, /* templates of a person that are registered */
+    ORDERED = ISO_INDEX_TEMPLATES_MAX,
     STRIDE = 3,    /* nodes, in both directions */
     NODES_MIN = 30 /* that both faces have */
 };
@@ -29,45 +32,50 @@ static double rough_misfit(const struct iso_upper_face *one, const struct iso_up
     return n < NODES_MIN ? INFINITY : sqrt(fmax(square / n - sum * sum / n / n, 0.0));
 }
 
-/* Chooses the CHOSEN templates that resemble the probe most. A person who was enrolled in several
- * poses has one of nearly the probe's pose; to register all of them would take too long. Returns
- * the number of chosen ones. */
-static int choose(const struct iso_upper_face *probe, const struct iso_upper_face *const *person,
-                  int n, const struct iso_upper_face **chosen)
+/* Puts the templates, at most the ORDERED likeliest ones, in the order in which they resemble the
+ * probe. A person who was enrolled in several poses has one of nearly the probe's pose; to register
+ * all of them would take too long. Returns the number of ordered ones. */
+static int put_in_order(const struct iso_upper_face *probe,
+                        const struct iso_upper_face *const *person, int n,
+                        const struct iso_upper_face **ordered)
 {
-    double misfit[CHOSEN];
-    int n_chosen = 0;
+    double misfit[ORDERED];
+    int n_ordered = 0;
     for (int i = 0; i < n; i++) {
         const double one = n > CHOSEN ? rough_misfit(probe, person[i]) : 0.0;
-        if (n_chosen == CHOSEN && !(one < misfit[CHOSEN - 1])) {
+        if (n_ordered == ORDERED && !(one < misfit[ORDERED - 1])) {
             continue;
         }
-        int k = n_chosen < CHOSEN ? n_chosen++ : CHOSEN - 1;
+        int k = n_ordered < ORDERED ? n_ordered++ : ORDERED - 1;
         for (; k > 0 && one < misfit[k - 1]; k--) {
             misfit[k] = misfit[k - 1];
-            chosen[k] = chosen[k - 1];
+            ordered[k] = ordered[k - 1];
         }
         misfit[k] = one;
-        chosen[k] = person[i];
+        ordered[k] = person[i];
     }
-    return n_chosen;
+    return n_ordered;
 }
 
+/* A template that cannot be registered, because it has too few points in common with the probe, is
+ * replaced by the next likeliest one. */
 int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_face *probe,
                       const struct iso_upper_face *const *person, int n, double *rms_mm)
 {
-    const struct iso_upper_face *chosen[CHOSEN];
-    const int n_chosen = choose(probe, person, n, chosen);
+    const struct iso_upper_face *ordered[ORDERED];
+    const int n_ordered = put_in_order(probe, person, n, ordered);
     double least_mm = INFINITY;
-    for (int i = 0; i < n_chosen; i++) {
+    int registered = 0;
+    for (int i = 0; i < n_ordered && registered < CHOSEN; i++) {
         struct iso_upper_fit fit;
-        iso_upper_surface_of(chosen[i], &work->surface);
+        iso_upper_surface_of(ordered[i], &work->surface);
         if (iso_upper_fit(&work->fit, probe, &work->surface, &fit) == 0) {
             least_mm = fmin(least_mm, fit.rms_mm);
+            registered++;
         }
     }
     explicit_bzero(work, sizeof *work);
-    if (isinf(least_mm)) {
+    if (registered == 0) {
         return -ENODATA;
     }
     *rms_mm = fmax(least_mm, ISO_RERANK_RMS_MIN_MM);

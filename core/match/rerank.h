@@ -30,7 +30,8 @@ struct iso_rerank_workspace {
 #define ISO_RERANK_RMS_MIN_MM 0.05
 
 /* Measures how well the probe's upper face fits those of n templates of one person. Of more than
- * two templates, the two whose heights differ least from the probe's are registered. *rms_mm is the
+ * two templates, two are registered: those whose heights differ least from the probe's, without the
+ * ones that cannot be registered; of more than 16, the 16 likeliest are tried. *rms_mm is the
  * least rms after registration (upper_surface.h), at least ISO_RERANK_RMS_MIN_MM. -ENODATA if none
  * can be registered. */
 int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_face *probe,
@@ -41,7 +42,8 @@ int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_
  * metric. The function returns metric_score unchanged in two cases: the surfaces cannot be compared
  * (a template has no upper face, or the faces have too few points in common), or the weight of the
  * misfit (`upper` in struct iso_rerank_weights) is 0. The
- * function takes about 0.1 ms for each template that is registered, two at most. */
+ * function takes about 0.1 ms for each template that is registered, two at most, and less for one
+ * that cannot be registered. */
 double iso_rerank(struct iso_rerank_workspace *work, const struct iso_metric *metric,
                   const struct iso_upper_face *probe, const struct iso_upper_face *const *person,
                   int n, double metric_score);

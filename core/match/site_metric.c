@@ -1,10 +1,10 @@
 /* The metric that is adapted to a site (site.h). */
 #include <errno.h>
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/lapack.h"
 #include "core/base/wipe.h"
 #include "core/match/site_state.h"
 
@@ -23,13 +23,10 @@ static int directions_of(const struct iso_site *site, double *directions, double
     for (size_t d = 0; d < n; d++) {
         directions[d * n + d] = (double)site->between[d];
     }
-    const lapack_int failed = LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'L', site->n, directions,
+    const lapack_int result = LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'V', 'L', site->n, directions,
                                             site->n, within, site->n, value);
     iso_wipe_free(within);
-    if (failed == LAPACK_WORK_MEMORY_ERROR || failed == LAPACK_TRANSPOSE_MEMORY_ERROR) {
-        return -ENOMEM;
-    }
-    return failed ? -EDOM : 0;
+    return iso_lapack_error(result);
 }
 
 static double sign_of(const double *directions, int n, int k)
@@ -134,6 +131,7 @@ static int fill_adapted(const struct iso_site *site, const struct iso_metric *me
         offset[d] = (float)site->offset[d];
     }
     turn_row(out->turn, site->n, offset, out->offset);
+    explicit_bzero(offset, sizeof offset);
     return fill_own(site, out);
 }
 
@@ -165,6 +163,7 @@ int iso_site_adapt(const struct iso_site *site, const struct iso_metric *metric,
         iso_site_metric_free(out);
     }
     iso_wipe_free(directions);
+    explicit_bzero(value, sizeof value);
     return error;
 }
 

@@ -33,37 +33,53 @@ struct covariance {
     double log_volume;    /* the logarithm of the determinant */
 };
 
+/* Numbers of an inversion. They are made from faces. */
+struct inversion {
+    double g[RANK][RANK], a[RANK * RANK], b[RANK * RANK]; /* a, b: by columns */
+};
+
+/* Fills in I + K G and K. */
+static void begin_inversion(const struct covariance *c, struct inversion *x)
+{
+    const int rank = c->rank;
+    for (int i = 0; i < rank; i++) {
+        for (int j = 0; j < rank; j++) {
+            x->g[i][j] = 0.0;
+            for (int d = 0; d < c->n; d++) {
+                x->g[i][j] += c->z[i][d] * c->z[j][d] / c->d[d];
+            }
+        }
+    }
+    for (int i = 0; i < rank; i++) {
+        for (int j = 0; j < rank; j++) {
+            x->a[j * rank + i] = i == j ? 1.0 : 0.0;
+            for (int l = 0; l < rank; l++) {
+                x->a[j * rank + i] += c->k[i][l] * x->g[l][j];
+            }
+            x->b[j * rank + i] = c->k[i][j];
+        }
+    }
+}
+
 /* Computes m and log_volume. False if the determinant is not positive. */
 static bool invert(struct covariance *c)
 {
     const int rank = c->rank;
-    double g[RANK][RANK], a[RANK * RANK], b[RANK * RANK], volume = 1.0; /* a, b: by columns */
+    struct inversion x;
     lapack_int pivot[RANK];
-    for (int i = 0; i < rank; i++) {
+    double volume = 1.0;
+    begin_inversion(c, &x);
+    const bool solved = LAPACKE_dgesv(LAPACK_COL_MAJOR, rank, rank, x.a, rank, pivot, x.b, rank) ==
+                        0;
+    for (int i = 0; solved && i < rank; i++) {
+        volume *= pivot[i] == i + 1 ? x.a[i * rank + i] : -x.a[i * rank + i];
         for (int j = 0; j < rank; j++) {
-            g[i][j] = 0.0;
-            for (int d = 0; d < c->n; d++) {
-                g[i][j] += c->z[i][d] * c->z[j][d] / c->d[d];
-            }
+            c->m[i][j] = x.b[j * rank + i];
         }
     }
-    for (int i = 0; i < rank; i++) {
-        for (int j = 0; j < rank; j++) {
-            a[j * rank + i] = i == j ? 1.0 : 0.0;
-            for (int l = 0; l < rank; l++) {
-                a[j * rank + i] += c->k[i][l] * g[l][j];
-            }
-            b[j * rank + i] = c->k[i][j];
-        }
-    }
-    if (LAPACKE_dgesv(LAPACK_COL_MAJOR, rank, rank, a, rank, pivot, b, rank)) {
+    explicit_bzero(&x, sizeof x);
+    if (!solved) {
         return false;
-    }
-    for (int i = 0; i < rank; i++) {
-        volume *= pivot[i] == i + 1 ? a[i * rank + i] : -a[i * rank + i];
-        for (int j = 0; j < rank; j++) {
-            c->m[i][j] = b[j * rank + i];
-        }
     }
     c->log_volume = log(volume);
     for (int d = 0; d < c->n; d++) {
@@ -88,6 +104,7 @@ static void project(const struct covariance *c, const double *x, double *out)
             out[i] += c->m[i][j] * zx[j];
         }
     }
+    explicit_bzero(zx, sizeof zx);
 }
 
 /* The squared length of x by the covariance, and the logarithm of its determinant. */
@@ -102,6 +119,7 @@ static double unlikeliness(const struct covariance *c, const double *x)
         }
         sum += x[d] * y / c->d[d];
     }
+    explicit_bzero(part, sizeof part);
     return sum;
 }
 
@@ -168,6 +186,7 @@ static bool expect_probe(const struct iso_site_metric *adapted,
         c->d[d] = (double)adapted->metric->between[d] + w;
     }
     if (!invert(c)) {
+        explicit_bzero(x, sizeof x);
         return false;
     }
     project(c, x, part);
@@ -188,6 +207,8 @@ static bool expect_probe(const struct iso_site_metric *adapted,
         c->d[d] = own + shrink * w;
     }
     explicit_bzero(x, sizeof x);
+    explicit_bzero(part, sizeof part);
+    explicit_bzero(m, sizeof m);
     return invert(c);
 }
 

@@ -6,11 +6,11 @@
  * people, so that these look alike. If nobody else varies along this direction, the mean leaves
  * these captures out. */
 #include <errno.h>
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/lapack.h"
 #include "core/base/wipe.h"
 #include "core/match/site_state.h"
 
@@ -38,12 +38,13 @@ int iso_site_find_directions(struct iso_site *site)
     for (size_t i = 0; i < n * n; i++) {
         site->directions[i] = (double)site->scatter[i];
     }
-    if (site->taught > 0 &&
-        LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'V', 'L', site->n, site->directions, site->n, value)) {
-        return -EDOM;
+    if (site->taught > 0) {
+        error = iso_lapack_error(
+            LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'V', 'L', site->n, site->directions, site->n, value));
+        explicit_bzero(value, sizeof value);
     }
-    site->has_directions = true;
-    return 0;
+    site->has_directions = error == 0;
+    return error;
 }
 
 /* Adds the squares of a capture's coordinates along all directions. */

@@ -74,7 +74,8 @@ struct iso_appliance_events {
     void (*enroll_status)(void *context, const char *result, bool done, unsigned stage,
                           unsigned stages, double quality, const char *person);
     /* An enrolment with poses: what became of a step. `pose` and `state` are words
-     * ISO_CONTRACT_POSE_... and ISO_CONTRACT_STEP_...; step: 1..steps. */
+     * ISO_CONTRACT_POSE_... and ISO_CONTRACT_STEP_...; step: 1..steps. That the first step has
+     * begun is told during iso_appliance_enroll(), before it returns. */
     void (*enroll_step)(void *context, const char *pose, const char *state, unsigned step,
                         unsigned steps, double turn_deg);
     /* mode: VERIFY or IDENTIFY. person: "" when unknown. score: NaN if there is none. */

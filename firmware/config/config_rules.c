@@ -4,6 +4,29 @@
 #include "firmware/config/config_options.h"
 #include "firmware/config/config_value.h"
 
+/* The furthest attitude of a head that is recognised (yaw_max_rad and pitch_max_rad of
+ * isotherm/extract.h), about either axis. */
+static const double attitude_max_deg = 40.0;
+
+/* A pose that holds the frontal attitude is no other pose, and one that no frame can show is only
+ * waited for. */
+static const char *find_pose_conflict(const struct iso_config_enroll *enroll)
+{
+    if (enroll->pose_within_deg >= enroll->pose_yaw_deg) {
+        return "[enroll] pose_within_deg is not below pose_yaw_deg";
+    }
+    if (enroll->pose_within_deg >= enroll->pose_pitch_deg) {
+        return "[enroll] pose_within_deg is not below pose_pitch_deg";
+    }
+    if (enroll->pose_yaw_deg + enroll->pose_within_deg > attitude_max_deg) {
+        return "[enroll] pose_yaw_deg and pose_within_deg together are above 40 degrees";
+    }
+    if (enroll->pose_pitch_deg + enroll->pose_within_deg > attitude_max_deg) {
+        return "[enroll] pose_pitch_deg and pose_within_deg together are above 40 degrees";
+    }
+    return NULL;
+}
+
 const char *iso__config_find_conflict(const struct iso_config *config)
 {
     if (config->sensor.distance_min_mm >= config->sensor.distance_max_mm) {
@@ -28,7 +51,7 @@ const char *iso__config_find_conflict(const struct iso_config *config)
         config->motion.still_deg_s > config->motion.jump_deg_s) {
         return "[motion] still_mm_s or still_deg_s is above the speed of a jump";
     }
-    return NULL;
+    return find_pose_conflict(&config->enroll);
 }
 
 bool iso_config_has_relay(const struct iso_config *config)

@@ -90,7 +90,9 @@
  *       only of an enrolment with ISO_CONTRACT_POSES: what became of step 1, 2, ... `steps`. pose is
  *       a word ISO_CONTRACT_POSE_..., state a word ISO_CONTRACT_STEP_.... turn_deg: with
  *       ISO_CONTRACT_STEP_TURN, how far the head is from the pose, in degrees; else 0. The frontal
- *       pose is necessary, every other one is left out if it is not reached in time
+ *       pose is necessary. Every other one is left out if it is not complete in time, or if its
+ *       frames do not belong to the frontal face. The signal that step 1 has begun is sent before
+ *       the reply of EnrollStart: a client that wants it listens before the call
  *   VerifyStatus, IdentifyStatus(s result, b done, s person, d score, d threshold)
  *       result: "enroll-", "verify-" or "identify-", followed by one of the words
  *       ISO_CONTRACT_RESULT_..., or by "retry-" and a word of isotherm/capture.h. The latter is a
@@ -271,7 +273,7 @@
 #define ISO_CONTRACT_STEP_BEGUN    "begun"
 #define ISO_CONTRACT_STEP_TURN     "turn"     /* the head is not yet in the pose; a hint follows */
 #define ISO_CONTRACT_STEP_PASSED   "passed"   /* the step is complete */
-#define ISO_CONTRACT_STEP_LEFT_OUT "left-out" /* it was not complete in time */
+#define ISO_CONTRACT_STEP_LEFT_OUT "left-out" /* not in time, or its frames are of another face */
 
 /* Of the person whose name is in use, in the reply of EnrollStart; and the limits above. */
 #define ISO_CONTRACT_PERSON    "person"
@@ -314,7 +316,7 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 /* Result words after the prefix of the action. */
 #define ISO_CONTRACT_RESULT_STAGE_PASSED "stage-passed" /* enroll: the action goes on */
 #define ISO_CONTRACT_RESULT_STAGE_MISFIT \
-    "stage-misfit" /* enroll: a frame is unlike the stages before; the action goes on */
+    "stage-misfit" /* enroll: a frame is not used (another face); the action goes on */
 #define ISO_CONTRACT_RESULT_COMPLETED "completed" /* enroll */
 #define ISO_CONTRACT_RESULT_FAILED    "failed"    /* enroll: several faces, or another fault */
 #define ISO_CONTRACT_RESULT_DUPLICATE "duplicate" /* enroll: known under another name */

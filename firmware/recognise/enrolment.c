@@ -47,13 +47,19 @@ static void end_step(struct iso_enrolment *enrolment, int64_t now_ns)
     enrolment->pose_deadline_ns = now_ns + enrolment->options.pose_timeout_ns;
 }
 
-/* Goes on without the present pose. */
-static void leave_out(struct iso_enrolment *enrolment, int64_t now_ns)
+/* Goes on without the present pose. An enrolment whose last attack frames no good frame followed
+ * does not complete in this way: it ends in state `in_doubt`, which is that of a frontal step that
+ * is given up for the same reason. */
+static void leave_out(struct iso_enrolment *enrolment, int64_t now_ns,
+                      enum iso_enrolment_state in_doubt)
 {
     iso_template_wipe(&enrolment->fused[enrolment->pose]);
     enrolment->stages -= stages_of_step(enrolment);
     enrolment->stage -= enrolment->taken;
     end_step(enrolment, now_ns);
+    if (enrolment->state == ISO_ENROLMENT_COMPLETED && enrolment->attack_frames > 0) {
+        enrolment->state = in_doubt;
+    }
 }
 
 /* The best score of a probe among these templates; -INFINITY if there are none, if too few points
@@ -164,7 +170,7 @@ static int judge(struct iso_enrolment *enrolment, const struct iso_template *tmp
     } else if (own < lowest_own(enrolment) && is_frontal(enrolment)) {
         enrolment->state = ISO_ENROLMENT_OTHER_FACE;
     } else if (own < lowest_own(enrolment)) {
-        leave_out(enrolment, now_ns);
+        leave_out(enrolment, now_ns, ISO_ENROLMENT_FAILED);
     } else {
         enrolment->kept[enrolment->pose] = true;
         end_step(enrolment, now_ns);
@@ -182,7 +188,7 @@ static int complete_step(struct iso_enrolment *enrolment, const struct iso_pipel
     }
     const int error = iso_template_fuse(&enrolment->registration, frames, enrolment->taken, fused);
     if (error == -ENODATA && !is_frontal(enrolment)) {
-        leave_out(enrolment, now_ns);
+        leave_out(enrolment, now_ns, ISO_ENROLMENT_FAILED);
         return 0;
     }
     return error ? error : judge(enrolment, fused, pipeline, gallery, now_ns);
@@ -199,7 +205,7 @@ static void take_misfit(struct iso_enrolment *enrolment, int64_t now_ns)
     if (is_frontal(enrolment)) {
         enrolment->state = ISO_ENROLMENT_FAILED;
     } else {
-        leave_out(enrolment, now_ns);
+        leave_out(enrolment, now_ns, ISO_ENROLMENT_FAILED);
     }
 }
 
@@ -207,6 +213,7 @@ int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_templa
                         int64_t now_ns, const struct iso_pipeline *pipeline,
                         const struct iso_enrolment_gallery *gallery, bool *passed)
 {
+    const int stage = enrolment->stage;
     double score = 0;
     int error = lowest_score(enrolment, frame, pipeline, &score);
     if (error) {
@@ -227,7 +234,7 @@ int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_templa
             return error;
         }
     }
-    *passed = true;
+    *passed = enrolment->stage > stage; /* a pose that is left out takes its stages back */
     return 0;
 }
 
@@ -247,7 +254,7 @@ void iso_enrolment_time(struct iso_enrolment *enrolment, int64_t now_ns)
         return;
     }
     while (enrolment->state == ISO_ENROLMENT_ACTIVE && now_ns >= iso_enrolment_due_ns(enrolment)) {
-        leave_out(enrolment, now_ns);
+        leave_out(enrolment, now_ns, ISO_ENROLMENT_TIMED_OUT);
     }
 }
 

@@ -17,14 +17,17 @@
  *           attack_frames attack frames since a stage     -> ATTACK
  *           timeout_ns after its start                    -> COMPLETED with the poses that are
  *                                                            complete, or TIMED_OUT without frontal
+ *           the last pose is left out, and no frame has    -> TIMED_OUT, or FAILED after misfits
+ *             agreed since an attack frame
  *           the sensor is gone                            -> DISCONNECTED
  *
  * A frame agrees with the face if it is similar to the frames of its step before it and to the
  * frontal template. The template of another pose belongs to the frontal face if its score is half
  * way from agree_score to duplicate_score or above. Any other usable frame is a misfit: another
  * face, or a bad registration. It is not used, and the person is told the reason. An attack frame
- * has a cue of a presentation attack and no template; those of one stage count together. All states
- * but ACTIVE are final, and nothing is to be kept of any but COMPLETED. */
+ * has a cue of a presentation attack and no template; those of one stage count together, also if
+ * poses are left out between them. All states but ACTIVE are final, and nothing is to be kept of
+ * any but COMPLETED. */
 #ifndef ISO_FIRMWARE_RECOGNISE_ENROLMENT_H
 #define ISO_FIRMWARE_RECOGNISE_ENROLMENT_H
 
@@ -97,10 +100,11 @@ static inline int iso_enrolment_steps(const struct iso_enrolment *enrolment)
 void iso_enrolment_begin(struct iso_enrolment *enrolment,
                          const struct iso_enrolment_options *options, int64_t now_ns);
 
-/* Handles a usable frame in the pose of the present step; only while ACTIVE. *passed: the frame was
- * used (otherwise it was a misfit). Check the state after the call. Returns a negative errno if a
- * comparison fails for a reason other than the frame. Such an error ends the enrolment only in the
- * last stage of a step: FAILED. */
+/* Handles a usable frame in the pose of the present step; only while ACTIVE. *passed: a stage is
+ * passed. Otherwise the frame was a misfit, or the last one of a pose that is left out, because its
+ * frames have too few points in common or its template does not belong to the face. Check the state
+ * after the call. Returns a negative errno if a comparison fails for a reason other than the frame.
+ * Such an error ends the enrolment only in the last stage of a step: FAILED. */
 int iso_enrolment_frame(struct iso_enrolment *enrolment, const struct iso_template *frame,
                         int64_t now_ns, const struct iso_pipeline *pipeline,
                         const struct iso_enrolment_gallery *gallery, bool *passed)

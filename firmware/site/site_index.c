@@ -32,6 +32,7 @@ struct iso_site_index {
     uint64_t version;              /* counts the changes of the rows and the record */
     uint64_t computed;             /* the version that the thread has finished */
     int error;                     /* of that version */
+    bool holds_removed;            /* `current` has learned from templates that teach no more */
     bool is_ready;                 /* `ready` waits to become the current generation */
     struct iso_site_generation ready;
     bool is_estimated; /* `estimate` is that of the present people */
@@ -61,8 +62,10 @@ static int read_person(void *context, bool teaching, size_t *at, struct iso_site
     return more;
 }
 
-/* Hands over the generation of a job that has ended with `error`. Returns false if the people have
- * changed meanwhile; then the caller keeps the generation. The mutex is held. */
+/* Hands over the generation of a job that has ended with `error`. After an error it is all zero:
+ * the shipped metric, which replaces one that has learned from somebody who was removed. Returns
+ * false if the people have changed meanwhile; then the caller keeps the generation. The mutex is
+ * held. */
 static bool publish(struct iso_site_index *site, const struct iso_site_generation *made, int error)
 {
     if (site->version != site->job.version || error == -ECANCELED) {
@@ -70,7 +73,7 @@ static bool publish(struct iso_site_index *site, const struct iso_site_generatio
     }
     site->computed = site->job.version;
     site->error = error;
-    if (!error) {
+    if (!error || site->holds_removed) {
         site->ready = *made;
         site->is_ready = true;
     }
@@ -233,6 +236,7 @@ void iso_site_index_remove(struct iso_site_index *site, int64_t person)
     if (iso_index_remove(site->index, person) == 0 && site->adapt) {
         iso_site_shared_forget(site->current.shared, person);
         struct iso_site_generation outdated = begin_change(site);
+        site->holds_removed = true;
         iso_site_rows_remove(&site->rows, person);
         end_change(site, &outdated);
     }
@@ -242,6 +246,7 @@ void iso_site_index_set_record(struct iso_site_index *site, const struct iso_sit
 {
     struct iso_site_generation outdated = begin_change(site);
     site->record = *record;
+    site->holds_removed = true;
     end_change(site, &outdated);
 }
 
@@ -271,6 +276,7 @@ static bool take_ready(struct iso_site_index *site, struct iso_site_generation *
     site->current = site->ready;
     site->ready = (struct iso_site_generation){.shared = NULL};
     site->is_ready = false;
+    site->holds_removed = false;
     return true;
 }
 

@@ -11,7 +11,9 @@
  *
  * The result depends only on the templates that are enrolled now, and on which of them may teach.
  * It does not depend on the order in which people were added and removed, and contains nothing of
- * removed people.
+ * removed people. If it cannot be computed, searches go on with the metric of before; but if that
+ * has learned from somebody who was removed, or from templates that teach no more, they go back to
+ * the shipped metric.
  *
  * If there are fewer than ISO_SITE_PEOPLE_MIN people, searches use the shipped metric. Without
  * `adapt` they always do; then there is no thread, and the vectors are not kept.

@@ -83,13 +83,17 @@ static void move_rows(struct iso_site_rows *rows, size_t from, size_t to)
     memmove(mean_at(rows, to), mean_at(rows, from), n * rows->width * sizeof *rows->mean);
 }
 
-/* The smallest power of two of which 127 reach the largest number; 1 for zeros alone. */
+/* The smallest power of two of which 127 reach the largest number; 1 for zeros alone, NaN for a
+ * number that is not finite. */
 static float unit_of(const float *mean, size_t n)
 {
     float largest = 0.0f;
     int exponent;
     for (size_t d = 0; d < n; d++) {
-        largest = isfinite(mean[d]) ? fmaxf(largest, fabsf(mean[d])) : largest;
+        if (!isfinite(mean[d])) {
+            return NAN;
+        }
+        largest = fmaxf(largest, fabsf(mean[d]));
     }
     const float fraction = frexpf(largest / 127.0f, &exponent);
     return fraction > 0.0f ? ldexpf(1.0f, fraction > 0.5f ? exponent : exponent - 1) : 1.0f;
@@ -101,7 +105,7 @@ static void set_row(struct iso_site_rows *rows, size_t at, const float *mean)
     int8_t *row = mean_at(rows, at);
     rows->unit[at] = unit;
     for (size_t d = 0; d < rows->width; d++) {
-        row[d] = isfinite(mean[d]) ? (int8_t)lrintf(mean[d] / unit) : 0;
+        row[d] = isnan(unit) ? 0 : (int8_t)lrintf(mean[d] / unit);
     }
 }
 

@@ -29,8 +29,8 @@ struct iso_site_rows {
 /* Makes room for n more rows. -ENOMEM. */
 int iso_site_rows_reserve(struct iso_site_rows *rows, size_t n) __attribute__((warn_unused_result));
 
-/* Inserts a row behind the last one of its person. The caller has made room. A number of the vector
- * that is not finite counts as zero. */
+/* Inserts a row behind the last one of its person. The caller has made room. If a number of the
+ * vector is not finite, the row gives a vector of NaN. */
 void iso_site_rows_insert(struct iso_site_rows *rows, int64_t person, uint64_t number,
                           const struct iso_metric_vector *vector);
 

@@ -92,7 +92,7 @@ static void a_person_who_does_not_turn_as_asked_is_enrolled_frontally(void **sta
     run_until(&run, answers[1].asked);
     appliance_show(appliance, answers[2].recording);
     run_until(&run, "  turn a little to your left, by about 3");
-    run_until(&run, "step 2 of 5 is left out");
+    run_until(&run, "step 2 of 5 (left) is left out");
     run_finish(&run);
     appliance_show(appliance, NULL);
     run_expect(&run, 0);

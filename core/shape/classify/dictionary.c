@@ -2,9 +2,10 @@
 
 #include <cblas.h>
 #include <errno.h>
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
+
+#include "core/base/lapack.h"
 
 int iso_dictionary_init(struct iso_dictionary *d, const float *atom, int32_t n, int32_t size,
                         int32_t stride)
@@ -23,10 +24,13 @@ int iso_dictionary_init(struct iso_dictionary *d, const float *atom, int32_t n, 
         iso_dictionary_products(&made, &atom[(size_t)i * (size_t)stride], row);
         trace += row[i];
     }
-    if (!isfinite(trace) ||
-        LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', n, made.vector, n, made.value)) {
+    const int error = isfinite(trace)
+                          ? iso_lapack_error(LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', n,
+                                                            made.vector, n, made.value))
+                          : -EDOM;
+    if (error) {
         iso_dictionary_done(&made);
-        return -EDOM;
+        return error;
     }
     *d = made;
     return 0;

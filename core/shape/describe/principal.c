@@ -2,9 +2,10 @@
 
 #include <cblas.h>
 #include <errno.h>
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
+
+#include "core/base/lapack.h"
 
 /* A component whose variance is below this share of the largest one is only rounding noise, because
  * values are floats. */
@@ -71,7 +72,7 @@ int iso_principal_init(const float *const *vector, int32_t n, int32_t size, int3
         cblas_dsyrk(CblasRowMajor, CblasLower, CblasNoTrans, n, size, 1.0, centred, size, 0.0,
                     product, n);
         /* The lower triangle by rows is the upper one by columns. */
-        error = LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', n, product, n, value) ? -EDOM : 0;
+        error = iso_lapack_error(LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', n, product, n, value));
     }
     if (!error) {
         combine(centred, product, value, n, sum, &p);

@@ -3,7 +3,7 @@
 #include <stddef.h>
 
 static const struct cli_option_help timeout_help[] = {
-    {CLI_ENROLL, "give up after S seconds (70; 60 with --quick)"},
+    {CLI_ENROLL, "give up after S seconds for all poses together (70; 60 with --quick)"},
     {CLI_IDENTIFY, "give up after S seconds (30)"},
     {CLI_VERIFY, "give up after S seconds (30)"},
     {CLI_AIM, "end after S seconds (never)"},

@@ -141,7 +141,9 @@ static void take_step(sd_bus_message *signal, struct enrolment *enrolment)
     } else if (strcmp(state, ISO_CONTRACT_STEP_LEFT_OUT) == 0) {
         note_pose(&enrolment->left_out, pose);
         fprintf(enrolment->hints.out,
-                "step %u of %u is left out: the pose was not reached in time\n", step, steps);
+                "step %u of %u (%s) is left out: too few frames of this pose in time, or not of "
+                "the same face\n",
+                step, steps, pose);
     }
 }
 
@@ -299,6 +301,18 @@ static void forget_json(const struct enrolment *enrolment)
     json_decref(enrolment->left_out);
 }
 
+/* Says what makes room if there is too little for the templates of a person. */
+static void add_remedy(const struct cli_arguments *arguments, struct cli_fault *fault)
+{
+    const size_t used = strlen(fault->text);
+
+    if (strcmp(fault->code, "gallery-full") == 0) {
+        (void)snprintf(fault->text + used, sizeof fault->text - used, "; %sisotherm remove%s",
+                       arguments->quick ? "" : "--quick adds one template and not five, ",
+                       " NAME makes room");
+    }
+}
+
 enum cli_exit cli_enroll(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault)
 {
@@ -326,6 +340,7 @@ enum cli_exit cli_enroll(struct cli_daemon *daemon, const struct cli_arguments *
     } else if (exit == CLI_EXIT_INTERRUPTED) {
         strcpy(enrolment.result, "interrupted");
     } else if (exit) {
+        add_remedy(arguments, fault);
         forget_json(&enrolment);
         return exit;
     }

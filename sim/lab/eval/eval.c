@@ -116,12 +116,30 @@ static int search_gallery(struct sim_eval *eval, struct sim_eval_method *m, stru
     return error ? iso_fault_set(fault, error, "%s: %s", m->method->name, strerror(-error)) : 0;
 }
 
+/* Refuses scores that are no numbers, with the row of scores.csv that would have the first one. */
+static int check_scores(const struct sim_eval *eval, const struct sim_matches *matches,
+                        struct iso_fault *fault)
+{
+    size_t probe, person;
+    if (!sim_matches_find_nan(matches, &probe, &person)) {
+        return 0;
+    }
+    const struct sim_sample *sample = &eval->acquisition->samples[matches->sample[probe]];
+    return iso_fault_set(fault, -EDOM, "%s frame %zu, compared with %s: the score is no number",
+                         eval->corpus->rows[sample->row].recording,
+                         eval->acquisition->captures[sample->first_capture].frame,
+                         eval->gallery->names[person]);
+}
+
 static int compare_by(struct sim_eval *eval, struct sim_eval_method *m, struct iso_fault *fault)
 {
     const int64_t begin_ns = sim_wall_ns(NULL);
     int error = search_gallery(eval, m, &m->fault);
     if (error == -EINVAL && eval->options.lenient && sim_method_pairwise(m->method)) {
         return 0; /* skipped */
+    }
+    if (!error) {
+        error = check_scores(eval, m->matches, &m->fault);
     }
     if (!error) {
         error = out_of_range(

@@ -282,6 +282,19 @@ int sim_match(const struct sim_corpus *corpus, struct sim_acquisition *acquisiti
     return 0;
 }
 
+bool sim_matches_find_nan(const struct sim_matches *matches, size_t *probe, size_t *person)
+{
+    for (size_t i = 0; i < matches->n_probes * matches->n_people; i++) {
+        if (isnan(matches->score[i]) ||
+            (matches->stranger_score && isnan(matches->stranger_score[i]))) {
+            *probe = i / matches->n_people;
+            *person = i % matches->n_people;
+            return true;
+        }
+    }
+    return false;
+}
+
 void sim_matches_free(struct sim_matches *m)
 {
     if (m) {

@@ -63,6 +63,10 @@ static inline double sim_matches_compared(const struct sim_matches *matches, siz
     return (other ? matches->stranger_score : matches->score)[probe * matches->n_people + person];
 }
 
+/* Finds the first comparison whose score is NaN, which no error rate can count: its probe and
+ * person. False if there is none. */
+bool sim_matches_find_nan(const struct sim_matches *matches, size_t *probe, size_t *person);
+
 /* Frees it and what it holds. NULL is accepted. */
 void sim_matches_free(struct sim_matches *matches);
 

@@ -32,12 +32,13 @@ static uint64_t total(const struct sim_score *scores, size_t n, const uint32_t *
     return sum;
 }
 
-/* Sums the weights of the scores equal to `score` from *i on, and moves *i behind them. */
+/* Sums the weights of the scores equal to `score` from *i on, and moves *i behind them. One that is
+ * NaN counts with them, so that the caller comes to an end. */
 static uint64_t take(const struct sim_score *scores, size_t n, size_t *i, double score,
                      const uint32_t *copies)
 {
     uint64_t sum = 0;
-    for (; *i < n && scores[*i].score <= score; (*i)++) {
+    for (; *i < n && !(scores[*i].score > score); (*i)++) {
         sum += copies_of(&scores[*i], copies);
     }
     return sum;

@@ -46,16 +46,17 @@ struct block {
     double mated, non_mated; /* counts */
 };
 
-/* Counts the comparisons with the lowest score that is left, and moves the places behind them. */
+/* Counts the comparisons with the lowest score that is left, and moves the places behind them. One
+ * that is NaN counts with it, so that the place moves at every call. */
 static struct block next_score(const struct sim_scores *s, size_t *i, size_t *j)
 {
     const size_t first_i = *i, first_j = *j;
     const double score = fmin(*i < s->n_mated ? s->mated[*i].score : INFINITY,
                               *j < s->n_non_mated ? s->non_mated[*j].score : INFINITY);
-    while (*i < s->n_mated && s->mated[*i].score <= score) {
+    while (*i < s->n_mated && !(s->mated[*i].score > score)) {
         (*i)++;
     }
-    while (*j < s->n_non_mated && s->non_mated[*j].score <= score) {
+    while (*j < s->n_non_mated && !(s->non_mated[*j].score > score)) {
         (*j)++;
     }
     return (struct block){(double)(*i - first_i), (double)(*j - first_j)};

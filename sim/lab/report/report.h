@@ -8,9 +8,10 @@
 
 #include "sim/lab/eval/eval.h"
 
-/* scores.csv: every comparison, and every probe that was not acquired; landmarks.csv: the landmarks
- * found in every usable frame; cmc.csv; det.csv; growth.csv: error rates by the number of people
- * enrolled; curves.csv: error rates by the conditions of a search. */
+/* scores.csv: every comparison with the score by which it is judged (sim_matches_compared), and
+ * every probe that was not acquired; landmarks.csv: the landmarks found in every usable frame;
+ * cmc.csv; det.csv; growth.csv: error rates by the number of people enrolled; curves.csv: error
+ * rates by the conditions of a search. */
 int sim_report_csv(const struct sim_eval *eval, const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -17,11 +17,12 @@ static void write_scores(const void *context, FILE *out)
                     sim_reason_name(sample->reason));
             continue;
         }
+        const size_t mate = eval->analysis->mate[i];
         for (size_t p = 0; p < m->n_people; p++) {
             if (eval->gallery->n_templates_of[p] > 0) {
                 fprintf(out, "%s,%zu,%s,%s,%.6f,%.6f,ok\n", row->recording, frame, row->subject,
                         eval->gallery->names[p], m->distance_mm[i * m->n_people + p],
-                        m->score[i * m->n_people + p]);
+                        sim_matches_compared(m, i, p, mate));
             }
         }
     }

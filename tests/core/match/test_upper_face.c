@@ -321,6 +321,30 @@ static void the_likeliest_templates_are_registered(void **state)
     assert_int_equal(iso_rerank_misfit(&work, &probe, nothing, 3, &found_mm), -ENODATA);
 }
 
+/* A strip in the middle of the face, which resembles the whole but has too few points. */
+static struct iso_upper_face strip_of(struct iso_upper_face face)
+{
+    for (int v = 0; v < ISO_UPPER_ROWS; v++) {
+        memset(face.kind[v], ISO_UPPER_NONE, ISO_UPPER_MIDDLE - 5);
+        memset(&face.kind[v][ISO_UPPER_MIDDLE + 6], ISO_UPPER_NONE, ISO_UPPER_MIDDLE - 5);
+    }
+    return face;
+}
+
+/* If the likeliest templates cannot be registered, others are. */
+static void templates_that_cannot_be_registered_are_replaced(void **state)
+{
+    (void)state;
+    const struct iso_rigid motion = motion_of(0.01, 0.02, 0.0, 1.0, 0.0, 1.0);
+    const struct iso_upper_face probe = face_of(2), own = moved_face(2, &motion);
+    const struct iso_upper_face other = face_of(3), strip = strip_of(probe);
+    const struct iso_upper_face *person[] = {&strip, &other, &strip, &own, &other};
+    double own_mm, found_mm;
+    assert_int_equal(iso_rerank_misfit(&work, &probe, &person[3], 1, &own_mm), 0);
+    assert_int_equal(iso_rerank_misfit(&work, &probe, person, 5, &found_mm), 0);
+    assert_true(found_mm == own_mm);
+}
+
 /* Twelve people whom the metric distinguishes only a little, and in the wrong order. */
 static void a_search_looks_again_at_the_best(void **state)
 {
@@ -369,6 +393,7 @@ int main(void)
         cmocka_unit_test(fusing_averages_in_the_frame_of_the_first),
         cmocka_unit_test(a_fused_score_is_the_weighted_sum),
         cmocka_unit_test(the_likeliest_templates_are_registered),
+        cmocka_unit_test(templates_that_cannot_be_registered_are_replaced),
         cmocka_unit_test(a_search_looks_again_at_the_best),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,10 +3,12 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "tests/firmware/rigs/rig.h"
+#include "tests/support/scratch.h"
 
 static const struct attitude {
     double yaw_deg, pitch_deg;
@@ -209,19 +211,50 @@ static void all_templates_of_a_person_need_room(void **state)
     assert_int_equal(iso_appliance_enroll(rig->appliance, &request, &fault), 0);
 }
 
-static void a_full_disk_keeps_no_pose(void **state)
+/* Shows all poses but the last frames of the last one, and makes those ready. */
+static void enroll_to_the_last_frames(struct rig *rig)
 {
-    struct rig *rig = *state;
     enroll_frontal(rig);
     for (int pose = 1; pose < 4; pose++) {
         show(rig, 50, attitudes[pose], 2);
     }
     turn(rig, attitudes[4]);
     rig_show(rig, 50, 2);
+}
+
+static void a_full_disk_of_the_log_keeps_no_pose(void **state)
+{
+    struct rig *rig = *state;
+    enroll_to_the_last_frames(rig);
     rig_fill_disk();
     rig_run(rig, 200);
     rig_free_disk();
     assert_non_null(strstr(rig_news(rig), "enroll not-stored 11/11 done"));
+    assert_string_equal(rig_record(rig, "enroll"), ""); /* the gallery was not reached */
+    assert_null(iso_gallery_find(rig->gallery, "anna"));
+}
+
+static off_t size_of(const char *path)
+{
+    struct stat file;
+    assert_int_equal(stat(path, &file), 0);
+    return file.st_size;
+}
+
+/* The log can be written and the gallery cannot: none of the templates is stored. */
+static void a_full_disk_of_the_gallery_keeps_no_pose(void **state)
+{
+    enum { RECORDS = 4096 }; /* room for a few of them */
+    struct rig *rig = *state;
+    const char *log = scratch_path(rig->directory, "a.log");
+    const char *gallery = scratch_path(rig->directory, "g.db");
+    enroll_to_the_last_frames(rig);
+    assert_true(size_of(log) + RECORDS < size_of(gallery));
+    rig_fill_disk_from(size_of(log) + RECORDS);
+    rig_run(rig, 200);
+    rig_free_disk();
+    assert_non_null(strstr(rig_news(rig), "enroll not-stored 11/11 done"));
+    assert_non_null(strstr(rig_record(rig, "enroll"), "\"reason\":\"not-stored\""));
     assert_null(iso_gallery_find(rig->gallery, "anna"));
 }
 
@@ -239,7 +272,8 @@ int main(void)
         TEST(an_attack_in_a_pose_ends_the_enrolment),
         TEST(a_pose_may_be_the_duplicate),
         TEST(all_templates_of_a_person_need_room),
-        TEST(a_full_disk_keeps_no_pose),
+        TEST(a_full_disk_of_the_log_keeps_no_pose),
+        TEST(a_full_disk_of_the_gallery_keeps_no_pose),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,6 +8,7 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "core/match/distance.h"
+#include "drivers/base/times.h"
 #include "drivers/door/door_io.h"
 #include "drivers/sensor/contract/sensor.h"
 #include "firmware/config/config.h"
@@ -282,6 +283,28 @@ static void refuses_values_that_contradict_each_other(void **state)
             "door.conf: [sensor] retry_ms is above retry_max_ms");
 }
 
+/* The angles of the poses exclude the frontal attitude, and the extractor accepts all of them. */
+static void refuses_poses_that_no_frame_can_show(void **state)
+{
+    const struct iso_extract_options extract = iso_extract_options_default();
+    const double limit_rad = 40.0 * ISO_RAD_PER_DEG;
+    struct iso_config config;
+    (void)state;
+    assert_float_equal(extract.yaw_max_rad, limit_rad, 1e-12);
+    assert_float_equal(extract.pitch_max_rad, limit_rad, 1e-12);
+    refuses("[enroll]\npose_yaw_deg = 6\n",
+            "door.conf: [enroll] pose_within_deg is not below pose_yaw_deg");
+    refuses("[enroll]\npose_pitch_deg = 5\n",
+            "door.conf: [enroll] pose_within_deg is not below pose_pitch_deg");
+    refuses("[enroll]\npose_yaw_deg = 34.5\n",
+            "door.conf: [enroll] pose_yaw_deg and pose_within_deg together are above 40 degrees");
+    refuses("[enroll]\npose_pitch_deg = 35\n",
+            "door.conf: [enroll] pose_pitch_deg and pose_within_deg together are above 40 degrees");
+    assert_int_equal(
+        iso_config_parse("c", "[enroll]\npose_yaw_deg = 34\npose_pitch_deg = 7\n", &config, NULL),
+        0);
+}
+
 static void names_a_file_that_does_not_exist(void **state)
 {
     struct iso_config config;
@@ -322,6 +345,7 @@ int main(void)
         cmocka_unit_test(refuses_bad_lines),
         cmocka_unit_test(refuses_bad_values),
         cmocka_unit_test(refuses_values_that_contradict_each_other),
+        cmocka_unit_test(refuses_poses_that_no_frame_can_show),
         cmocka_unit_test(names_a_file_that_does_not_exist),
         cmocka_unit_test(hands_on_the_options_that_are_given),
     };

@@ -12,7 +12,6 @@ for tool in swtpm swtpm_setup systemd-creds; do
 done
 
 work=$(mktemp -d)
-port=$((20000 + $$ % 20000))
 tpm=
 end() {
     [ -z "$tpm" ] || kill "$tpm" 2>/dev/null || true
@@ -30,11 +29,22 @@ swtpm_setup --tpm2 --tpm-state "$work/tpm" >"$work/setup.log" 2>&1 || {
     echo 'skipped: the software TPM cannot be set up'
     exit 77
 }
-swtpm socket --tpm2 --tpmstate dir="$work/tpm" --server type=tcp,port=$port,disconnect \
-    --ctrl type=tcp,port=$((port + 1)) --flags not-need-init,startup-clear &
+# Sockets in the directory of this test: a port could be in use by another one.
+swtpm socket --tpm2 --tpmstate dir="$work/tpm" --server type=unixio,path="$work/socket" \
+    --ctrl type=unixio,path="$work/socket.ctrl" --flags not-need-init,startup-clear 2>"$work/swtpm.log" &
 tpm=$!
-sleep 0.5
-device=swtpm:host=127.0.0.1,port=$port
+# The list of the kernel says when it listens. A connection would take the place of the only client. 00010000: it listens.
+listens() {
+    grep -q " 00010000 .* $work/$1\$" /proc/net/unix
+}
+attempts=300
+until listens socket && listens socket.ctrl; do
+    kill -0 "$tpm" 2>/dev/null || die "the software TPM ended: $(cat "$work/swtpm.log")"
+    attempts=$((attempts - 1))
+    [ $attempts -gt 0 ] || die 'the software TPM does not listen'
+    sleep 0.1
+done
+device=swtpm:path=$work/socket
 
 head -c 32 /dev/urandom >"$work/key"
 systemd-creds encrypt --with-key=tpm2 --tpm2-device=$device --tpm2-pcrs=7 --name=isotherm.key "$work/key" \

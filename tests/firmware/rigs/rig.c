@@ -291,10 +291,15 @@ static void limit_files(rlim_t bytes)
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
 }
 
-void rig_fill_disk(void)
+void rig_fill_disk_from(off_t bytes)
 {
     (void)signal(SIGXFSZ, SIG_IGN);
-    limit_files(1);
+    limit_files((rlim_t)bytes);
+}
+
+void rig_fill_disk(void)
+{
+    rig_fill_disk_from(1);
 }
 
 void rig_free_disk(void)

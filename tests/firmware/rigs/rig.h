@@ -79,7 +79,10 @@ const char *rig_record(struct rig *rig, const char *event);
 /* From now on no file of this process can grow. */
 void rig_fill_disk(void);
 
-/* Ends the effect of rig_fill_disk. */
+/* From now on no file of this process can be written at this offset or behind it. */
+void rig_fill_disk_from(off_t bytes);
+
+/* Ends the effect of both. */
 void rig_free_disk(void);
 
 #endif

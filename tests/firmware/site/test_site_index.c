@@ -230,6 +230,48 @@ static void it_keeps_the_shipped_metric_if_it_shall_not_adapt(void **state)
     iso_site_index_free(site);
 }
 
+/* Adds somebody with whom no metric can be computed. */
+static void add_unusable_person(struct iso_site_index *site, const struct iso_metric *metric)
+{
+    struct iso_metric_vector vector = site_rig_vector_of(metric, PEOPLE, 0);
+    vector.mean[0] = NAN;
+    assert_int_equal(iso_site_index_reserve(site, 1), 0);
+    assert_int_equal(iso_site_index_add(site, PEOPLE, site_rig_number_of(PEOPLE, 0), &vector), 0);
+    assert_int_equal(iso_site_index_settle(site), -EINVAL);
+}
+
+/* If the metric cannot be computed anew after a removal, none is used that knows who was removed.
+ */
+static void a_failed_computation_keeps_no_removed_person(void **state)
+{
+    const struct iso_metric *metric = *state;
+    struct iso_site_index *site = site_rig_new_index(metric, true);
+    bool is_here[PEOPLE] = {true, true, true, true, false};
+    for (int p = 0; p < 4; p++) {
+        site_rig_add_person(site, metric, p);
+    }
+    expect_adapted(site, metric, is_here);
+    add_unusable_person(site, metric);
+    assert_non_null(iso_site_index_metric(site)); /* nobody was removed */
+    iso_site_index_remove(site, 1);
+    assert_int_equal(iso_site_index_settle(site), -EINVAL);
+    assert_null(iso_site_index_metric(site));
+    const struct iso_site_state after = iso_site_index_state(site);
+    assert_true(iso_site_is_provisional(after) && after.error == -EINVAL && !after.due);
+    expect_person(site, metric, NULL, 0);
+    expect_person(site, metric, NULL, 3);
+    iso_site_index_remove(site, PEOPLE);
+    is_here[1] = false;
+    expect_adapted(site, metric, is_here);
+    /* The same if templates teach no more. */
+    add_unusable_person(site, metric);
+    assert_non_null(iso_site_index_metric(site));
+    iso_site_index_set_record(site, &(struct iso_site_record){0});
+    assert_int_equal(iso_site_index_settle(site), -EINVAL);
+    assert_null(iso_site_index_metric(site));
+    iso_site_index_free(site);
+}
+
 static void too_many_templates_change_nothing(void **state)
 {
     const struct iso_metric *metric = *state;
@@ -259,6 +301,7 @@ int main(void)
         TEST(a_change_is_there_at_once),
         TEST(it_follows_many_changes),
         TEST(it_keeps_the_shipped_metric_if_it_shall_not_adapt),
+        TEST(a_failed_computation_keeps_no_removed_person),
         TEST(too_many_templates_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -64,16 +64,17 @@ static void vectors_are_rounded_to_the_unit(void **state)
     }
 }
 
-static void numbers_that_are_not_finite_count_as_zero(void **state)
+static void a_vector_that_is_not_finite_stays_so(void **state)
 {
     struct iso_site_rows rows = {.width = WIDTH};
-    struct iso_metric_vector vector = {.n = 1, .mean = {NAN, INFINITY, -INFINITY, 3.0f, 0.0f}}, got;
+    struct iso_metric_vector vector = {.n = 1, .mean = {0.0f, -INFINITY, 3.0f}}, got;
     (void)state;
     assert_int_equal(iso_site_rows_reserve(&rows, 2), 0);
     iso_site_rows_insert(&rows, 1, 1, &vector);
     iso_site_rows_get(&rows, 0, &got);
-    assert_true(got.mean[0] == 0.0f && got.mean[1] == 0.0f && got.mean[2] == 0.0f);
-    assert_true(got.mean[3] == 3.0f);
+    for (int d = 0; d < WIDTH; d++) {
+        assert_true(isnan(got.mean[d]));
+    }
     memset(&vector.mean, 0, sizeof vector.mean);
     iso_site_rows_insert(&rows, 2, 2, &vector);
     iso_site_rows_get(&rows, 1, &got);
@@ -86,7 +87,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_are_sorted_by_person),
         cmocka_unit_test(vectors_are_rounded_to_the_unit),
-        cmocka_unit_test(numbers_that_are_not_finite_count_as_zero),
+        cmocka_unit_test(a_vector_that_is_not_finite_stays_so),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -111,6 +111,18 @@ static void cllr_needs_both_kinds(void **state)
     assert_false(calibration.known);
 }
 
+/* Scores that are no numbers break no memory, and the computation ends. */
+static void no_number_ends_no_worse(void **state)
+{
+    struct sim_score mated[] = {{NAN, 0}, {1.0, 0}, {NAN, 0}}, non_mated[] = {{0.0, 1}, {NAN, 1}};
+    const struct sim_scores scores = {mated, non_mated, 3, 2};
+    struct sim_det_point points[3 + 2 + 1];
+    double least = 0.0;
+    (void)state;
+    assert_int_equal(sim_cllr_min(&scores, &least), 0);
+    assert_in_range(sim_det_points(&scores, NULL, points), 1, 3 + 2 + 1);
+}
+
 enum { MATED = 40, NON_MATED = 60, LEVELS = 9 };
 
 /* Draws scores of few values, so that many are equal. */
@@ -285,6 +297,7 @@ int main(void)
         cmocka_unit_test(cllr_of_one_score),
         cmocka_unit_test(cllr_of_scores_that_are_apart),
         cmocka_unit_test(cllr_needs_both_kinds),
+        cmocka_unit_test(no_number_ends_no_worse),
         cmocka_unit_test(the_least_cost_is_that_of_isotonic_regression),
         cmocka_unit_test(costs_are_those_of_the_counts),
         cmocka_unit_test(the_least_cost_is_at_most_one),

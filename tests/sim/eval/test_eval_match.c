@@ -315,6 +315,21 @@ static void test_parallel(void **state)
     assert_int_equal(sim_parallel(65, "test", 50, mark, marks), -EINVAL);
 }
 
+static void the_first_score_that_is_no_number_is_found(void **state)
+{
+    double score[] = {1.0, -INFINITY, 2.0, NAN}, stranger_score[] = {1.0, 2.0, NAN, 3.0};
+    struct sim_matches matches = {.n_probes = 2, .n_people = 2, .score = score};
+    size_t probe = 9, person = 9;
+    (void)state;
+    assert_true(sim_matches_find_nan(&matches, &probe, &person));
+    assert_true(probe == 1 && person == 1);
+    matches.stranger_score = stranger_score;
+    assert_true(sim_matches_find_nan(&matches, &probe, &person));
+    assert_true(probe == 1 && person == 0);
+    score[3] = stranger_score[2] = INFINITY;
+    assert_false(sim_matches_find_nan(&matches, &probe, &person));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -326,6 +341,7 @@ int main(void)
         cmocka_unit_test_setup(test_cohort_normalises, setup),
         cmocka_unit_test(test_the_best_are_looked_at_again),
         cmocka_unit_test(test_parallel),
+        cmocka_unit_test(the_first_score_that_is_no_number_is_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

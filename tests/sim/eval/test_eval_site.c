@@ -5,12 +5,14 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
 
 #include "sim/lab/eval/eval.h"
 #include "sim/lab/eval/site_rates.h"
+#include "sim/lab/report/report.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
 #include "tests/support/stored_corpus.h"
@@ -117,6 +119,35 @@ static size_t compare_strangers(const struct sim_eval *site, const struct sim_ev
     return compared;
 }
 
+/* scores.csv has the scores by which the visitors are judged. */
+static void the_scores_written_are_those_judged(void **state)
+{
+    struct sim_eval *eval = evaluated(state, SIM_SITE_GALLERY);
+    const struct sim_matches *m = eval->matches;
+    struct iso_fault fault = {.text = ""};
+    char line[256];
+    size_t rows = 0;
+    assert_int_equal(sim_report_csv(eval, *state, &fault), 0);
+    FILE *file = fopen(scratch_path(*state, "scores.csv"), "re");
+    assert_non_null(file);
+    assert_non_null(fgets(line, sizeof line, file)); /* names */
+    for (size_t i = 0; i < m->n_probes; i++) {
+        const bool acquired = eval->acquisition->samples[m->sample[i]].acquired;
+        for (size_t p = 0; p < (acquired ? m->n_people : 1); p++, rows += acquired) {
+            double score = NAN;
+            assert_non_null(fgets(line, sizeof line, file));
+            assert_int_equal(sscanf(line, "%*[^,],%*[^,],%*[^,],%*[^,],%*[^,],%lf", &score),
+                             acquired);
+            if (acquired) {
+                assert_near(score, sim_matches_compared(m, i, p, eval->analysis->mate[i]), 1e-6);
+            }
+        }
+    }
+    assert_int_equal(fclose(file), 0);
+    assert_true(rows >= 8);
+    sim_eval_free(eval);
+}
+
 /* An enrolled visitor who claims to be another person gets exactly the scores that he or she would
  * get as a stranger at the same site. The own scores, and those of strangers, are the daemon's. */
 static void a_visitor_is_judged_as_a_stranger(void **state)
@@ -212,6 +243,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_gallery_adapts_the_metric, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(a_visitor_is_judged_as_a_stranger, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(the_scores_written_are_those_judged, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test(options_name_the_source),
         cmocka_unit_test(rates_are_counted_at_each_score),
