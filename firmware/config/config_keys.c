@@ -82,7 +82,7 @@ const struct iso_config_key iso_config_keys[] = {
 
     {"match", "method", ISO_CONFIG_CHOICE, AT(match, method), 0, 0, &method_choices[1], "metric",
      method_help},
-    {"match", "adapt", ISO_CONFIG_SWITCH, AT(match, adapt), 0, 0, NULL, "no",
+    {"match", "adapt", ISO_CONFIG_SWITCH, AT(match, adapt), 0, 0, NULL, "yes",
      "adapt the metric to the enrolled people, three or more, so that scores keep their meaning "
      "before this sensor"},
     {"match", "trim", ISO_CONFIG_NUMBER, AT(match, trim), 0.5, 1, NULL, "0.8",
