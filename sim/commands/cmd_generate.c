@@ -100,6 +100,7 @@ static void print_notes(FILE *out)
           "  landmarks   strong, noisy, turned, every person several times\n"
           "  training    every person at rest, mild and strong, to train the metric\n"
           "  attacks     photographs, screens, masks, and living people for comparison\n"
+          "  attacks-turned  the same, instruments turned by 25 to 40 degrees\n"
           "  not-faces   backs of heads, hands, walls, chairs, ...\n"
           "  stored      the project's own corpus; takes only --sensor and --seed\n"
           "\nSensors:\n",

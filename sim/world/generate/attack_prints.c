@@ -34,8 +34,8 @@ static int start(struct print_scene *scene, struct sim_staging *staging)
     }
     (void)sim_expression_draw(staging->ict, SIM_NEUTRAL, staging->random, weights);
     sim_person_surface(staging->ict, &staging->target, weights, scene->head_mm);
-    scene->stance.yaw_rad = DEGREES(sim_random_between(staging->random, -10.0, 10.0));
-    scene->stance.pitch_rad = DEGREES(sim_random_between(staging->random, -10.0, 10.0));
+    scene->stance.yaw_rad = sim_staging_yaw(staging, 10.0);
+    scene->stance.pitch_rad = sim_staging_pitch(staging, 10.0);
     scene->stance.roll_rad = DEGREES(sim_random_between(staging->random, -5.0, 5.0));
     scene->stance.nose_mm = sim_staging_place(staging);
     scene->camera_from_face = sim_stance_camera_from_face(&scene->stance);

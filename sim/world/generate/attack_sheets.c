@@ -19,8 +19,8 @@ static const double roll_limit_rad = 2.2, hollow_limit_rad = 1.3;
 /* A random pose of a sheet that is held towards the camera, not quite straight. */
 static struct iso_rigid camera_from_flat(const struct sim_staging *staging)
 {
-    const double pitch = DEGREES(sim_random_between(staging->random, -18.0, 18.0));
-    const double yaw = DEGREES(sim_random_between(staging->random, -20.0, 20.0));
+    const double pitch = sim_staging_pitch(staging, 18.0);
+    const double yaw = sim_staging_yaw(staging, 20.0);
     const double roll = DEGREES(8.0) * sim_random_normal(staging->random);
     struct iso_mat3 turn = iso_mat3_rotation(iso_vec3(0.0, 0.0, roll));
     struct iso_mat3 tilt = iso_mat3_rotation(iso_vec3(pitch, yaw, 0.0));

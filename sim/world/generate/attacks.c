@@ -106,8 +106,12 @@ static int record_frozen(const struct stage *stage, int number)
 static int record_attack(const struct stage *stage, const struct sim_staged_kind *kind, int number)
 {
     const struct sim_attacks_plan *plan = stage->plan;
-    struct sim_staging_plan staging = {stage->ict, stage->sensor, SIM_ROLE_IMPOSTOR, plan->seed,
-                                       plan->frames};
+    struct sim_staging_plan staging = {.ict = stage->ict,
+                                       .sensor = stage->sensor,
+                                       .role = SIM_ROLE_IMPOSTOR,
+                                       .seed = plan->seed,
+                                       .frames = plan->frames,
+                                       .turn = plan->turn};
     struct sim_person target = sim_person_draw(
         plan->population, plan->seed, (uint32_t)(number % plan->n_people), plan->identity_variance);
     return sim_staging_record(stage->studio, &staging, kind, number, &target, stage->fault);

@@ -1,4 +1,6 @@
-/* The preset `attacks`: presentation attacks, and living people for comparison.
+/* The presets `attacks` and `attacks-turned`: presentation attacks, and living people for
+ * comparison. In `attacks-turned` the instruments are turned away from the camera, and the people
+ * who wear them with them. Living people without an instrument are the same in both.
  *
  * Rows of the manifest:
  *   subject  role      note        frames
@@ -18,7 +20,7 @@
 #ifndef SIM_WORLD_GENERATE_ATTACKS_H
 #define SIM_WORLD_GENERATE_ATTACKS_H
 
-#include "sim/world/generate/studio.h"
+#include "sim/world/generate/staging.h"
 
 struct sim_attacks_plan {
     const char *population; /* of the people who are enrolled */
@@ -26,6 +28,7 @@ struct sim_attacks_plan {
     double identity_variance;
     int n_people, per_kind; /* at least 1 */
     int frames;             /* F, at least 2 */
+    struct sim_turn turn;   /* of the instruments */
 };
 
 /* The number of recordings that a plan makes. */

@@ -9,7 +9,7 @@ struct sim_generate_options {
     const char *ict_directory, *directory;
     const char *preset;              /* "mild", "strong", "crowd", "pairs", "texas", "hard", "pose",
                                       * "bowed", "far", "landmarks", "training", "attacks",
-                                      * "not-faces", "stored" */
+                                      * "attacks-turned", "not-faces", "stored" */
     const struct sim_sensor *sensor; /* NULL: the preset's own */
     const char *population;
     uint64_t seed;

@@ -6,6 +6,7 @@
 #include "sim/world/face/expression.h"
 #include "sim/world/generate/generate.h"
 #include "sim/world/generate/session.h"
+#include "sim/world/generate/staging.h"
 
 #define SIM_DEGREES(x) ((x)*0.017453292519943295)
 
@@ -40,6 +41,7 @@ struct sim_preset {
                           number are mild, and the later ones have `expression` */
     double noise_scale, identity_variance; /* variance 0: that of the head model, which is 1 */
     double near_mm, far_mm; /* distance in sessions other than enrolments; 0: the sensor's own */
+    struct sim_turn turn;   /* of attack instruments */
     int png_level;
     bool bystander;   /* another person stands behind the visitor */
     bool instruments; /* needs a sensor that sees more than skin */

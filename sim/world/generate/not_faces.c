@@ -25,7 +25,8 @@ int sim_not_faces_record(struct sim_studio *studio, const struct sim_ict *ict,
                          const struct sim_sensor *sensor, uint64_t seed, int per_kind,
                          struct iso_fault *fault)
 {
-    struct sim_staging_plan plan = {ict, sensor, SIM_ROLE_PROBE, seed, 1};
+    struct sim_staging_plan plan = {
+        .ict = ict, .sensor = sensor, .role = SIM_ROLE_PROBE, .seed = seed, .frames = 1};
     int error = 0;
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         for (int i = 0; error == 0 && i < per_kind; i++) {

@@ -28,6 +28,7 @@ static struct sim_attacks_plan plan_attacks(const struct sim_job *job)
         .n_people = sim_job_people(job),
         .per_kind = rows_of_kind(job),
         .frames = sim_job_frames(job),
+        .turn = job->preset->turn,
     };
 }
 
@@ -75,6 +76,11 @@ static const struct sim_job_kind stored = {record_stored, count_stored};
 #define VISITS                                                                     \
     .kind = &sim_job_visits, .n_people = 100, .n_strangers = 100, .n_probes = 400, \
     .frames_per_visit = 1, .noise_scale = 1.0, .png_level = 4
+
+/* Fields shared by the presets of attacks. */
+#define ATTACKS                                                                        \
+    .kind = &attacks, .sensor = &sim_sensor_astra, .n_people = 100, .n_per_kind = 300, \
+    .frames_per_visit = 15, .noise_scale = 1.0, .png_level = 4, .instruments = true
 
 static const struct sim_preset presets[] = {
     {.name = "mild",
@@ -175,15 +181,10 @@ static const struct sim_preset presets[] = {
      .frames_per_visit = 1,
      .noise_scale = 1.0,
      .png_level = 4},
-    {.name = "attacks",
-     .kind = &attacks,
-     .sensor = &sim_sensor_astra,
-     .n_people = 100,
-     .n_per_kind = 300,
-     .frames_per_visit = 15,
-     .noise_scale = 1.0,
-     .png_level = 4,
-     .instruments = true},
+    {.name = "attacks", ATTACKS},
+    {.name = "attacks-turned",
+     ATTACKS,
+     .turn = {.away = true, .yaw_least_deg = 25.0, .yaw_most_deg = 40.0, .pitch_most_deg = 30.0}},
     {.name = "not-faces",
      .kind = &not_faces,
      .sensor = &sim_sensor_astra,

@@ -1,5 +1,6 @@
 #include "sim/world/generate/staging.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -10,6 +11,28 @@ struct iso_vec3 sim_staging_place(const struct sim_staging *staging)
     return iso_vec3(x, y,
                     sim_random_between(staging->random, staging->sensor->distance_min_mm,
                                        staging->sensor->distance_max_mm));
+}
+
+static double rad_of_degrees(double degrees)
+{
+    return degrees * 0.017453292519943295;
+}
+
+double sim_staging_yaw(const struct sim_staging *staging, double limit_deg)
+{
+    const struct sim_turn *turn = &staging->turn;
+    if (!turn->away) {
+        return rad_of_degrees(sim_random_between(staging->random, -limit_deg, limit_deg));
+    }
+    const double luck = sim_random_between(staging->random, -1.0, 1.0);
+    const double range_deg = turn->yaw_most_deg - turn->yaw_least_deg;
+    return rad_of_degrees(copysign(turn->yaw_least_deg + fabs(luck) * range_deg, luck));
+}
+
+double sim_staging_pitch(const struct sim_staging *staging, double limit_deg)
+{
+    const double most_deg = staging->turn.away ? staging->turn.pitch_most_deg : limit_deg;
+    return rad_of_degrees(sim_random_between(staging->random, -most_deg, most_deg));
 }
 
 bool sim_staging_chance(const struct sim_staging *staging, double share)
@@ -49,8 +72,11 @@ int sim_staging_record(struct sim_studio *studio, const struct sim_staging_plan 
     struct sim_random random = sim_random_seeded(plan->seed, sim_random_hash(kind->name),
                                                  (uint64_t)number);
     struct sim_still still = {0};
-    struct sim_staging staging = {
-        .ict = plan->ict, .sensor = plan->sensor, .random = &random, .still = &still};
+    struct sim_staging staging = {.ict = plan->ict,
+                                  .sensor = plan->sensor,
+                                  .turn = plan->turn,
+                                  .random = &random,
+                                  .still = &still};
     staging.target = target ? *target : sim_person_mean();
     int error = sim_still_init(&still, !kind->bare, &random);
     if (error == 0) {
