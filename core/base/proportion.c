@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-/* The continued fraction of the incomplete beta function (DLMF 8.17.22) by the modified Lentz
- * algorithm (Thompson and Barnett 1986); converges fast for x < (a + 1) / (a + b + 2). */
+/* Computes the continued fraction of the incomplete beta function (DLMF 8.17.22) with the modified
+ * Lentz algorithm (Thompson and Barnett 1986). It converges fast if x < (a + 1) / (a + b + 2). */
 static double beta_fraction(double a, double b, double x)
 {
     const double tiny = 1e-300;
@@ -30,7 +30,8 @@ static double log_gamma(double x)
     return lgamma_r(x, &sign);
 }
 
-/* The distribution function of the beta distribution, 0 < x < 1. */
+/* Returns the probability that a number is at most x, 0 < x < 1, if the number has the beta
+ * distribution with the parameters a and b. */
 static double beta_share(double a, double b, double x)
 {
     const double front = exp(log_gamma(a + b) - log_gamma(a) - log_gamma(b) + a * log(x) +
@@ -39,6 +40,7 @@ static double beta_share(double a, double b, double x)
                                          : 1.0 - front * beta_fraction(b, a, 1.0 - x) / b;
 }
 
+/* Returns the x at which beta_share() has this value. */
 static double beta_quantile(double a, double b, double share)
 {
     double low = 0.0, high = 1.0;

@@ -11,9 +11,10 @@
 static inline void iso_wipe_free(void *block)
 {
     if (block) {
-        /* The block may be larger than the size that was asked for. A compiler that sees the
-         * allocation knows that size only, and with _FORTIFY_SOURCE, as packages are built, the
-         * program would abort. The volatile pointer hides the allocation. */
+        /* malloc() may return a block that is larger than the requested size. If the compiler
+         * knows the requested size, and the program is built with _FORTIFY_SOURCE, as packages
+         * are, the program aborts when more than this size is overwritten. The compiler does not
+         * know the size of a block that it reads from a volatile pointer. */
         void *volatile whole = block;
         explicit_bzero(whole, malloc_usable_size(block));
     }

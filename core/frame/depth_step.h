@@ -6,13 +6,14 @@
 
 #include "isotherm/frame.h"
 
-/* Estimates the step, mm. The function collects the differences in depth between neighbours in a
- * row, above 0 and below 20 mm. The result is their first decile: a tenth of the differences are
- * not larger. If all depths are multiples of a step, the differences are multiples of it as well,
- * and the smallest ones, of a single step, are the most frequent: the result is the step. If the
- * depths have no such step, the result is small, because many neighbours have nearly the same
- * depth. The result is rounded to a quarter of a millimetre. It is 0 if there are fewer than a
- * hundred differences. */
+/* Estimates the step, mm. The function computes the differences in depth between neighbouring
+ * pixels of each row. It keeps the differences that are larger than 0 and smaller than 20 mm, and
+ * sorts them. The result is their first decile, rounded to a quarter of a millimetre.
+ *
+ * If all depths are multiples of a step, the differences are multiples of the step as well. Most
+ * differences are then a single step, and the result is the step. If the depths have no such step,
+ * many neighbours differ by very little, and the result is small. The result is 0 if there are
+ * fewer than a hundred differences. */
 double iso_depth_step(const struct iso_frame *frame);
 
 #endif

@@ -7,14 +7,15 @@
 
 enum { ISO_METRIC_STEPS_ONE = ISO_METRIC_STEP_ONE_MAX - ISO_METRIC_STEP_MIN + 1 };
 
-/* The parts of a vector's likelihood that depend on the metric and not on the vector, for each step
- * that one template may have. A program that completes many vectors computes them once. */
+/* Numbers from which the likelihood of a vector is computed. They depend on the metric and on the
+ * step, but not on the vector. The structure has them for every step that one template may have. A
+ * program that completes many vectors computes them only once. */
 struct iso_metric_steps {
     double log_volume[ISO_METRIC_STEPS_ONE]; /* logarithm of the product of the variances */
     double inverse[ISO_METRIC_DIMENSIONS_MAX][ISO_METRIC_STEPS_ONE]; /* 1 / the variances */
 };
 
-/* Computes these parts for a metric. */
+/* Computes these numbers for a metric. */
 void iso_metric_steps_fill(const struct iso_metric *metric, struct iso_metric_steps *steps);
 
 /* Computes step, weight and scale of a vector of one template from its numbers. `steps` is of this

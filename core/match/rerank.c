@@ -32,9 +32,10 @@ static double rough_misfit(const struct iso_upper_face *one, const struct iso_up
     return n < NODES_MIN ? INFINITY : sqrt(fmax(square / n - sum * sum / n / n, 0.0));
 }
 
-/* Puts the templates, at most the ORDERED likeliest ones, in the order in which they resemble the
- * probe. A person who was enrolled in several poses has one of nearly the probe's pose; to register
- * all of them would take too long. Returns the number of ordered ones. */
+/* Sorts the templates of a person: the template that differs least from the probe comes first. At
+ * most ORDERED templates are written to `ordered`; the function returns their number. If a person
+ * was enrolled in several poses, the first template usually has nearly the probe's pose, so that
+ * the others need not be registered, which would take too long. */
 static int put_in_order(const struct iso_upper_face *probe,
                         const struct iso_upper_face *const *person, int n,
                         const struct iso_upper_face **ordered)

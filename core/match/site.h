@@ -120,12 +120,15 @@ void iso_site_turn(const struct iso_site_metric *adapted, const struct iso_metri
                    struct iso_metric_vector *out);
 
 /* Computes the score of a probe and a person of the site. It differs from iso_metric_score() in two
- * ways. First, it leaves out the person's own share in the offset. Each of n people contributes an
- * n-th of the own face to the offset; without this correction, the score would treat that part as
- * common to everybody. Second, the people are divided into four groups, and the score is computed
- * four times, each time without the shares of one group. The lowest of the four scores is the
- * result. An attacker whose crafted templates turn the offset towards the difference of two people
- * then gains little, because one of the four scores does not contain these templates.
+ * ways:
+ *
+ * - The offset is computed without the face of this person. Each of n people contributes about an
+ *   n-th of the own face to the offset. With that part, the score would treat a part of the
+ *   person's own face as common to everybody.
+ * - The people are divided into four groups. The score is computed four times, each time with an
+ *   offset without one group. The lowest of the four scores is the result. An attacker could enrol
+ *   crafted templates that turn the offset towards the difference of two people. One of the four
+ *   scores does not contain these templates, so the attacker gains little.
  *
  * `number` is the one of iso_site_add(); it may be that of nobody. `person` and `probe` are vectors
  * by the adapted metric. If `adapted` has no own shares, this is iso_metric_score(). Returns

@@ -93,9 +93,11 @@ static double mean_variance(const struct iso_site *site, float *value)
 
 /* Ends the second pass: computes the variance along each direction. A few captures show how much
  * people vary on the whole, but not how the variance is distributed over the directions. Therefore
- * the variances shrink towards their mean (Ledoit and Wolf 2004). A variance below the mean is
- * replaced by the mean. Few captures have no variance along most directions, by chance alone, and
- * an attacker who can turn the directions could choose one that seems to have none. */
+ * the variances shrink towards their mean (Ledoit and Wolf 2004).
+ *
+ * A variance below the mean is replaced by the mean, for two reasons. If there are few captures,
+ * the measured variance along most directions is nearly zero, although people do vary there. And
+ * an attacker who can turn the directions could choose one with a variance of nearly zero. */
 static int find_values(struct iso_site *site)
 {
     const size_t n = (size_t)site->n;

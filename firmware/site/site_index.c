@@ -264,8 +264,9 @@ size_t iso_site_index_count(struct iso_site_index *site, uint64_t first, bool te
 
 /* ---- the generation in use ---- */
 
-/* Takes over the generation that waits, if one does. *before receives the one that was in use. The
- * mutex is held. */
+/* If a new generation is ready, makes it the current one and returns true. *before receives the
+ * generation that was the current one until now, which the caller frees; without a new one it is
+ * all zero. The caller holds the mutex. */
 static bool take_ready(struct iso_site_index *site, struct iso_site_generation *before)
 {
     *before = (struct iso_site_generation){.shared = NULL};

@@ -1,6 +1,7 @@
 /* The presets `attacks` and `attacks-turned`: presentation attacks, and living people for
- * comparison. In `attacks-turned` the instruments are turned away from the camera, and the people
- * who wear them with them. Living people without an instrument are the same in both.
+ * comparison. In `attacks-turned` every instrument is turned away from the camera. A person who
+ * wears an instrument is turned by the same angle. Living people without an instrument are the
+ * same in both presets.
  *
  * Rows of the manifest:
  *   subject  role      note        frames

@@ -4,19 +4,20 @@
  * - Size, focal length and range (512 x 424, f 365 px, 0.5 to 4.5 m): Kinect for Windows SDK 2.0.
  * - Noise: Sarbolandi, Lefloch and Kolb, "Kinect Range Sensing: Structured-Light versus
  *   Time-of-Flight Kinect", CVIU 139 (2015). The standard deviation is about 1 mm at 0.8 m. It
- * grows with the distance, and when the amplitude falls.
+ *   grows with the distance. It is larger where the amplitude is lower.
  * - Flying pixels: the same paper. A pixel on an outline reports a depth between the two surfaces.
  *   In this model a pixel receives light from an area of twice its breadth, so that outlines are
  *   two pixels broad. The share of such pixels that drop out is half of that in kinect2.
  * - Wiggling, a periodic error of the distance: Corti, Giancola, Mainetti and Sala, "A metrological
  *   characterization of the Kinect V2 time-of-flight camera", Robotics and Autonomous Systems 75
  *   (2016). The period is a quarter of the unambiguous range at 80 MHz, which is 1.87 m.
- * - Multipath: in hollows, light also arrives late, by way of other surfaces. The same paper, and
- *   Wasenmueller and Stricker, "Comparison of Kinect v1 and v2 depth images in terms of accuracy
- *   and precision", ACCV workshops (2016), who measured corners.
+ * - Multipath: in a hollow, some of the light is reflected by another surface first, and arrives
+ *   later. Corti and others describe it as well. Wasenmueller and Stricker measured it in corners:
+ *   "Comparison of Kinect v1 and v2 depth images in terms of accuracy and precision", ACCV
+ *   workshops (2016).
  * - Errors that neighbouring pixels share, because the sensor's software filters its depths. The
  *   size of these errors was chosen such that the residuals of the fit resemble those of real
- * frames (sim/results/time-of-flight.md).
+ *   frames (sim/results/time-of-flight.md).
  * - Assumed: the steps (8 bits for 1 to 2 m would be steps of 4 to 8 mm), the share of multipath,
  *   and the amplitude of the wiggling. Steps and share are drawn for each recording. */
 #include <errno.h>

@@ -14,16 +14,20 @@ enum { DIMENSIONS = 12, PEOPLE = 8, TEMPLATES = 3 };
 int site_rig_set_up(void **state);
 int site_rig_tear_down(void **state);
 
-/* The vector of template i of a person, by the metric; and the number of the template. */
+/* Returns the vector of template i of a person, by the metric. */
 struct iso_metric_vector site_rig_vector_of(const struct iso_metric *metric, int64_t person, int i);
+
+/* Returns the number of template i of a person. */
 uint64_t site_rig_number_of(int64_t person, int i);
 
 /* Makes an index of nobody and starts it. */
 struct iso_site_index *site_rig_new_index(const struct iso_metric *metric, bool adapt);
 
-/* Adds a template, or all TEMPLATES templates, of a person. */
+/* Adds template i of a person to the index. */
 void site_rig_add_template(struct iso_site_index *site, const struct iso_metric *metric,
                            int64_t person, int i);
+
+/* Adds the templates 0 to TEMPLATES - 1 of a person to the index. */
 void site_rig_add_person(struct iso_site_index *site, const struct iso_metric *metric,
                          int64_t person);
 
