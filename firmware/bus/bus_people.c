@@ -103,10 +103,23 @@ int iso__bus_rename(sd_bus_message *call, void *context, sd_bus_error *out)
 
 /* ---- the list, and deleting ---- */
 
-static int append_people(sd_bus_message *reply, const struct iso_gallery *gallery)
+int iso__bus_reply_list(sd_bus_message *call, const struct iso_bus *bus, iso__bus_append_fn append,
+                        sd_bus_error *out)
+{
+    sd_bus_message *reply = NULL;
+    struct iso_fault fault = {.text = ""};
+    int r = iso_gallery_state(bus->borrowed->gallery, &fault);
+    if (r < 0) {
+        return iso__bus_refuse(out, r, &fault);
+    }
+    r = sd_bus_message_new_method_return(call, &reply);
+    return iso__bus_send_reply(reply, r < 0 ? r : append(reply, bus));
+}
+
+static int append_people(sd_bus_message *reply, const struct iso_bus *bus)
 {
     size_t n = 0;
-    const struct iso_person *people = iso_gallery_people(gallery, &n);
+    const struct iso_person *people = iso_gallery_people(bus->borrowed->gallery, &n);
     int r = sd_bus_message_open_container(reply, 'a', "(sxxxu)");
     for (size_t i = 0; r >= 0 && i < n; i++) {
         r = sd_bus_message_append(reply, "(sxxxu)", people[i].name, people[i].enrolled_s,
@@ -118,15 +131,7 @@ static int append_people(sd_bus_message *reply, const struct iso_gallery *galler
 
 int iso__bus_list_people(sd_bus_message *call, void *context, sd_bus_error *out)
 {
-    const struct iso_bus *bus = context;
-    sd_bus_message *reply = NULL;
-    struct iso_fault fault = {.text = ""};
-    int r = iso_gallery_state(bus->borrowed->gallery, &fault);
-    if (r < 0) {
-        return iso__bus_refuse(out, r, &fault);
-    }
-    r = sd_bus_message_new_method_return(call, &reply);
-    return iso__bus_send_reply(reply, r < 0 ? r : append_people(reply, bus->borrowed->gallery));
+    return iso__bus_reply_list(call, context, append_people, out);
 }
 
 int iso__bus_delete_person(sd_bus_message *call, void *context, sd_bus_error *out)

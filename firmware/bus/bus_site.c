@@ -161,15 +161,7 @@ static int append_pairs(sd_bus_message *reply, const struct iso_bus *bus)
 
 int iso__bus_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error *out)
 {
-    const struct iso_bus *bus = context;
-    sd_bus_message *reply = NULL;
-    struct iso_fault fault = {.text = ""};
-    int r = iso_gallery_state(bus->borrowed->gallery, &fault);
-    if (r < 0) {
-        return iso__bus_refuse(out, r, &fault);
-    }
-    r = sd_bus_message_new_method_return(call, &reply);
-    return iso__bus_send_reply(reply, r < 0 ? r : append_pairs(reply, bus));
+    return iso__bus_reply_list(call, context, append_pairs, out);
 }
 
 /* ---- taking it back ---- */

@@ -83,6 +83,14 @@ int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out);
 /* Sends a reply that was filled in with result r, and releases it. */
 int iso__bus_send_reply(sd_bus_message *reply, int r);
 
+/* Appends the rows of a list to a reply; a negative errno if it fails. */
+typedef int (*iso__bus_append_fn)(sd_bus_message *reply, const struct iso_bus *bus);
+
+/* Answers a call with the list that `append` writes, or with the error of a gallery that cannot be
+ * read (bus_people.c). */
+int iso__bus_reply_list(sd_bus_message *call, const struct iso_bus *bus, iso__bus_append_fn append,
+                        sd_bus_error *out);
+
 /* The methods that list people or change a person (bus_people.c). */
 int iso__bus_list_people(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_delete_person(sd_bus_message *call, void *context, sd_bus_error *out);

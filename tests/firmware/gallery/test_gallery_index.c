@@ -14,31 +14,6 @@
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/support/scratch.h"
 
-/* A metric for the templates of the puppets. */
-static struct iso_metric *new_metric(void)
-{
-    const struct iso_template any = puppet_template(20, PUPPET_ALGORITHM);
-    const struct iso_metric shape = {
-        .algorithm = PUPPET_ALGORITHM,
-        .landmarks = 3,
-        .n_radii = any.n_radii,
-        .n_points = any.n_points,
-        .n_dimensions = 5,
-        .weight_min = 0.25f,
-        .gain = 1.0f,
-    };
-    struct iso_metric *metric = NULL;
-    assert_int_equal(iso_metric_new(&shape, &metric), 0);
-    for (int v = 0; v < metric->n_values; v++) {
-        metric->curve_mm[v] = (float)((v * 37) % 11);
-        metric->axis[v * 5 + v % 5] = 1.0f;
-    }
-    for (int d = 0; d < 5; d++) {
-        metric->between[d] = 2.0f;
-    }
-    return metric;
-}
-
 /* Expects the vector in the index of a person with templates of these faces. */
 static void expect_vector(struct iso_gallery *gallery, const struct iso_metric *metric,
                           const char *name, const int *faces, int n)
@@ -72,7 +47,7 @@ static void expect_index(struct iso_gallery *gallery, const struct iso_metric *m
 
 static void with_a_metric_it_keeps_an_index_of_vectors(void **state)
 {
-    struct iso_metric *metric = new_metric();
+    struct iso_metric *metric = gallery_rig_new_metric();
     struct iso_gallery_options options = stores_gallery(*state);
     struct iso_gallery *gallery = NULL;
     options.metric = metric;
@@ -99,7 +74,7 @@ static void with_a_metric_it_keeps_an_index_of_vectors(void **state)
 static void each_number_of_people_is_read_whole(void **state)
 {
     enum { PEOPLE = 34 };
-    struct iso_metric *metric = new_metric();
+    struct iso_metric *metric = gallery_rig_new_metric();
     struct iso_gallery_options options = stores_gallery(*state);
     struct iso_gallery *gallery = NULL;
     char name[PEOPLE][16];
@@ -128,7 +103,7 @@ static void each_number_of_people_is_read_whole(void **state)
 /* A person with such a template is enrolled, but no search finds the person. */
 static void a_template_without_points_is_in_no_index(void **state)
 {
-    struct iso_metric *metric = new_metric();
+    struct iso_metric *metric = gallery_rig_new_metric();
     struct iso_gallery_options options = stores_gallery(*state);
     struct iso_gallery *gallery = NULL;
     const struct iso_person anna = {.name = "anna"};

@@ -10,31 +10,6 @@
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/support/scratch.h"
 
-/* A metric for the templates of the puppets. */
-static struct iso_metric *new_metric(void)
-{
-    const struct iso_template any = puppet_template(20, PUPPET_ALGORITHM);
-    const struct iso_metric shape = {
-        .algorithm = PUPPET_ALGORITHM,
-        .landmarks = 3,
-        .n_radii = any.n_radii,
-        .n_points = any.n_points,
-        .n_dimensions = 5,
-        .weight_min = 0.25f,
-        .gain = 1.0f,
-    };
-    struct iso_metric *metric = NULL;
-    assert_int_equal(iso_metric_new(&shape, &metric), 0);
-    for (int v = 0; v < metric->n_values; v++) {
-        metric->curve_mm[v] = (float)((v * 37) % 11);
-        metric->axis[v * 5 + v % 5] = 1.0f;
-    }
-    for (int d = 0; d < 5; d++) {
-        metric->between[d] = 2.0f;
-    }
-    return metric;
-}
-
 static struct iso_gallery *open_gallery(const char *directory, const struct iso_metric *metric,
                                         bool adapt)
 {
@@ -73,7 +48,7 @@ static void expect_taken_back(struct iso_gallery *gallery,
  * passed over. */
 static void it_rolls_back_enrolment_by_enrolment(void **state)
 {
-    struct iso_metric *metric = new_metric();
+    struct iso_metric *metric = gallery_rig_new_metric();
     struct iso_gallery *gallery = open_gallery(*state, metric, true);
     assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);
     assert_int_equal(gallery_rig_add(gallery, "ben", 40, NULL), 0);
@@ -99,7 +74,7 @@ static void it_rolls_back_enrolment_by_enrolment(void **state)
 /* Ada gets another number when the learned template is deleted. Ben, enrolled later, teaches. */
 static void people_with_new_numbers_stay_excluded(void **state)
 {
-    struct iso_metric *metric = new_metric();
+    struct iso_metric *metric = gallery_rig_new_metric();
     struct iso_gallery *gallery = open_gallery(*state, metric, true);
     struct iso_template learned = puppet_template(22, PUPPET_ALGORITHM);
     size_t n = 0;
@@ -122,7 +97,7 @@ static void people_with_new_numbers_stay_excluded(void **state)
 
 static void a_gallery_that_does_not_adapt_keeps_its_version(void **state)
 {
-    struct iso_metric *metric = new_metric();
+    struct iso_metric *metric = gallery_rig_new_metric();
     struct iso_gallery *gallery = open_gallery(*state, metric, false);
     size_t n = 0;
     assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);

@@ -84,3 +84,27 @@ void gallery_rig_expect(struct iso_gallery *gallery, const char *name, unsigned 
     assert_ptr_equal(iso_gallery_find_id(gallery, person->id), person);
     assert_int_equal(iso_gallery_only(gallery, person->id).n_entries, templates);
 }
+
+struct iso_metric *gallery_rig_new_metric(void)
+{
+    const struct iso_template any = puppet_template(20, PUPPET_ALGORITHM);
+    const struct iso_metric shape = {
+        .algorithm = PUPPET_ALGORITHM,
+        .landmarks = 3,
+        .n_radii = any.n_radii,
+        .n_points = any.n_points,
+        .n_dimensions = 5,
+        .weight_min = 0.25f,
+        .gain = 1.0f,
+    };
+    struct iso_metric *metric = NULL;
+    assert_int_equal(iso_metric_new(&shape, &metric), 0);
+    for (int v = 0; v < metric->n_values; v++) {
+        metric->curve_mm[v] = (float)((v * 37) % 11);
+        metric->axis[v * 5 + v % 5] = 1.0f;
+    }
+    for (int d = 0; d < 5; d++) {
+        metric->between[d] = 2.0f;
+    }
+    return metric;
+}

@@ -35,4 +35,8 @@ void gallery_rig_expect(struct iso_gallery *gallery, const char *name, unsigned 
 /* Executes SQL on g.db directly, without the gallery. */
 void gallery_rig_execute(const char *directory, const char *sql);
 
+/* Makes a metric of five dimensions for the templates of the puppets. The caller releases it with
+ * iso_metric_free(). */
+struct iso_metric *gallery_rig_new_metric(void);
+
 #endif

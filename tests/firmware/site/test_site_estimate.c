@@ -7,34 +7,19 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "firmware/site/site_estimate.h"
+#include "tests/firmware/site/site_rig.h"
 #include "tests/support/near.h"
 
-enum { DIMENSIONS = 12, ADA = 3, BEN = 5, CAM = 8, DAN = 13 };
+enum { ADA = 3, BEN = 5, CAM = 8, DAN = 13 };
 
 /* People vary so much more than templates of one person that every score is far from all levels. */
 static int set_up(void **state)
 {
-    const struct iso_metric shape = {
-        .landmarks = 1,
-        .n_radii = 2,
-        .n_points = 5,
-        .n_dimensions = DIMENSIONS,
-        .weight_min = 0.25f,
-        .gain = 0.5f,
-    };
-    struct iso_metric *metric = NULL;
-    assert_int_equal(iso_metric_new(&shape, &metric), 0);
+    (void)site_rig_set_up(state);
+    struct iso_metric *metric = *state;
     for (int d = 0; d < DIMENSIONS; d++) {
         metric->between[d] = 100.0f;
-        metric->axis[2 * d * DIMENSIONS + d] = 1.0f;
     }
-    *state = metric;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    iso_metric_free(*state);
     return 0;
 }
 
@@ -197,7 +182,7 @@ static void a_change_of_people_ends_it(void **state)
 
 int main(void)
 {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, set_up, tear_down)
+#define TEST(f) cmocka_unit_test_setup_teardown(f, set_up, site_rig_tear_down)
     const struct CMUnitTest tests[] = {
         TEST(rates_are_those_of_a_count_by_hand),
         TEST(pairs_come_by_falling_score),
