@@ -7,7 +7,6 @@
 #include "isotherm/index.h"
 
 enum {
-    CHOSEN = 2, /* templates of a person that are registered */
     ORDERED = ISO_INDEX_TEMPLATES_MAX,
     STRIDE = 3,    /* nodes, in both directions */
     NODES_MIN = 30 /* that both faces have */
@@ -37,13 +36,13 @@ static double rough_misfit(const struct iso_upper_face *one, const struct iso_up
  * was enrolled in several poses, the first template usually has nearly the probe's pose, so that
  * the others need not be registered, which would take too long. */
 static int put_in_order(const struct iso_upper_face *probe,
-                        const struct iso_upper_face *const *person, int n,
+                        const struct iso_upper_face *const *person, int n, int chosen,
                         const struct iso_upper_face **ordered)
 {
     double misfit[ORDERED];
     int n_ordered = 0;
     for (int i = 0; i < n; i++) {
-        const double one = n > CHOSEN ? rough_misfit(probe, person[i]) : 0.0;
+        const double one = n > chosen ? rough_misfit(probe, person[i]) : 0.0;
         if (n_ordered == ORDERED && !(one < misfit[ORDERED - 1])) {
             continue;
         }
@@ -61,13 +60,14 @@ static int put_in_order(const struct iso_upper_face *probe,
 /* A template that cannot be registered, because it has too few points in common with the probe, is
  * replaced by the next likeliest one. */
 int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_face *probe,
-                      const struct iso_upper_face *const *person, int n, double *rms_mm)
+                      const struct iso_upper_face *const *person, int n, int place, double *rms_mm)
 {
     const struct iso_upper_face *ordered[ORDERED];
-    const int n_ordered = put_in_order(probe, person, n, ordered);
+    const int chosen = place < ISO_RERANK_FIRST ? 2 : 1;
+    const int n_ordered = put_in_order(probe, person, n, chosen, ordered);
     double least_mm = INFINITY;
     int registered = 0;
-    for (int i = 0; i < n_ordered && registered < CHOSEN; i++) {
+    for (int i = 0; i < n_ordered && registered < chosen; i++) {
         struct iso_upper_fit fit;
         iso_upper_surface_of(ordered[i], &work->surface);
         if (iso_upper_fit(&work->fit, probe, &work->surface, &fit) == 0) {
@@ -91,10 +91,11 @@ double iso_rerank_fuse(const struct iso_rerank_weights *weights, double metric_s
 
 double iso_rerank(struct iso_rerank_workspace *work, const struct iso_metric *metric,
                   const struct iso_upper_face *probe, const struct iso_upper_face *const *person,
-                  int n, double metric_score)
+                  int n, int place, double metric_score)
 {
     double rms_mm;
-    if (!(metric->rerank.upper > 0.0f) || iso_rerank_misfit(work, probe, person, n, &rms_mm)) {
+    if (!(metric->rerank.upper > 0.0f) ||
+        iso_rerank_misfit(work, probe, person, n, place, &rms_mm)) {
         return metric_score;
     }
     return iso_rerank_fuse(&metric->rerank, metric_score, rms_mm);

@@ -112,7 +112,7 @@ static void insert_candidate(struct candidate *list, int *n, struct candidate on
 }
 
 static double look_again(struct iso_rerank_workspace *work, const struct iso_search_entry *entries,
-                         const struct candidate *one, const struct iso_template *probe,
+                         const struct candidate *one, int place, const struct iso_template *probe,
                          const struct iso_metric *metric)
 {
     enum { TEMPLATES_MAX = 16 };
@@ -121,7 +121,7 @@ static double look_again(struct iso_rerank_workspace *work, const struct iso_sea
     for (; n < one->n && n < TEMPLATES_MAX; n++) {
         person[n] = &entries[one->first + n].tmpl->upper;
     }
-    return iso_rerank(work, metric, &probe->upper, person, n, one->score);
+    return iso_rerank(work, metric, &probe->upper, person, n, place, one->score);
 }
 
 int iso_search_by_metric(struct iso_rerank_workspace *work, const struct iso_search_entry *entries,
@@ -141,11 +141,11 @@ int iso_search_by_metric(struct iso_rerank_workspace *work, const struct iso_sea
         }
     }
     for (int i = 0; !error && i < n; i++) {
-        insert_hit(
-            hits, &n_found, capacity,
-            (struct iso_search_hit){.person = entries[list[i].first].person,
-                                    .distance_mm = NAN,
-                                    .score = look_again(work, entries, &list[i], probe, metric)});
+        insert_hit(hits, &n_found, capacity,
+                   (struct iso_search_hit){
+                       .person = entries[list[i].first].person,
+                       .distance_mm = NAN,
+                       .score = look_again(work, entries, &list[i], i, probe, metric)});
     }
     explicit_bzero(&seen, sizeof seen);
     explicit_bzero(&person, sizeof person);

@@ -129,7 +129,7 @@ int iso_reranker_take(struct iso_reranker *look, const struct iso_metric *metric
         for (int k = 0; k < slot->n; k++) {
             person[k] = &slot->upper[k];
         }
-        hits[i].score = iso_rerank(&look->rerank, metric, &probe->upper, person, slot->n,
+        hits[i].score = iso_rerank(&look->rerank, metric, &probe->upper, person, slot->n, i,
                                    hits[i].score);
     }
     iso_search_sort(hits, (size_t)n);

@@ -90,9 +90,22 @@ static int shortlist_people(const double *score, size_t n_people,
     return n;
 }
 
+/* Sorts people by falling score. */
+static void sort_people(size_t best[], int n, const double *score)
+{
+    for (int i = 1; i < n; i++) {
+        const size_t person = best[i];
+        int k = i;
+        for (; k > 0 && score[best[k - 1]] < score[person]; k--) {
+            best[k] = best[k - 1];
+        }
+        best[k] = person;
+    }
+}
+
 /* The fused score of one person. */
 static double look_again(const struct matching *work, int worker, const struct iso_template *probe,
-                         size_t person, double metric_score)
+                         size_t person, int place, double metric_score)
 {
     enum { TEMPLATES_MAX = 64 };
     const struct sim_gallery *gallery = work->gallery;
@@ -104,18 +117,19 @@ static double look_again(const struct matching *work, int worker, const struct i
         }
     }
     return iso_rerank(&work->rerank[worker], work->scoring->metric, &probe->upper, of_person, n,
-                      metric_score);
+                      place, metric_score);
 }
 
-/* Reranks the people whose `rank` is highest. */
+/* Reranks the people whose `rank` is highest. As in the daemon, their places are those by score. */
 static void rerank_scores(const struct matching *work, int worker, const struct iso_template *probe,
                           const double *rank, double *score)
 {
     size_t best[ISO_RERANK_CANDIDATES];
     const int n = shortlist_people(rank, work->gallery->n_people, best);
     double fused[ISO_RERANK_CANDIDATES], least = INFINITY;
+    sort_people(best, n, score);
     for (int i = 0; i < n; i++) {
-        fused[i] = look_again(work, worker, probe, best[i], score[best[i]]);
+        fused[i] = look_again(work, worker, probe, best[i], i, score[best[i]]);
         least = fmin(least, fused[i]);
     }
     for (size_t p = 0; p < work->gallery->n_people; p++) {

@@ -148,7 +148,7 @@ static int fit_upper_faces(void *context, int worker, size_t number)
     struct pair *pair = &fitting->list[number];
     const struct iso_upper_face *enrolled = &pair->enrolled->upper;
     double rms_mm;
-    if (iso_rerank_misfit(&fitting->work[worker], &pair->probe->upper, &enrolled, 1, &rms_mm) ==
+    if (iso_rerank_misfit(&fitting->work[worker], &pair->probe->upper, &enrolled, 1, 0, &rms_mm) ==
         0) {
         pair->fit = -log(rms_mm);
     }

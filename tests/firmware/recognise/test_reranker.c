@@ -98,7 +98,7 @@ static void scores_are_fused_and_fall(void **state)
         const struct iso_upper_face face = face_of((int)person);
         const struct iso_upper_face *own = &face;
         assert_float_equal(rig->hits[i].score,
-                           iso_rerank(&work, &metric, &rig->probe.upper, &own, 1,
+                           iso_rerank(&work, &metric, &rig->probe.upper, &own, 1, 0,
                                       3.0 - 0.1 * (double)(person - 1)),
                            0.0);
         assert_true(i == 0 || rig->hits[i].score <= rig->hits[i - 1].score);

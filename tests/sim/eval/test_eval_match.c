@@ -268,10 +268,10 @@ static void test_the_best_are_looked_at_again(void **state)
             }
             if (better < ISO_RERANK_CANDIDATES && pass == 0) {
                 const struct iso_upper_face *own = &seen[p].tmpl.upper;
-                assert_float_equal(
-                    fused->score[p],
-                    iso_rerank(&work, metric, &seen[PEOPLE].tmpl.upper, &own, 1, plain->score[p]),
-                    0.0);
+                assert_float_equal(fused->score[p],
+                                   iso_rerank(&work, metric, &seen[PEOPLE].tmpl.upper, &own, 1, 0,
+                                              plain->score[p]),
+                                   0.0);
                 least = fmin(least, fused->score[p]);
                 again++;
             } else if (better >= ISO_RERANK_CANDIDATES && pass == 1) {
