@@ -11,10 +11,10 @@
 static inline void iso_wipe_free(void *block)
 {
     if (block) {
-        /* malloc() may return a block that is larger than the requested size. If the compiler
-         * knows the requested size, and the program is built with _FORTIFY_SOURCE, as packages
-         * are, the program aborts when more than this size is overwritten. The compiler does not
-         * know the size of a block that it reads from a volatile pointer. */
+        /* malloc() may return a larger block than requested. This function overwrites the whole
+         * block. Packages are built with _FORTIFY_SOURCE: if the compiler knows the requested size,
+         * a program that overwrites more than this size is aborted. The volatile pointer prevents
+         * this, because the compiler cannot know to which block it points. */
         void *volatile whole = block;
         explicit_bzero(whole, malloc_usable_size(block));
     }

@@ -10,10 +10,10 @@
  * pixels of each row. It keeps the differences that are larger than 0 and smaller than 20 mm, and
  * sorts them. The result is their first decile, rounded to a quarter of a millimetre.
  *
- * If all depths are multiples of a step, the differences are multiples of the step as well. Most
- * differences are then a single step, and the result is the step. If the depths have no such step,
- * many neighbours differ by very little, and the result is small. The result is 0 if there are
- * fewer than a hundred differences. */
+ * Some sensors round each depth to a multiple of a step. Then no difference that is kept is smaller
+ * than the step, and most of them are equal to it. Therefore the first decile is the step. Other
+ * sensors do not round. Then many neighbours have nearly the same depth, and the result is small.
+ * The result is 0 if there are fewer than a hundred differences. */
 double iso_depth_step(const struct iso_frame *frame);
 
 #endif

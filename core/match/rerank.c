@@ -32,9 +32,10 @@ static double rough_misfit(const struct iso_upper_face *one, const struct iso_up
 }
 
 /* Sorts the templates of a person: the template that differs least from the probe comes first. At
- * most ORDERED templates are written to `ordered`; the function returns their number. If a person
- * was enrolled in several poses, the first template usually has nearly the probe's pose, so that
- * the others need not be registered, which would take too long. */
+ * most ORDERED templates are written to `ordered`; the function returns their number. To register
+ * all templates would take too long. A person who was enrolled in several poses has one template in
+ * nearly the same pose as the probe, and that template comes first. If there are at most `chosen`
+ * templates, all will be registered, and the order does not matter. */
 static int put_in_order(const struct iso_upper_face *probe,
                         const struct iso_upper_face *const *person, int n, int chosen,
                         const struct iso_upper_face **ordered)
@@ -57,8 +58,8 @@ static int put_in_order(const struct iso_upper_face *probe,
     return n_ordered;
 }
 
-/* A template that cannot be registered, because it has too few points in common with the probe, is
- * replaced by the next likeliest one. */
+/* If a template has too few points in common with the probe, it cannot be registered. The next one
+ * in the order takes its place. */
 int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_face *probe,
                       const struct iso_upper_face *const *person, int n, int place, double *rms_mm)
 {

@@ -16,10 +16,11 @@
 #include "core/match/upper_surface.h"
 #include "isotherm/metric.h"
 
-/* How many candidates of a search are reranked, and how many of these, the best ones by the metric,
- * have two templates registered. The others have one. A search for a person who is enrolled almost
- * always has that person among the best. A person further back can only lose score by the second
- * template that is left out, because a score belongs to the template that fits best. */
+/* ISO_RERANK_CANDIDATES candidates of a search are reranked. For the first ISO_RERANK_FIRST of
+ * them, which have the highest scores by the metric, two templates are registered. For each of the
+ * others one template is registered, which saves time. If the visitor is enrolled, the right person
+ * is almost always among the first candidates. One template instead of two can only lower the fused
+ * score of the other candidates, because the template that fits best decides. */
 enum { ISO_RERANK_CANDIDATES = 10, ISO_RERANK_FIRST = 3 };
 
 /* Working memory, 102 kB. It is allocated once and used by one thread at a time; it needs no
@@ -32,27 +33,30 @@ struct iso_rerank_workspace {
 /* The least misfit, mm. */
 #define ISO_RERANK_RMS_MIN_MM 0.05
 
-/* Measures how well the probe's upper face fits those of n templates of one person. `place` is the
- * number of candidates that the metric finds better than this one. Two templates are registered if
- * the place is below ISO_RERANK_FIRST, else one: those whose heights differ least from the probe's,
- * without the ones that cannot be registered; of more than 16, the 16 likeliest are tried. *rms_mm
- * is the least rms after registration (upper_surface.h), at least ISO_RERANK_RMS_MIN_MM. -ENODATA
- * if none can be registered. */
+/* Measures how well the probe's upper face fits the upper faces of a person's n templates. `place`
+ * is the number of candidates with a higher score by the metric. If the place is below
+ * ISO_RERANK_FIRST, the function registers two templates, otherwise one. It chooses the templates
+ * whose heights differ least from the probe's. If one of these cannot be registered, the next one
+ * is tried, up to 16. *rms_mm receives the smallest rms after a registration (upper_surface.h), at
+ * least ISO_RERANK_RMS_MIN_MM. Returns -ENODATA if no template can be registered. */
 int iso_rerank_misfit(struct iso_rerank_workspace *work, const struct iso_upper_face *probe,
                       const struct iso_upper_face *const *person, int n, int place, double *rms_mm)
     __attribute__((warn_unused_result));
 
-/* Returns the fused score of a person with n templates, in this place among the candidates;
+/* Returns the fused score of a person with n templates. `place` is as for iso_rerank_misfit();
  * `metric_score` is the person's score by the metric. The function returns metric_score unchanged
- * in two cases: the surfaces cannot be compared (a template has no upper face, or the faces have
- * too few points in common), or the weight of the misfit (`upper` in struct iso_rerank_weights) is
- * 0. The function takes about 0.1 ms for each template that is registered, two at most, and less
- * for one that cannot be registered. */
+ * in two cases:
+ *
+ * - No template can be registered. It has no upper face, or the two faces have too few points in
+ *   common.
+ * - The weight of the misfit, `upper` in struct iso_rerank_weights, is 0.
+ *
+ * The function takes about 0.1 ms for each template that it registers. */
 double iso_rerank(struct iso_rerank_workspace *work, const struct iso_metric *metric,
                   const struct iso_upper_face *probe, const struct iso_upper_face *const *person,
                   int n, int place, double metric_score);
 
-/* The fused score from a misfit that is known already. */
+/* Computes the fused score from the metric's score and a measured misfit. */
 double iso_rerank_fuse(const struct iso_rerank_weights *weights, double metric_score,
                        double rms_mm);
 

@@ -122,13 +122,13 @@ void iso_site_turn(const struct iso_site_metric *adapted, const struct iso_metri
 /* Computes the score of a probe and a person of the site. It differs from iso_metric_score() in two
  * ways:
  *
- * - The offset is computed without the face of this person. Each of n people contributes about an
- *   n-th of the own face to the offset. With that part, the score would treat a part of the
- *   person's own face as common to everybody.
- * - The people are divided into four groups. The score is computed four times, each time with an
- *   offset without one group. The lowest of the four scores is the result. An attacker could enrol
- *   crafted templates that turn the offset towards the difference of two people. One of the four
- *   scores does not contain these templates, so the attacker gains little.
+ * - The offset is computed without the face of this person. If there are n people, each of them
+ *   contributes about 1/n to the offset. If this person's face were part of the offset, the score
+ *   would ignore that part of the face.
+ * - The people are divided into four groups. The score is computed four times, and each time one
+ *   group is left out of the offset. The lowest of the four scores is the result. This limits an
+ *   attacker who enrols crafted templates in order to change the offset: the attacker's templates
+ *   are left out of one of the four scores.
  *
  * `number` is the one of iso_site_add(); it may be that of nobody. `person` and `probe` are vectors
  * by the adapted metric. If `adapted` has no own shares, this is iso_metric_score(). Returns

@@ -26,10 +26,11 @@ struct iso_rerank_workspace *iso_reranker_workspace(struct iso_reranker *look);
 void iso_reranker_forget(struct iso_reranker *look);
 
 /* Replaces the scores of n (0..ISO_RERANK_CANDIDATES) hits of a search among these candidates by
- * their fused scores, and sorts the hits by falling score. The hits must be sorted by the falling
- * score of the metric: the first ISO_RERANK_FIRST of them are compared with two templates each. The
- * candidates must be able to open templates. -EINVAL for more hits, else errors of opening; then
- * the hits must not be used. */
+ * their fused scores, and sorts the hits by falling score. Before the call, the caller sorts the
+ * hits by the metric's score, highest first, because more templates are registered for the first
+ * ISO_RERANK_FIRST hits (rerank.h). The candidates must be able to open templates. Returns -EINVAL
+ * for more hits, or the error of a template that cannot be opened; after an error the hits must not
+ * be used. */
 int iso_reranker_take(struct iso_reranker *look, const struct iso_metric *metric,
                       const struct iso_candidate_list *among, const struct iso_template *probe,
                       struct iso_search_hit *hits, int n) __attribute__((warn_unused_result));

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "core/base/wipe.h"
+#include "core/match/search.h"
 #include "sim/lab/match/latency.h"
 #include "sim/lab/match/parallel.h"
 
@@ -73,34 +74,21 @@ static int give_up(struct sim_sample *sample, int error)
 
 /* Writes the best people by score, best first, and returns their number. */
 static int shortlist_people(const double *score, size_t n_people,
-                            size_t best[ISO_RERANK_CANDIDATES])
+                            struct iso_search_hit best[ISO_RERANK_CANDIDATES])
 {
     int n = 0;
     for (size_t p = 0; p < n_people; p++) {
         if (!(score[p] > -INFINITY) ||
-            (n == ISO_RERANK_CANDIDATES && !(score[best[n - 1]] < score[p]))) {
+            (n == ISO_RERANK_CANDIDATES && !(best[n - 1].score < score[p]))) {
             continue;
         }
         int i = n < ISO_RERANK_CANDIDATES ? n++ : n - 1;
-        for (; i > 0 && score[best[i - 1]] < score[p]; i--) {
+        for (; i > 0 && best[i - 1].score < score[p]; i--) {
             best[i] = best[i - 1];
         }
-        best[i] = p;
+        best[i] = (struct iso_search_hit){.person = (int64_t)p, .score = score[p]};
     }
     return n;
-}
-
-/* Sorts people by falling score. */
-static void sort_people(size_t best[], int n, const double *score)
-{
-    for (int i = 1; i < n; i++) {
-        const size_t person = best[i];
-        int k = i;
-        for (; k > 0 && score[best[k - 1]] < score[person]; k--) {
-            best[k] = best[k - 1];
-        }
-        best[k] = person;
-    }
 }
 
 /* The fused score of one person. */
@@ -120,23 +108,27 @@ static double look_again(const struct matching *work, int worker, const struct i
                       place, metric_score);
 }
 
-/* Reranks the people whose `rank` is highest. As in the daemon, their places are those by score. */
+/* Reranks the people whose `rank` is highest. Like the daemon, it first sorts them by their scores,
+ * because the reranking registers two templates only for the best of them. */
 static void rerank_scores(const struct matching *work, int worker, const struct iso_template *probe,
                           const double *rank, double *score)
 {
-    size_t best[ISO_RERANK_CANDIDATES];
+    struct iso_search_hit best[ISO_RERANK_CANDIDATES];
     const int n = shortlist_people(rank, work->gallery->n_people, best);
-    double fused[ISO_RERANK_CANDIDATES], least = INFINITY;
-    sort_people(best, n, score);
+    double least = INFINITY;
     for (int i = 0; i < n; i++) {
-        fused[i] = look_again(work, worker, probe, best[i], i, score[best[i]]);
-        least = fmin(least, fused[i]);
+        best[i].score = score[best[i].person];
+    }
+    iso_search_sort(best, (size_t)n);
+    for (int i = 0; i < n; i++) {
+        best[i].score = look_again(work, worker, probe, (size_t)best[i].person, i, best[i].score);
+        least = fmin(least, best[i].score);
     }
     for (size_t p = 0; p < work->gallery->n_people; p++) {
         score[p] = fmin(score[p], least);
     }
     for (int i = 0; i < n; i++) {
-        score[best[i]] = fused[i];
+        score[best[i].person] = best[i].score;
     }
 }
 

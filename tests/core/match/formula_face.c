@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-/* A curved forehead with a nose, brows that are not symmetric, and a wave that depends on the
- * person. */
+/* The surface is a curved forehead with a nose. A brow on one side makes it asymmetric. A wave that
+ * depends on `who` makes each person different. */
 double formula_face_height_mm(int who, double x, double y)
 {
     const double nose = 18.0 * exp(-(x * x + (y + 4.0) * (y + 4.0) / 3.0) / 250.0);

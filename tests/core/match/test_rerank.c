@@ -1,5 +1,5 @@
-/* The reranking: the fused score, which templates of a person are registered, and the search that
- * reranks. */
+/* The tests of the reranking. They test how a fused score is computed, which templates of a person
+ * are registered, and how a search reranks its candidates. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -18,7 +18,8 @@
 /* The working memory of the functions under test. */
 static struct iso_rerank_workspace work;
 
-/* A metric of one landmark and two dimensions, for which these templates differ little. */
+/* Makes a metric of one landmark and two dimensions. By this metric, all templates of this file
+ * have nearly the same score. */
 static struct iso_metric *new_metric(void)
 {
     const struct iso_metric shape = {
@@ -77,7 +78,7 @@ static void a_fused_score_is_the_weighted_sum(void **state)
         iso_rerank_misfit(&work, &probe, (const struct iso_upper_face *[]){&probe}, 1, 0, &own_mm),
         0);
     assert_true(own_mm == ISO_RERANK_RMS_MIN_MM);
-    /* Without surfaces, or without weights, it is the score of the metric. */
+    /* If there is no surface to compare, or if the weights are 0, the score stays the same. */
     assert_true(iso_rerank(&work, m, &probe, person, 0, 0, 3.0) == 3.0);
     memset(&probe, 0, sizeof probe);
     assert_int_equal(iso_rerank_misfit(&work, &probe, person, 2, 0, &own_mm), -ENODATA);

@@ -33,7 +33,7 @@ static const double common_offset = 0.5; /* in each dimension, standard deviatio
 
 /* The numbers of the attackers. The first one is enrolled after all others, the second one before
  * them, so that no group of people that a score leaves out (iso_site_score) has both. */
-static const int64_t attackers[ATTACKERS_MAX] = {PEOPLE_MAX, -1};
+static const int64_t attacker_numbers[ATTACKERS_MAX] = {PEOPLE_MAX, -1};
 
 /* What an attack by one or two people, who enrol the same templates, may do to the scores of
  * others. */
@@ -123,11 +123,11 @@ static void draw_person(const struct world *world, struct iso_metric_vector *tem
     }
 }
 
-static void make_world(struct world *world, int people, int attackers_of_it)
+static void make_world(struct world *world, int people, int attackers)
 {
     random_state = 17;
     world->people = people;
-    world->attackers = attackers_of_it;
+    world->attackers = attackers;
     for (int p = 0; p < people; p++) {
         draw_person(world, world->templates[p], TEMPLATES, &world->probe[p]);
     }
@@ -152,7 +152,7 @@ static struct iso_site_metric adapt(const struct world *world,
         assert_int_equal(iso_site_add(site, p, world->templates[p], TEMPLATES), 0);
     }
     for (int a = 0; n > 0 && a < world->attackers; a++) {
-        assert_int_equal(iso_site_add(site, attackers[a], attacker, n), 0);
+        assert_int_equal(iso_site_add(site, attacker_numbers[a], attacker, n), 0);
     }
     assert_int_equal(iso_site_find_directions(site), 0);
     for (int p = 0; p < world->people; p++) {
@@ -278,8 +278,7 @@ static void nobody_moves_the_scores_of_others_far(void **state)
         attack_everything(&world, &before, &worst);
         print_message(
             "%d people and %d more who attack: the highest score of a stranger is %.2f and "
-            "becomes %.2f; a person "
-            "falls by at most %.2f\n",
+            "becomes %.2f; a person falls by at most %.2f\n",
             bounds[i].people, bounds[i].attackers, before.highest, worst.highest, worst.falls);
         assert_true(worst.highest > before.highest && worst.falls > 0.0);
         assert_true(worst.highest <= before.highest + bounds[i].rises);

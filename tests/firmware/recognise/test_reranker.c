@@ -29,10 +29,17 @@ static struct iso_upper_face face_of(int who)
     return face;
 }
 
-/* Person p has p % 3 + 1 templates, all equal. */
+/* Person p has p % 3 + 1 templates. They are equal, or all different if `varied` is set. */
 struct owner {
     int opened, error;
+    bool varied;
 };
+
+/* Returns the upper face of template i of a person. */
+static struct iso_upper_face template_face(const struct owner *owner, int64_t person, int i)
+{
+    return face_of((int)person + (owner->varied ? 3 * i : 0));
+}
 
 static int open_person(void *context, int64_t person, struct iso_template *out, int capacity,
                        int *n, struct iso_fault *fault)
@@ -46,7 +53,7 @@ static int open_person(void *context, int64_t person, struct iso_template *out, 
     *n = (int)(person % 3) + 1;
     assert_true(*n <= capacity);
     for (int i = 0; i < *n; i++) {
-        out[i] = (struct iso_template){.upper = face_of((int)person)};
+        out[i] = (struct iso_template){.upper = template_face(owner, person, i)};
     }
     return 0;
 }
@@ -106,6 +113,35 @@ static void scores_are_fused_and_fall(void **state)
         seen[person] = true;
     }
     assert_int_equal(look_at(rig, 1, 0), 0);
+}
+
+/* Computes the score of a person whose templates are different, in a place of the candidates. */
+static double score_in_place(const struct rig *rig, int64_t person, int place, double score)
+{
+    struct iso_upper_face face[3];
+    const struct iso_upper_face *own[] = {&face[0], &face[1], &face[2]};
+    const int n = (int)(person % 3) + 1;
+    for (int i = 0; i < n; i++) {
+        face[i] = template_face(&rig->owner, person, i);
+    }
+    return iso_rerank(&work, &metric, &rig->probe.upper, own, n, place, score);
+}
+
+/* The reranking depends on the place of a person among the hits. */
+static void a_person_is_compared_as_its_place_demands(void **state)
+{
+    struct rig *rig = *state;
+    int changed = 0;
+    rig->owner.varied = true;
+    assert_int_equal(look_at(rig, 1, ISO_RERANK_CANDIDATES), 0);
+    for (int i = 0; i < ISO_RERANK_CANDIDATES; i++) {
+        const int place = (int)rig->hits[i].person - 1;
+        const double metric_score = 3.0 - 0.1 * place;
+        const double score = score_in_place(rig, rig->hits[i].person, place, metric_score);
+        assert_float_equal(rig->hits[i].score, score, 0.0);
+        changed += score_in_place(rig, rig->hits[i].person, 0, metric_score) != score;
+    }
+    assert_true(changed > 0);
 }
 
 static void asks_for_nobody_twice(void **state)
@@ -169,6 +205,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(scores_are_fused_and_fall, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_person_is_compared_as_its_place_demands, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(asks_for_nobody_twice, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_gallery_that_changed_is_asked_again, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_template_that_cannot_be_opened_is_an_error, set_up,
