@@ -65,6 +65,19 @@ struct iso_visit {
     int64_t latency_ns; /* the time from the arrival of the first usable frame to the verdict */
 };
 
+/* A frame, as the people who stand before the sensor may see it. Nothing of it but `frame` and the
+ * small differences of a fitted pose tells faces apart. */
+struct iso_seen_frame {
+    const struct iso_frame *frame;
+    const struct iso_rigid *camera_from_face; /* NULL: no face */
+    double distance_mm;                       /* of the nose tip; 0: no face */
+    enum iso_appliance_mode mode;
+    enum iso_capture hint; /* what most of the last frames say; OK: nothing hinders */
+    /* The verdict of the visit that goes on, "allow" or "deny", and its reason; "" before that. */
+    const char *verdict, *reason;
+    bool lockdown, locked_out;
+};
+
 /* The events that the appliance reports; all are REQUIRED. Texts are valid during the call. */
 struct iso_appliance_events {
     /* `result` is one of the words ISO_CONTRACT_RESULT_... of firmware/contract/contract.h. The
@@ -86,6 +99,9 @@ struct iso_appliance_events {
     void (*hint)(void *context, enum iso_capture capture);
     /* What the sensor sees; only while iso_appliance_aim is on, at most ten times a second. */
     void (*view)(void *context, const struct iso_view *view);
+    /* Every frame that is examined, and in CLAIMED every frame; only while
+     * iso_appliance_report_frames is on. */
+    void (*seen)(void *context, const struct iso_seen_frame *seen);
     /* The frame that iso_appliance_picture asked for, valid during the call. NULL: no picture
      * comes, because the camera shows nothing, the claim has ended or an action begins. */
     void (*picture)(void *context, const struct iso_frame *frame);
@@ -205,6 +221,14 @@ int iso_appliance_lockdown(struct iso_appliance *appliance, bool on, struct iso_
  * door stays in service. */
 void iso_appliance_aim(struct iso_appliance *appliance, bool on);
 bool iso_appliance_is_aimed(const struct iso_appliance *appliance);
+
+/* Turns the event `seen` on or off. Nothing else changes. */
+void iso_appliance_report_frames(struct iso_appliance *appliance, bool on);
+
+/* Records that the client that has the claim begins to watch the relief of the frames. -EACCES not
+ * claimed, or an error of the log; then the client must not get them. */
+int iso_appliance_record_relief(struct iso_appliance *appliance, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 /* Asks for the next frame, once. The event `picture` brings it, or reports within three seconds
  * that no picture comes. The request is recorded. -EACCES not claimed, -EBUSY an action goes on or

@@ -236,6 +236,10 @@ void iso__appliance_accept_clock(struct iso_appliance *appliance);
 /* Hands a frame to the client that waits for it. */
 void iso__appliance_picture_frame(struct iso_appliance *appliance, const struct iso_frame *frame);
 
+/* Reports a frame to those who watch, with its final word. Does nothing if nobody does. */
+void iso__appliance_report_frame(struct iso_appliance *appliance, const struct iso_frame *frame,
+                                 enum iso_capture capture);
+
 /* Tells the waiting client that no picture comes: at once, or after too long a wait. */
 void iso__appliance_picture_drop(struct iso_appliance *appliance);
 void iso__appliance_picture_time(struct iso_appliance *appliance, int64_t now_ns);

@@ -246,7 +246,11 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
     }
     iso__appliance_time(appliance, frame->t_ns);
     iso__appliance_picture_frame(appliance, frame);
-    if (appliance->mode == ISO_APPLIANCE_CLAIMED || iso__appliance_extract(appliance, frame)) {
+    if (appliance->mode == ISO_APPLIANCE_CLAIMED) {
+        iso__appliance_report_frame(appliance, frame, ISO_CAPTURE_NOBODY);
+        return;
+    }
+    if (iso__appliance_extract(appliance, frame)) {
         return;
     }
     note_image(appliance);
@@ -265,6 +269,7 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
     capture = iso__appliance_tell_of(appliance, frame, capture);
     iso__appliance_show(appliance, capture);
     give_hint(appliance, capture);
+    iso__appliance_report_frame(appliance, frame, capture);
 }
 
 int64_t iso__appliance_visit_due_ns(const struct iso_appliance *appliance)

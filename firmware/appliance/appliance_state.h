@@ -65,6 +65,7 @@ struct iso_appliance_outcome {
     char person[ISO_PERSON_NAME_SIZE];    /* the person whom the text names; "": nobody */
     struct iso_fault card_fault;          /* why the last card number was not sent */
     struct iso_door_look door_look;       /* the door after the last grant */
+    struct iso_verdict verdict;           /* of the last visit */
     struct iso_appliance_counts counts;
 };
 
@@ -127,9 +128,10 @@ struct iso_appliance_enrolling {
     struct iso_enrolment enrolment;
 };
 
-/* A picture that a client waits for. (appliance_picture.c) */
+/* The frames that clients see. (appliance_picture.c) */
 struct iso_appliance_picture {
-    bool due;       /* the next frame is the picture */
+    bool reports;   /* every frame is reported */
+    bool due;       /* the next frame is the picture that a client waits for */
     int64_t end_ns; /* the end of the wait */
 };
 

@@ -269,6 +269,7 @@ void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
         refuse_visit(appliance, &visit);
     }
     count_verdict(&appliance->outcome.counts, &visit.verdict);
+    appliance->outcome.verdict = visit.verdict;
     tell_visit(appliance, &visit);
     iso__appliance_learn(appliance, &visit.verdict);
 }

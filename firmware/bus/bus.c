@@ -98,6 +98,7 @@ void iso_bus_close(struct iso_bus *bus)
         bus->aiming = sd_bus_track_unref(bus->aiming);
         bus->picture = sd_bus_message_unref(bus->picture);
         drop_connection(bus);
+        iso_stream_list_end(&bus->streams, ISO_STREAM_OUTLINE);
         free(bus);
     }
 }

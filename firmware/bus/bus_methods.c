@@ -53,6 +53,7 @@ void iso__bus_forget_claimant(struct iso_bus *bus)
 {
     bus->track = sd_bus_track_unref(bus->track);
     bus->claimant[0] = '\0';
+    iso__bus_end_relief(bus);
 }
 
 static int on_claimant_gone(sd_bus_track *track, void *context)
@@ -359,6 +360,8 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_TEST_DOOR, "", NOTHING, "", NOTHING, iso__bus_test_door),
     METHOD(ISO_CONTRACT_AIM_START, "", NOTHING, "", NOTHING, iso__bus_aim_start),
     METHOD(ISO_CONTRACT_AIM_STOP, "", NOTHING, "", NOTHING, iso__bus_aim_stop),
+    METHOD(ISO_CONTRACT_WATCH, "s", "what\0", "h", "stream\0", iso__bus_watch),
+    METHOD(ISO_CONTRACT_WATCH_RELIEF, "", NOTHING, "h", "stream\0", iso__bus_watch_relief),
     METHOD(ISO_CONTRACT_PICTURE, "", NOTHING, "h", "file\0", iso__bus_picture),
     SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuuds", "result\0done\0stage\0stages\0quality\0person\0"),
     SIGNAL(ISO_CONTRACT_ENROLL_STEP, "ssuud", "pose\0state\0step\0steps\0turn_deg\0"),

@@ -7,17 +7,29 @@
 #include "firmware/bus/bus.h"
 #include "firmware/bus/call_rate.h"
 #include "firmware/contract/work_listener.h"
+#include "firmware/stream/head_outline.h"
+#include "firmware/stream/stream_list.h"
+
+/* The relief of a frame while it is sent; else all zero. */
+struct iso__bus_relief {
+    struct iso_relief_record record;
+    uint8_t bytes[ISO_STREAM_BYTES_MAX];
+};
 
 struct iso_bus {
     char address[256];
     sd_event *event; /* the event loop of iso_bus_serve */
     sd_bus *bus;     /* NULL: the connection is gone */
     sd_bus_slot *object, *disconnected, *filter, *naming;
-    sd_bus_track *track;     /* tracks the claimant */
-    char claimant[256];      /* unique name; "": no client */
-    sd_bus_track *aiming;    /* clients that get View signals; NULL: none */
-    sd_bus_message *picture; /* the call of Picture that has no answer yet; NULL: none */
-    bool gone, serving;      /* serving: this connection has the name */
+    sd_bus_track *track;            /* tracks the claimant */
+    char claimant[256];             /* unique name; "": no client */
+    sd_bus_track *aiming;           /* clients that get View signals; NULL: none */
+    sd_bus_message *picture;        /* the call of Picture that has no answer yet; NULL: none */
+    struct iso_stream_list streams; /* of the clients that watch */
+    struct iso_head_outline head;   /* n == 0: not prepared, or there is none */
+    struct iso__bus_relief relief;
+    uint32_t frames_seen; /* while somebody watched */
+    bool gone, serving;   /* serving: this connection has the name */
     struct iso_call_rate rate;
     struct iso_appliance *appliance;
     const struct iso_appliance_borrowed *borrowed;
@@ -52,6 +64,13 @@ int iso__bus_aim_stop(sd_bus_message *call, void *context, sd_bus_error *out);
 /* The method that asks for a picture, and the event that answers it (bus_picture.c). */
 int iso__bus_picture(sd_bus_message *call, void *context, sd_bus_error *out);
 void iso__bus_on_picture(void *context, const struct iso_frame *frame);
+
+/* The methods that open a stream, the event that sends a record to those who watch, and the end of
+ * all streams of the relief, which last no longer than the claim (bus_watch.c). */
+int iso__bus_watch(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_watch_relief(sd_bus_message *call, void *context, sd_bus_error *out);
+void iso__bus_on_seen(void *context, const struct iso_seen_frame *seen);
+void iso__bus_end_relief(struct iso_bus *bus);
 
 /* Returns 0 if the sender of a call has the claim. Otherwise returns a negative errno and sets the
  * error (bus_methods.c). */

@@ -66,6 +66,14 @@
  *                                        do not work
  *   AimStart()  AimStop()                begin and end the sending of View signals to the caller;
  *                                        they also end when the caller leaves the bus
+ *   Watch(s what) -> h stream            a socket that receives a record for each frame, as
+ *                                        firmware/contract/stream_record.h describes it. `what` is
+ *                                        ISO_CONTRACT_WATCH_OUTLINE. The client closes the socket
+ *                                        when it has seen enough. Records that it does not read in
+ *                                        time are dropped. A user may have four streams
+ * + WatchRelief() -> h stream            the same with records of the relief, for clients that may
+ *                                        call EnrollStart. It is recorded, and goes on during an
+ *                                        action. The daemon closes it at the end of the claim
  * + Picture() -> h file                  a PNG of the next depth frame as shaded relief, at most
  *                                        320x240 pixels: a sealed memory file, which the client
  *                                        reads from its beginning. It is recorded. It is refused
@@ -251,6 +259,8 @@
 #define ISO_CONTRACT_TEST_DOOR        "TestDoor"
 #define ISO_CONTRACT_AIM_START        "AimStart"
 #define ISO_CONTRACT_AIM_STOP         "AimStop"
+#define ISO_CONTRACT_WATCH            "Watch"
+#define ISO_CONTRACT_WATCH_RELIEF     "WatchRelief"
 #define ISO_CONTRACT_PICTURE          "Picture"
 
 /* Options of EnrollStart and SetValidity. */
@@ -274,6 +284,9 @@
 #define ISO_CONTRACT_STEP_TURN     "turn"     /* the head is not yet in the pose; a hint follows */
 #define ISO_CONTRACT_STEP_PASSED   "passed"   /* the step is complete */
 #define ISO_CONTRACT_STEP_LEFT_OUT "left-out" /* not in time, or its frames are of another face */
+
+/* The stream of Watch. */
+#define ISO_CONTRACT_WATCH_OUTLINE "outline"
 
 /* Of the person whose name is in use, in the reply of EnrollStart; and the limits above. */
 #define ISO_CONTRACT_PERSON    "person"

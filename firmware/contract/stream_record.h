@@ -17,8 +17,8 @@
  *       20  char    mode[12], hint[20], verdict[8], reason[16]: words, padded with NUL
  *       76  uint8   silhouette[60][10]: row by row from the top; the highest bit of a byte is its
  *                   leftmost point. 1: something is near there
- *      676  int16   outline[64][2]: x, y of the points, clockwise, in 1/32 of a silhouette point from
- *                   the corner at the top left; points beyond n are 0. A point may lie outside
+ *      676  int16   outline[64][2]: x, y of the points, clockwise, in 1/32 of a silhouette point
+ * from the corner at the top left; points beyond n are 0. A point may lie outside
  *
  * ISO_STREAM_RELIEF:
  *       16  uint16  columns, 1..ISO_RELIEF_COLUMNS
@@ -61,10 +61,10 @@ struct iso_outline_record {
     struct iso_stream_head head;
     uint16_t distance_mm;
     bool lockdown, locked_out;
-    char mode[12];    /* "watch", "claimed", "enroll", "verify", "identify" */
-    char hint[20];    /* what most of the last frames say: a word of isotherm/capture.h */
-    char verdict[8];  /* of the visit that goes on: "allow", "deny"; "": not yet, or nobody there */
-    char reason[16];  /* of that verdict: a word of firmware/visit/decision.h; else "" */
+    char mode[12];   /* "watch", "claimed", "enroll", "verify", "identify" */
+    char hint[20];   /* what most of the last frames say: a word of isotherm/capture.h */
+    char verdict[8]; /* of the visit that goes on: "allow", "deny"; "": not yet, or nobody there */
+    char reason[16]; /* of that verdict: a word of firmware/visit/decision.h; else "" */
     uint8_t silhouette[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE];
     int n_points;
     int16_t outline[ISO_OUTLINE_POINTS][2];

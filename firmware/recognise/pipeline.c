@@ -74,6 +74,11 @@ static uint32_t pipeline_model(const void *self)
     return ((const struct pipeline *)self)->head->crc32;
 }
 
+static const struct iso_head_model *pipeline_head(const void *self)
+{
+    return ((const struct pipeline *)self)->head;
+}
+
 static enum iso_face_seen pipeline_seen(const void *self)
 {
     return ((const struct pipeline *)self)->seen;
@@ -118,6 +123,7 @@ static const struct iso_pipeline_ops ops = {
     .metric = pipeline_metric,
     .algorithm = pipeline_algorithm,
     .model = pipeline_model,
+    .head = pipeline_head,
     .close = pipeline_close,
     .forget = pipeline_forget,
     .seen = pipeline_seen,

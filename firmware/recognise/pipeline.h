@@ -34,6 +34,10 @@ struct iso_pipeline_ops {
     uint32_t (*algorithm)(const void *self);
     uint32_t (*model)(const void *self);
 
+    /* OPTIONAL: the head model itself, which the pipeline owns. NULL: no outline of a head is shown
+     * to those who watch. */
+    const struct iso_head_model *(*head)(const void *self);
+
     /* Frees the pipeline. NULL is not passed. */
     void (*close)(void *self);
 

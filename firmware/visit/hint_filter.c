@@ -65,3 +65,13 @@ enum iso_capture iso_hint_filter_frame(struct iso_hint_filter *filter, enum iso_
     filter->given_ns = t_ns;
     return winner;
 }
+
+enum iso_capture iso_hint_filter_word(const struct iso_hint_filter *filter)
+{
+    int votes = 0;
+    if (filter->n_frames == 0) {
+        return ISO_CAPTURE_OK;
+    }
+    const enum iso_capture winner = count_votes(filter, &votes);
+    return votes < filter->options.hold ? ISO_CAPTURE_OK : winner;
+}

@@ -125,7 +125,7 @@ static void open_parts(struct rig *rig)
         .sensor = puppet_sensor_source(&rig->sensor),
         .pipeline = puppet_pipeline(&rig->puppet),
         .events = {on_enroll_status, on_enroll_step, on_recognition_status, on_visit, on_hint,
-                   on_view, on_picture, on_door_changed, on_claim_lost, on_message, rig},
+                   on_view, NULL, on_picture, on_door_changed, on_claim_lost, on_message, rig},
     };
     assert_int_equal(iso_door_io_open("null", NULL, 0, &clock, &unpowered, &rig->door_io, NULL), 0);
     struct iso_gallery_options gallery = stores_gallery(rig->directory);
