@@ -112,8 +112,7 @@ static void send_outline(struct iso_bus *bus, const struct iso_seen_frame *seen)
         record.n_points = iso_head_outline_project(&bus->head, seen->camera_from_face, seen->frame,
                                                    record.outline);
     }
-    iso_silhouette_draw(seen->frame, record.outline, record.n_points, seen->distance_mm,
-                        record.silhouette);
+    iso_silhouette_draw(seen->frame, record.outline, record.n_points, record.silhouette);
     iso_stream_list_send(&bus->streams, ISO_STREAM_OUTLINE, bytes,
                          iso_outline_record_write(&record, bytes));
 }

@@ -363,8 +363,8 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_EVENTS                                                                        \
     "attack", "clock", "counter", "delete", "door", "door-test", "enroll", "export", "forget",     \
         "gallery", "grant", "identify", "import", "learn", "lockdown", "lockout", "log-recovered", \
-        "log-rotated", "log-sealed", "picture", "records-lost", "rename", "rotate-keys", "sensor", \
-        "site", "start", "state-accepted", "stop", "validity", "verify", "visit"
+        "log-rotated", "log-sealed", "picture", "records-lost", "relief", "rename", "rotate-keys", \
+        "sensor", "site", "start", "state-accepted", "stop", "validity", "verify", "visit"
 
 /* Errors: what a call is refused for. A fault of the appliance itself has a code in GetStatus. */
 #define ISO_CONTRACT_ERROR_ALREADY_IN_USE   "org.isotherm.Error.AlreadyInUse"

@@ -9,24 +9,17 @@ enum {
     CELL = 4, /* silhouette points along the side of a cell */
     CELL_COLUMNS = ISO_SILHOUETTE_COLUMNS / CELL,
     CELL_ROWS = ISO_SILHOUETTE_ROWS / CELL,
-    HALF = CELL * CELL / 2
+    HALF = CELL * CELL / 2,
+    CELLS_MIN = 4, /* fewer near cells are nobody */
 };
 
 /* ---- which cells are near ---- */
 
-struct range {
-    double from_mm, to_mm;
-};
-
-static struct range near_range(int n, double distance_mm)
-{
-    /* Without a face: as far as a face is looked for. With one: the body of that person. */
-    return n == 0 ? (struct range){1.0, 1500.0}
-                  : (struct range){distance_mm - 250.0, distance_mm + 350.0};
-}
+/* As far as a face is looked for. */
+static const double near_mm = 1500.0;
 
 static bool is_near(const struct iso_frame *frame, const struct iso_silhouette_scale *scale,
-                    const struct range *near, int column, int row)
+                    int column, int row)
 {
     const int u = (int)floor((column + 0.5 - scale->left) * scale->px);
     const int v = (int)floor((row + 0.5 - scale->top) * scale->px);
@@ -34,17 +27,16 @@ static bool is_near(const struct iso_frame *frame, const struct iso_silhouette_s
         return false;
     }
     const double mm = (double)iso_frame_depth_at(frame, u, v);
-    return mm >= near->from_mm && mm <= near->to_mm;
+    return mm > 0.0 && mm <= near_mm;
 }
 
-static void sample_cells(const struct iso_frame *frame, const struct range *near,
-                         bool cells[CELL_ROWS][CELL_COLUMNS])
+static void sample_cells(const struct iso_frame *frame, bool cells[CELL_ROWS][CELL_COLUMNS])
 {
     const struct iso_silhouette_scale scale = iso_silhouette_scale_of(frame);
     int counts[CELL_ROWS][CELL_COLUMNS] = {{0}};
     for (int row = 0; row < ISO_SILHOUETTE_ROWS; row++) {
         for (int column = 0; column < ISO_SILHOUETTE_COLUMNS; column++) {
-            counts[row / CELL][column / CELL] += is_near(frame, &scale, near, column, row);
+            counts[row / CELL][column / CELL] += is_near(frame, &scale, column, row);
         }
     }
     for (int row = 0; row < CELL_ROWS; row++) {
@@ -54,37 +46,76 @@ static void sample_cells(const struct iso_frame *frame, const struct range *near
     }
 }
 
-/* ---- the head ---- */
+/* ---- something is near ---- */
 
-struct box {
-    double left, right, top, bottom; /* silhouette points */
+struct ellipse {
+    double x, y, a, b; /* middle and half axes, silhouette points; a == 0: nothing */
 };
 
-static struct box box_of(int16_t outline[][2], int n)
+/* The nearest of the sizes 1, 1.25, 1.25^2, ... */
+static double step_of(double size)
 {
-    struct box box = {INFINITY, -INFINITY, INFINITY, -INFINITY};
-    for (int i = 0; i < n; i++) {
-        const double x = (double)outline[i][0] / ISO_OUTLINE_UNITS;
-        const double y = (double)outline[i][1] / ISO_OUTLINE_UNITS;
-        box = (struct box){fmin(box.left, x), fmax(box.right, x), fmin(box.top, y),
-                           fmax(box.bottom, y)};
-    }
-    return box;
+    return pow(1.25, round(log(size) / log(1.25)));
 }
 
-/* Clears the head: three times as wide as the mean head, and all above its chin. */
-static void clear_head(int16_t outline[][2], int n, bool cells[CELL_ROWS][CELL_COLUMNS])
+/* An upright ellipse about the middle of the near cells, with about their area. */
+static struct ellipse ellipse_of(bool cells[CELL_ROWS][CELL_COLUMNS])
 {
-    const struct box head = box_of(outline, n);
-    const double width = head.right - head.left;
+    static const double aspect = 1.3;
+    double n = 0.0;
+    double x = 0.0;
+    double y = 0.0;
     for (int row = 0; row < CELL_ROWS; row++) {
         for (int column = 0; column < CELL_COLUMNS; column++) {
-            const double x = (column + 0.5) * CELL;
-            if (row * CELL < head.bottom && x > head.left - width && x < head.right + width) {
-                cells[row][column] = false;
-            }
+            n += cells[row][column];
+            x += cells[row][column] ? column + 0.5 : 0.0;
+            y += cells[row][column] ? row + 0.5 : 0.0;
         }
     }
+    if (n < CELLS_MIN) {
+        return (struct ellipse){0};
+    }
+    const double a = step_of(sqrt(n * CELL * CELL / (M_PI * aspect)));
+    return (struct ellipse){CELL * (floor(x / n) + 0.5), CELL * (floor(y / n) + 0.5), a,
+                            aspect * a};
+}
+
+static bool is_in_ellipse(const struct ellipse *ellipse, double x, double y)
+{
+    const double dx = (x - ellipse->x) / ellipse->a;
+    const double dy = (y - ellipse->y) / ellipse->b;
+    return ellipse->a > 0.0 && dx * dx + dy * dy < 1.0;
+}
+
+/* ---- a head and shoulders ---- */
+
+struct bust {
+    int16_t (*outline)[2];
+    int n;
+    double x, chin, width, height; /* of the head, silhouette points */
+};
+
+static struct bust bust_of(int16_t outline[][2], int n)
+{
+    double least[2] = {INFINITY, INFINITY};
+    double most[2] = {-INFINITY, -INFINITY};
+    for (int i = 0; i < n; i++) {
+        for (int axis = 0; axis < 2; axis++) {
+            least[axis] = fmin(least[axis], (double)outline[i][axis] / ISO_OUTLINE_UNITS);
+            most[axis] = fmax(most[axis], (double)outline[i][axis] / ISO_OUTLINE_UNITS);
+        }
+    }
+    return (struct bust){
+        outline, n, 0.5 * (least[0] + most[0]), most[1], most[0] - least[0], most[1] - least[1]};
+}
+
+/* Half the width of neck and shoulders at a row: the same for everybody. */
+static double half_width_at(const struct bust *bust, double y)
+{
+    const double down = (y - bust->chin) / bust->height; /* from the chin, in heads */
+    const double shoulder = fmin(1.0, fmax(0.0, (down - 0.12) / 0.4));
+    const double round_off = sqrt(1.0 - (1.0 - shoulder) * (1.0 - shoulder));
+    return down < -0.15 ? 0.0 : bust->width * (0.32 + 0.95 * round_off);
 }
 
 /* The part of a row inside a convex outline. Returns false if there is none. */
@@ -108,48 +139,52 @@ static bool span_of(int16_t outline[][2], int n, double y, double *from, double 
 
 /* ---- drawing ---- */
 
-static double cell_at(bool cells[CELL_ROWS][CELL_COLUMNS], int column, int row)
+static void set(uint8_t bits[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE], int column, int row)
 {
-    const int c = column < 0 ? 0 : column >= CELL_COLUMNS ? CELL_COLUMNS - 1 : column;
-    const int r = row < 0 ? 0 : row >= CELL_ROWS ? CELL_ROWS - 1 : row;
-    return cells[r][c];
+    bits[row][column / 8] |= (uint8_t)(0x80 >> (column % 8));
 }
 
-/* Between the centres of the cells, their values are interpolated: this rounds the corners. */
-static bool is_filled(bool cells[CELL_ROWS][CELL_COLUMNS], int column, int row)
+static void draw_bust(int16_t outline[][2], int n,
+                      uint8_t bits[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE])
 {
-    const double x = (column + 0.5) / CELL - 0.5;
-    const double y = (row + 0.5) / CELL - 0.5;
-    const int c = (int)floor(x);
-    const int r = (int)floor(y);
-    const double fx = x - c;
-    const double fy = y - r;
-    const double above = (1.0 - fx) * cell_at(cells, c, r) + fx * cell_at(cells, c + 1, r);
-    const double below = (1.0 - fx) * cell_at(cells, c, r + 1) + fx * cell_at(cells, c + 1, r + 1);
-    return (1.0 - fy) * above + fy * below > 0.5;
-}
-
-void iso_silhouette_draw(const struct iso_frame *frame, int16_t outline[][2], int n,
-                         double distance_mm,
-                         uint8_t bits[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE])
-{
-    bool cells[CELL_ROWS][CELL_COLUMNS];
-    const struct range near = near_range(n, distance_mm);
-    sample_cells(frame, &near, cells);
-    if (n > 0) {
-        clear_head(outline, n, cells);
-    }
-    memset(bits, 0, (size_t)ISO_SILHOUETTE_ROWS * ISO_SILHOUETTE_STRIDE);
+    const struct bust bust = bust_of(outline, n);
     for (int row = 0; row < ISO_SILHOUETTE_ROWS; row++) {
         double from = 0.0;
         double to = 0.0;
         const bool head = span_of(outline, n, row + 0.5, &from, &to);
+        const double half = half_width_at(&bust, row + 0.5);
         for (int column = 0; column < ISO_SILHOUETTE_COLUMNS; column++) {
             const double x = column + 0.5;
-            if ((head && x >= from && x < to) || is_filled(cells, column, row)) {
-                bits[row][column / 8] |= (uint8_t)(0x80 >> (column % 8));
+            if ((head && x >= from && x < to) || fabs(x - bust.x) < half) {
+                set(bits, column, row);
             }
         }
+    }
+}
+
+static void draw_near(const struct iso_frame *frame,
+                      uint8_t bits[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE])
+{
+    bool cells[CELL_ROWS][CELL_COLUMNS];
+    sample_cells(frame, cells);
+    const struct ellipse ellipse = ellipse_of(cells);
+    for (int row = 0; row < ISO_SILHOUETTE_ROWS; row++) {
+        for (int column = 0; column < ISO_SILHOUETTE_COLUMNS; column++) {
+            if (is_in_ellipse(&ellipse, column + 0.5, row + 0.5)) {
+                set(bits, column, row);
+            }
+        }
+    }
+}
+
+void iso_silhouette_draw(const struct iso_frame *frame, int16_t outline[][2], int n,
+                         uint8_t bits[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE])
+{
+    memset(bits, 0, (size_t)ISO_SILHOUETTE_ROWS * ISO_SILHOUETTE_STRIDE);
+    if (n > 0) {
+        draw_bust(outline, n, bits);
+    } else {
+        draw_near(frame, bits);
     }
 }
 

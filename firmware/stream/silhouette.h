@@ -1,8 +1,10 @@
-/* What is near the sensor, as a coarse silhouette in which the head is the mean head.
+/* A silhouette that shows where somebody is, and not who.
  *
- * The silhouette must not tell people apart. So it is sampled in cells of 4 x 4 points (20 x 15 for
- * the whole picture) and drawn with round corners. Where a face is, everything about the head is
- * left out, hair and ears too, and the outline of the mean head is filled instead. Pure. */
+ * Where a face is, it is the outline of the mean head in the pose of the face, on a neck and
+ * shoulders that are the same for everybody. Where something is near and no face is found, it is an
+ * upright ellipse at its middle, with about its area: in cells of 4 x 4 points, and in steps of a
+ * quarter in size. The silhouette of the person is not used, because it tells people apart:
+ * sim/results/outlines.md has the figures. Pure. */
 #ifndef ISO_FIRMWARE_STREAM_SILHOUETTE_H
 #define ISO_FIRMWARE_STREAM_SILHOUETTE_H
 
@@ -11,10 +13,9 @@
 #include "firmware/contract/stream_record.h"
 #include "isotherm/frame.h"
 
-/* Draws the silhouette of a frame. `outline` with n points is that of head_outline.h, distance_mm
- * is the distance of the face; n == 0: there is no face, and the distance is ignored. */
+/* Draws the silhouette. `outline` with n points is that of head_outline.h; n == 0: there is no
+ * face, and the frame is used. */
 void iso_silhouette_draw(const struct iso_frame *frame, int16_t outline[][2], int n,
-                         double distance_mm,
                          uint8_t bits[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE]);
 
 /* The frame's depths in at most 160 x 120 points, for the record of the relief: every factor-th

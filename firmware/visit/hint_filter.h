@@ -56,7 +56,8 @@ enum iso_capture iso_hint_filter_frame(struct iso_hint_filter *filter, enum iso_
                                        int64_t t_ns);
 
 /* The word that wins the votes now, whether or not a hint is due: ISO_CAPTURE_OK if it has fewer
- * than `hold` votes or there are none. For pictures that show all the time what hinders a person. */
+ * than `hold` votes or there are none. For pictures that show all the time what hinders a person.
+ */
 enum iso_capture iso_hint_filter_word(const struct iso_hint_filter *filter);
 
 #endif

@@ -18,6 +18,7 @@ int sim_cmd_import(int argc, char **argv);
 int sim_cmd_train(int argc, char **argv);
 int sim_cmd_eval(int argc, char **argv);
 int sim_cmd_landmarks(int argc, char **argv);
+int sim_cmd_outlines(int argc, char **argv);
 int sim_cmd_shapes(int argc, char **argv);
 int sim_cmd_show(int argc, char **argv);
 int sim_cmd_levels(int argc, char **argv);

@@ -18,6 +18,7 @@ static const struct command {
     {"eval", "measure recognition on a corpus", sim_cmd_eval},
     {"landmarks", "measure landmarks, gates and presentation attacks on a corpus",
      sim_cmd_landmarks},
+    {"outlines", "measure whether the outline stream tells people apart", sim_cmd_outlines},
     {"sensor", "measure the depth errors of a sensor model, by distance", sim_cmd_sensor},
 #ifdef ISOTHERM_STEREO
     {"calibrate", "calibrate cameras on pictures of a checkerboard", sim_cmd_calibrate},

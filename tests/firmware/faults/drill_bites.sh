@@ -446,8 +446,8 @@ static int64_t' '    return ISO_SENSOR_FLAW;
 
 static int64_t'
 mistake 'corrupt: the last good frame is taken again' firmware/appliance/appliance_frame.c \
-    'appliance->mode == ISO_APPLIANCE_CLAIMED || iso__appliance_extract(appliance, frame)' \
-    'appliance->mode == ISO_APPLIANCE_CLAIMED || (iso__appliance_extract(appliance, frame) && 0)' \
+    'if (iso__appliance_extract(appliance, frame)) {' \
+    'if (iso__appliance_extract(appliance, frame) && 0) {' \
     firmware/appliance/appliance_face.c 'iso_template_wipe(&appliance->face.extraction.tmpl);' ''
 mistake 'corrupt: a score that is no number counts' firmware/visit/decision.c \
     'isfinite(frame->score) && frame->score >= options->threshold &&' \

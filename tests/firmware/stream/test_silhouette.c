@@ -165,17 +165,41 @@ static int count(uint8_t bits[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE], int l
     return n;
 }
 
-static void a_frame_without_a_face_shows_what_is_near(void **state)
+/* The nearest and farthest set points along an axis. */
+static void extent(uint8_t bits[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE], int axis, int *least,
+                   int *most)
+{
+    *least = 1000;
+    *most = -1;
+    for (int row = 0; row < ISO_SILHOUETTE_ROWS; row++) {
+        for (int column = 0; column < ISO_SILHOUETTE_COLUMNS; column++) {
+            const int at = axis == 0 ? column : row;
+            if (iso_silhouette_is_set(bits, column, row)) {
+                *least = at < *least ? at : *least;
+                *most = at > *most ? at : *most;
+            }
+        }
+    }
+}
+
+static void without_a_face_an_ellipse_shows_where_something_is(void **state)
 {
     struct scene *s = *state;
     uint8_t bits[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE];
-    iso_silhouette_draw(s->frame, NULL, 0, 0.0, bits);
+    int least = 0;
+    int most = 0;
+    iso_silhouette_draw(s->frame, NULL, 0, bits);
     assert_int_equal(count(bits, 0, 0, 80, 60), 0);
-    fill(s->frame, 0, 0, 320, HEIGHT, 700.0F);      /* the left half is near, */
-    fill(s->frame, 320, 0, WIDTH, HEIGHT, 2500.0F); /* the right half a wall */
-    iso_silhouette_draw(s->frame, NULL, 0, 0.0, bits);
-    assert_int_equal(count(bits, 0, 0, 40, 60), 40 * 60);
-    assert_int_equal(count(bits, 40, 0, 80, 60), 0);
+    fill(s->frame, 0, 0, WIDTH, HEIGHT, 2500.0F); /* a wall */
+    iso_silhouette_draw(s->frame, NULL, 0, bits);
+    assert_int_equal(count(bits, 0, 0, 80, 60), 0);
+    fill(s->frame, 128, 160, 256, 352, 700.0F); /* 16 x 24 points about (24, 32) */
+    iso_silhouette_draw(s->frame, NULL, 0, bits);
+    assert_true(abs(count(bits, 0, 0, 80, 60) - 16 * 24) < 16 * 24 / 2);
+    extent(bits, 0, &least, &most);
+    assert_true(abs(least + most - 2 * 24) <= 5);
+    extent(bits, 1, &least, &most);
+    assert_true(abs(least + most - 2 * 32) <= 5);
 }
 
 /* What is finer than a cell of 4 points, which are 32 pixels here, changes nothing. */
@@ -185,43 +209,42 @@ static void details_finer_than_a_cell_are_not_shown(void **state)
     uint8_t plain[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE];
     uint8_t toothed[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE];
     fill(s->frame, 0, 0, 320, HEIGHT, 700.0F);
-    iso_silhouette_draw(s->frame, NULL, 0, 0.0, plain);
+    iso_silhouette_draw(s->frame, NULL, 0, plain);
+    assert_true(count(plain, 0, 0, 80, 60) > 0);
     for (int row = 0; row < HEIGHT; row += 16) {
         fill(s->frame, 320, row, 332, row + 8, 700.0F);
     }
-    iso_silhouette_draw(s->frame, NULL, 0, 0.0, toothed);
+    iso_silhouette_draw(s->frame, NULL, 0, toothed);
     assert_memory_equal(plain, toothed, sizeof plain);
 }
 
-/* Two people in the same pose: one with a large head and hair, one without. */
-static void the_head_is_the_mean_head_for_everybody(void **state)
+/* Two people in the same pose: one with a large head, long hair and wide shoulders, one without. */
+static void everybody_has_the_mean_head_and_shoulders(void **state)
 {
     struct scene *s = *state;
     uint8_t large[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE];
     uint8_t small[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE];
     int16_t xy[ISO_OUTLINE_POINTS][2];
     const int n = iso_head_outline_project(&s->head, &s->pose, s->frame, xy);
-    fill(s->frame, 200, 60, 440, 330, 640.0F);
-    iso_silhouette_draw(s->frame, xy, n, 600.0, large);
+    fill(s->frame, 200, 60, 440, HEIGHT, 640.0F);
+    iso_silhouette_draw(s->frame, xy, n, large);
     fill(s->frame, 0, 0, WIDTH, HEIGHT, 0.0F);
     fill(s->frame, 260, 150, 380, 330, 640.0F);
-    iso_silhouette_draw(s->frame, xy, n, 600.0, small);
+    iso_silhouette_draw(s->frame, xy, n, small);
     assert_memory_equal(large, small, sizeof large);
     assert_true(iso_silhouette_is_set(large, 40, 30));
-    assert_in_range(count(large, 0, 0, 80, 60), 200, 500); /* an ellipse of 16 x 24 points */
+    assert_false(iso_silhouette_is_set(large, 30, 30)); /* beside the head */
+    assert_true(iso_silhouette_is_set(large, 30, 58));  /* a shoulder */
+    assert_false(iso_silhouette_is_set(large, 5, 58));
 }
 
 static void a_frame_of_other_proportions_lies_in_the_middle(void **state)
 {
-    struct scene *s = *state;
-    uint8_t bits[ISO_SILHOUETTE_ROWS][ISO_SILHOUETTE_STRIDE];
+    (void)state;
     struct iso_frame *wide = empty_frame(1280, 720);
-    (void)s;
-    fill(wide, 0, 0, 1280, 720, 700.0F);
-    iso_silhouette_draw(wide, NULL, 0, 0.0, bits);
-    assert_int_equal(count(bits, 0, 0, 80, 6), 0);
-    assert_int_equal(count(bits, 0, 10, 80, 50), 40 * 80);
-    assert_int_equal(count(bits, 0, 54, 80, 60), 0);
+    const struct iso_silhouette_scale scale = iso_silhouette_scale_of(wide);
+    assert_true(fabs(scale.px - 16.0) < 1e-9);
+    assert_true(fabs(scale.left) < 1e-9 && fabs(scale.top - 7.5) < 1e-9);
     iso_frame_free(wide);
 }
 
@@ -252,9 +275,9 @@ int main(void)
         TEST(the_outline_surrounds_the_mean_head),
         TEST(the_outline_follows_the_pose),
         TEST(a_model_without_vertices_gives_no_outline),
-        TEST(a_frame_without_a_face_shows_what_is_near),
+        TEST(without_a_face_an_ellipse_shows_where_something_is),
         TEST(details_finer_than_a_cell_are_not_shown),
-        TEST(the_head_is_the_mean_head_for_everybody),
+        TEST(everybody_has_the_mean_head_and_shoulders),
         TEST(a_frame_of_other_proportions_lies_in_the_middle),
         TEST(the_relief_is_small_and_has_millimetres),
     };
