@@ -448,7 +448,7 @@ static int64_t'
 mistake 'corrupt: the last good frame is taken again' firmware/appliance/appliance_frame.c \
     'if (iso__appliance_extract(appliance, frame)) {' \
     'if (iso__appliance_extract(appliance, frame) && 0) {' \
-    firmware/appliance/appliance_face.c 'iso_template_wipe(&appliance->face.extraction.tmpl);' ''
+    firmware/appliance/appliance_face.c 'iso_template_wipe(&appliance->face.extraction.tmpl);' '(void)appliance;'
 mistake 'corrupt: a score that is no number counts' firmware/visit/decision.c \
     'isfinite(frame->score) && frame->score >= options->threshold &&' \
     '!(frame->score < options->threshold) &&' \
