@@ -1,0 +1,140 @@
+#include "enroll/screen/draw/picture.h"
+
+#include <libintl.h>
+#include <math.h>
+
+#include "enroll/screen/draw/outline.h"
+#include "enroll/screen/draw/palette.h"
+#include "enroll/screen/draw/symbol.h"
+#include "enroll/screen/draw/text.h"
+
+struct layout {
+    double unit; /* the shorter side of the screen */
+    bool upright;
+    struct screen_box picture, words;
+};
+
+static struct layout layout_of(double width, double height, bool right_to_left)
+{
+    struct layout layout = {.unit = fmin(width, height), .upright = height > width};
+    const double gap = 0.06 * layout.unit;
+    if (layout.upright) {
+        const double split = 0.56 * height;
+        layout.picture = (struct screen_box){gap, gap, width - 2 * gap, split - gap};
+        layout.words = (struct screen_box){gap, split + gap, width - 2 * gap,
+                                           height - split - 2 * gap};
+    } else {
+        const double split = 0.46 * width;
+        layout.picture = (struct screen_box){gap, gap, split - gap, height - 2 * gap};
+        layout.words = (struct screen_box){split + gap, gap, width - split - 2 * gap,
+                                           height - 2 * gap};
+        if (right_to_left) {
+            layout.picture.x = width - gap - layout.picture.width;
+            layout.words.x = gap;
+        }
+    }
+    return layout;
+}
+
+static void set_colour(cairo_t *cairo, struct screen_colour c)
+{
+    cairo_set_source_rgb(cairo, c.r, c.g, c.b);
+}
+
+/* Draws title and advice, one below the other, in the middle of the box's height. */
+static void draw_words(cairo_t *cairo, const struct layout *layout,
+                       const struct screen_palette *palette, const char *title, const char *advice)
+{
+    const struct screen_box *box = &layout->words;
+    const struct screen_box above = {box->x, box->y, box->width, 0.62 * box->height};
+    const struct screen_text first = {title, layout->unit / 9.0, true, layout->upright};
+    const struct screen_text second = {advice, layout->unit / 13.5, false, layout->upright};
+    const double gap = 0.05 * layout->unit;
+    const double first_height = screen_text_height(cairo, &first, &above);
+    const struct screen_box below = {box->x, 0, box->width, box->height - first_height - gap};
+    const double second_height = *advice ? gap + screen_text_height(cairo, &second, &below) : 0.0;
+    const double free_height = box->height - first_height - second_height;
+    const double top = box->y + (layout->upright ? 0.15 : 0.5) * fmax(0.0, free_height);
+    set_colour(cairo, palette->text);
+    (void)screen_text_draw(cairo, &first,
+                           &(struct screen_box){above.x, top, above.width, above.height});
+    if (*advice) {
+        set_colour(cairo, palette->quiet);
+        (void)screen_text_draw(
+            cairo, &second,
+            &(struct screen_box){below.x, top + first_height + gap, below.width, below.height});
+    }
+}
+
+static const char *translated(const char *text)
+{
+    return text && *text ? gettext(text) : "";
+}
+
+/* The clock and the name of the place over the whole screen. */
+static void draw_idle(cairo_t *cairo, const struct layout *layout, double width, double height,
+                      const struct screen_palette *palette, const struct screen_scene *scene,
+                      const struct screen_look *look)
+{
+    const double margin = 0.08 * layout->unit;
+    const double inner = width - 2 * margin;
+    const struct screen_text clock = {look->clock, 0.34 * layout->unit, true, true};
+    const struct screen_text date = {look->date, layout->unit / 15.0, false, true};
+    const struct screen_text place = {look->place, layout->unit / 13.5, false, true};
+    const struct screen_text advice = {translated(scene->advice), layout->unit / 13.5, false, true};
+    const struct screen_box whole = {margin, margin, inner, 0.4 * height};
+    const double tall = screen_text_height(cairo, &clock, &whole);
+    const double top = 0.46 * height - 0.5 * tall;
+    set_colour(cairo, palette->quiet);
+    (void)screen_text_draw(cairo, &place,
+                           &(struct screen_box){margin, margin, inner, top - margin});
+    set_colour(cairo, palette->text);
+    (void)screen_text_draw(cairo, &clock, &(struct screen_box){margin, top, inner, tall});
+    set_colour(cairo, palette->quiet);
+    (void)screen_text_draw(cairo, &date,
+                           &(struct screen_box){margin, top + tall, inner, 0.1 * height});
+    set_colour(cairo, palette->accent);
+    const struct screen_box end = {margin, 0, inner, 0.24 * height};
+    const double low = screen_text_height(cairo, &advice, &end);
+    (void)screen_text_draw(cairo, &advice,
+                           &(struct screen_box){margin, height - margin - low, inner, low + 1.0});
+}
+
+static void draw_scene(cairo_t *cairo, const struct layout *layout,
+                       const struct screen_palette *palette, const struct screen_scene *scene)
+{
+    const struct screen_box *box = &layout->picture;
+    const double x = box->x + 0.5 * box->width;
+    const double y = box->y + 0.5 * box->height;
+    const bool person = scene->kind == SCREEN_NEAR || scene->kind == SCREEN_ENROL;
+    if (person) {
+        screen_outline_draw(cairo, &scene->outline, box, palette);
+    }
+    set_colour(cairo, palette->accent);
+    if (person) {
+        const double side = 0.2 * layout->unit;
+        screen_symbol_draw(cairo, scene->symbol, x, box->y + box->height - 0.6 * side, side);
+    } else {
+        screen_symbol_draw(cairo, scene->symbol, x, y, 0.62 * fmin(box->width, box->height));
+    }
+    /* Under the name of the person stands the welcome. */
+    if (*scene->person) {
+        draw_words(cairo, layout, palette, scene->person, translated(scene->title));
+    } else {
+        draw_words(cairo, layout, palette, translated(scene->title), translated(scene->advice));
+    }
+}
+
+void screen_picture_draw(cairo_t *cairo, int width_px, int height_px,
+                         const struct screen_scene *scene, const struct screen_look *look)
+{
+    const struct screen_palette palette = screen_palette_of(scene->kind);
+    const struct layout layout = layout_of(width_px, height_px, look->right_to_left);
+    set_colour(cairo, palette.ground);
+    cairo_paint(cairo);
+    if (scene->kind == SCREEN_IDLE) {
+        draw_idle(cairo, &layout, width_px, height_px, &palette, scene, look);
+    } else {
+        draw_scene(cairo, &layout, &palette, scene);
+    }
+}

@@ -1,0 +1,26 @@
+/* The command line of isotherm-screen. */
+#ifndef ENROLL_SCREEN_OPTIONS_H
+#define ENROLL_SCREEN_OPTIONS_H
+
+#include <stdbool.h>
+
+struct screen_options {
+    const char *bus;      /* "system", "session" or an address */
+    const char *language; /* of screen_languages */
+    const char *place;    /* the name of the place; "" */
+    const char *catalogues;
+    const char *device;      /* of the graphics card; "": the first with a monitor */
+    const char *png;         /* a directory for pictures instead of a monitor; "" */
+    int width_px, height_px; /* of the pictures */
+    int rotate;              /* 0, 90, 180, 270 degrees clockwise */
+    bool verbose;            /* print what is shown, but no names */
+    bool show_names;
+    int seconds; /* end after this time; 0: never */
+};
+
+/* Reads the command line. Returns 0; 1 if help or version was printed; or -EINVAL after a line on
+ * stderr that says what is wrong. */
+int screen_options_read(int argc, char **argv, struct screen_options *out)
+    __attribute__((warn_unused_result));
+
+#endif
