@@ -41,6 +41,12 @@ script_of() {
     find "$here" -name "$1.sh"
 }
 
+# Prints further options for QEMU: the words of NAME.qemu next to the test's script, if there is one.
+devices_of() {
+    options=$(dirname "$(script_of "$1")")/$1.qemu
+    [ ! -e "$options" ] || sed -e '/^#/d' -e "s|@OUT@|$build/vm|" "$options"
+}
+
 # Boots the machine. The exit code is that of the test; 124: it took too long, 125: the machine ended without an exit code. The limit is
 # processor time, so that other work of the host fails no test, and six times as much by the clock, for a machine that waits forever.
 boot() {
@@ -52,9 +58,10 @@ boot() {
         "$here/${name}_root.sh" "$source_dir/build/packages" "$cache" "$build/vm/$name.root" >"$build/vm/$name.log" 2>&1 || return $?
     fi
     # Without AVX, which is slow on an emulated processor.
+    # shellcheck disable=SC2046 # the words of devices_of are options
     (ulimit -t "$seconds" && exec timeout $((6 * seconds)) qemu-system-x86_64 -machine q35 -accel tcg -cpu Nehalem -smp 1 -m 1536 \
         -nodefaults -no-user-config -display none -no-reboot \
-        -serial "file:$build/vm/$name.log" -serial "file:$build/vm/$name.status" \
+        -serial "file:$build/vm/$name.log" -serial "file:$build/vm/$name.status" $(devices_of "$name") \
         -fsdev local,id=root,path=/,security_model=none,readonly=on,multidevs=remap \
         -device virtio-9p-pci,fsdev=root,mount_tag=root \
         -fsdev local,id=host,path=/,security_model=none,readonly=on,multidevs=remap \
