@@ -51,7 +51,7 @@ devices_of() {
 # processor time, so that other work of the host fails no test, and six times as much by the clock, for a machine that waits forever.
 boot() {
     name=$1 seconds=$2 programs=$3
-    rm -f "$build/vm/$name.status"
+    rm -f "$build/vm/$name.status" "$build/vm/$name"_*.ppm
     root=
     if [ -x "$here/${name}_root.sh" ]; then
         root="vm_root=$build/vm/$name.root"

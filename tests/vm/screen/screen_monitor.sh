@@ -34,12 +34,18 @@ shows_picture() {
     grep -q '^out-of-service: ' screen.log
 }
 
-# shoot NAME: a picture of what the monitor shows. QEMU writes it on the host.
+# Asks for a picture and looks whether it is there. The empty line ends what the greeting of QEMU's command line, echoed before `stty`,
+# may have left there.
+has_shot() {
+    [ ! -s "/run/host$shots/$1.ppm" ] || return 0
+    printf '\nscreendump %s/%s.ppm gpu0 0\n' "$shots" "$1" >$line
+    return 1
+}
+
+# shoot NAME: a picture of what the monitor shows. QEMU writes it on the host; run.sh has removed those of an earlier run.
 shoot() {
-    rm -f "/run/host$shots/$1.ppm" 2>/dev/null || true
-    printf 'screendump %s/%s.ppm gpu0 0\n' "$shots" "$1" >$line
-    wait_for 30 test -s "/run/host$shots/$1.ppm" || fail "no picture $1"
-    sleep 1
+    wait_for 60 has_shot "$1" || fail "no picture $1"
+    sleep 2
 }
 
 stop() {
