@@ -230,6 +230,11 @@ void iso_appliance_report_frames(struct iso_appliance *appliance, bool on);
 int iso_appliance_record_relief(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* Records that a client acts for an account of its own, before it does so. `person` is the person
+ * concerned, or "". An error of the log; then the client must not act. */
+int iso_appliance_record_act(struct iso_appliance *appliance, const char *person, const char *note,
+                             struct iso_fault *fault) __attribute__((warn_unused_result));
+
 /* Asks for the next frame, once. The event `picture` brings it, or reports within three seconds
  * that no picture comes. The request is recorded. -EACCES not claimed, -EBUSY an action goes on or
  * the last picture is still awaited, -ENODEV no sensor, or an error of the log; then there is no

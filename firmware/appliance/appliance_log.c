@@ -96,3 +96,12 @@ struct iso_audit_writer *iso_appliance_log(const struct iso_appliance *appliance
 {
     return appliance->log;
 }
+
+int iso_appliance_record_act(struct iso_appliance *appliance, const char *person, const char *note,
+                             struct iso_fault *fault)
+{
+    struct iso_audit_record record = iso_audit_record_of("act");
+    record.person = *person ? person : NULL;
+    record.note = note;
+    return iso__appliance_record_first(appliance, &record, fault);
+}

@@ -358,6 +358,8 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_CLEAR_LOCKOUT, "", NOTHING, "", NOTHING, on_clear_lockout),
     METHOD(ISO_CONTRACT_SET_LOCKDOWN, "b", "on\0", "", NOTHING, on_set_lockdown),
     METHOD(ISO_CONTRACT_TEST_DOOR, "", NOTHING, "", NOTHING, iso__bus_test_door),
+    METHOD(ISO_CONTRACT_RECORD_ACT, "sss", "account\0act\0person\0", "", NOTHING,
+           iso__bus_record_act),
     METHOD(ISO_CONTRACT_AIM_START, "", NOTHING, "", NOTHING, iso__bus_aim_start),
     METHOD(ISO_CONTRACT_AIM_STOP, "", NOTHING, "", NOTHING, iso__bus_aim_stop),
     METHOD(ISO_CONTRACT_WATCH, "s", "what\0", "h", "stream\0", iso__bus_watch),

@@ -172,18 +172,13 @@ typedef int (*take_back_fn)(struct iso_appliance *appliance, const char *who, si
 /* Describes the user who makes a call, for the record. */
 static void describe_caller(sd_bus_message *call, char *who, size_t size)
 {
-    sd_bus_creds *creds = NULL;
     uid_t uid = 0;
-    int r = sd_bus_query_sender_creds(call, SD_BUS_CREDS_EUID, &creds);
-    if (r >= 0) {
-        r = sd_bus_creds_get_euid(creds, &uid);
-    }
+    const int r = iso__bus_user_of(call, &uid);
     if (r >= 0) {
         (void)snprintf(who, size, "asked by user %u", (unsigned)uid);
     } else {
         (void)snprintf(who, size, "asked by a user who is not known");
     }
-    sd_bus_creds_unref(creds);
 }
 
 static int take_back(sd_bus_message *call, const struct iso_bus *bus, take_back_fn act,

@@ -22,17 +22,6 @@ static int allow_relief(const struct iso_bus *bus, sd_bus_message *call, sd_bus_
     return error ? iso__bus_refuse(out, error, &fault) : 0;
 }
 
-static int user_of(sd_bus_message *call, uid_t *user)
-{
-    sd_bus_creds *creds = NULL;
-    int r = sd_bus_query_sender_creds(call, SD_BUS_CREDS_EUID, &creds);
-    if (r >= 0) {
-        r = sd_bus_creds_get_euid(creds, user);
-    }
-    sd_bus_creds_unref(creds);
-    return r;
-}
-
 /* Selects the points of the mean head when they are needed first. */
 static void prepare_head(struct iso_bus *bus)
 {
@@ -47,7 +36,7 @@ static int reply_stream(struct iso_bus *bus, sd_bus_message *call, enum iso_stre
 {
     struct iso_fault fault = {.text = ""};
     uid_t user = 0;
-    int r = user_of(call, &user);
+    int r = iso__bus_user_of(call, &user);
     if (r < 0) {
         return r;
     }

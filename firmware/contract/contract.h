@@ -64,6 +64,12 @@
  *                                        client has the claim, under lockdown or lock-out, if the
  *                                        door is not locked, and if it has no relay or its lines
  *                                        do not work
+ *   RecordAct(s account, s act, s person)
+ *                                        puts on record that a client does something for one of its
+ *                                        own accounts, before the client does it: the event "act"
+ *                                        with the person concerned ("": none) and a note that names
+ *                                        the act, the account, and the user who runs the client. It
+ *                                        fails if the log cannot be written
  *   AimStart()  AimStop()                begin and end the sending of View signals to the caller;
  *                                        they also end when the caller leaves the bus
  *   Watch(s what) -> h stream            a socket that receives a record for each frame, as
@@ -260,6 +266,7 @@
 #define ISO_CONTRACT_AIM_START        "AimStart"
 #define ISO_CONTRACT_AIM_STOP         "AimStop"
 #define ISO_CONTRACT_WATCH            "Watch"
+#define ISO_CONTRACT_RECORD_ACT       "RecordAct"
 #define ISO_CONTRACT_WATCH_RELIEF     "WatchRelief"
 #define ISO_CONTRACT_PICTURE          "Picture"
 
@@ -359,9 +366,12 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_LEVEL_BALANCED   "balanced"
 #define ISO_CONTRACT_LEVEL_STRICT     "strict"
 
+/* The longest account and act of RecordAct, in bytes without the NUL. */
+enum { ISO_CONTRACT_ACCOUNT_BYTES = 32, ISO_CONTRACT_ACT_BYTES = 32 };
+
 /* Every "event" of an audit record, in alphabetical order: the values of an array of texts. */
 #define ISO_CONTRACT_EVENTS                                                                        \
-    "attack", "clock", "counter", "delete", "door", "door-test", "enroll", "export", "forget",     \
+    "act", "attack", "clock", "counter", "delete", "door", "door-test", "enroll", "export", "forget",     \
         "gallery", "grant", "identify", "import", "learn", "lockdown", "lockout", "log-recovered", \
         "log-rotated", "log-sealed", "picture", "records-lost", "relief", "rename", "rotate-keys", \
         "sensor", "site", "start", "state-accepted", "stop", "validity", "verify", "visit"

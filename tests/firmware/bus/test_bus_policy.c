@@ -42,6 +42,7 @@ static const struct {
     {ISO_CONTRACT_LIST_LOOK_ALIKES, {false, false, true, true, false}},
     {ISO_CONTRACT_RESET_SITE, {false, false, false, true, false}},
     {ISO_CONTRACT_ROLL_BACK_SITE, {false, false, false, true, false}},
+    {ISO_CONTRACT_RECORD_ACT, {false, false, false, true, false}},
     {ISO_CONTRACT_AIM_START, {true, false, false, true, false}},
     {ISO_CONTRACT_AIM_STOP, {true, false, false, true, false}},
     {ISO_CONTRACT_CLAIM, {false, true, true, true, false}},
