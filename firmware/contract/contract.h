@@ -370,11 +370,12 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 enum { ISO_CONTRACT_ACCOUNT_BYTES = 32, ISO_CONTRACT_ACT_BYTES = 32 };
 
 /* Every "event" of an audit record, in alphabetical order: the values of an array of texts. */
-#define ISO_CONTRACT_EVENTS                                                                        \
-    "act", "attack", "clock", "counter", "delete", "door", "door-test", "enroll", "export", "forget",     \
-        "gallery", "grant", "identify", "import", "learn", "lockdown", "lockout", "log-recovered", \
-        "log-rotated", "log-sealed", "picture", "records-lost", "relief", "rename", "rotate-keys", \
-        "sensor", "site", "start", "state-accepted", "stop", "validity", "verify", "visit"
+#define ISO_CONTRACT_EVENTS                                                                       \
+    "act", "attack", "clock", "counter", "delete", "door", "door-test", "enroll", "export",       \
+        "forget", "gallery", "grant", "identify", "import", "learn", "lockdown", "lockout",       \
+        "log-recovered", "log-rotated", "log-sealed", "picture", "records-lost", "relief",        \
+        "rename", "rotate-keys", "sensor", "site", "start", "state-accepted", "stop", "validity", \
+        "verify", "visit"
 
 /* Errors: what a call is refused for. A fault of the appliance itself has a code in GetStatus. */
 #define ISO_CONTRACT_ERROR_ALREADY_IN_USE   "org.isotherm.Error.AlreadyInUse"

@@ -1,4 +1,5 @@
-/* The method RecordAct: a client puts on record for whom it acts, or learns that it must not act. */
+/* The method RecordAct: a client puts on record for whom it acts, or learns that it must not act.
+ */
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -51,8 +52,8 @@ static void words_that_could_mislead_a_reader_are_refused(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
     const uint64_t before = iso_audit_last(f->rig->audit);
-    static const char *const words[] = {"", "two words", "Ada", "a,b", "a\nb", "\xc3\xa4",
-                                        "abcdefghijklmnopqrstuvwxyz0123456"};
+    static const char *const words[] = {
+        "", "two words", "Ada", "a,b", "a\nb", "\xc3\xa4", "abcdefghijklmnopqrstuvwxyz0123456"};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         assert_string_equal(record(f, words[i], "remove", ""), "InvalidArgument");
         assert_string_equal(record(f, "ada", words[i], ""), "InvalidArgument");
