@@ -1,0 +1,32 @@
+/* The one-time code with which the first administrator gets an account. Whoever may write into the
+ * state of the service (root, by `isotherm-web setup-code`) makes the code and reads it aloud or
+ * types it; the file contains only its hash and its end. A new code replaces the old one. Whoever
+ * has forgotten all passwords makes a code, too, and gets a further account. */
+#ifndef WEB_ACCOUNT_SETUP_CODE_H
+#define WEB_ACCOUNT_SETUP_CODE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/base/fault.h"
+
+enum {
+    WEB_SETUP_CODE_SIZE = 20 + 3 + 1, /* four groups of five characters, with the NUL */
+    WEB_SETUP_CODE_VALID_S = 24 * 3600,
+};
+
+/* Makes a code of 100 random bits, "ABCDE-FGHJK-MNPQR-STVWX", that is valid for a day from now_s on
+ * (seconds since 1970), and writes the file `path`. Errors of web_state_file_write. */
+int web_setup_code_make(const char *path, int64_t now_s, char code[WEB_SETUP_CODE_SIZE],
+                        struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Whether a code is waiting in the file and has not ended. */
+bool web_setup_code_waits(const char *path, int64_t now_s);
+
+/* Uses the code up. Small letters, blanks and hyphens do not matter. Returns 0 after the file has
+ * been removed; -EACCES: the code is wrong, has ended, or there is none; or the error of removing
+ * the file. Only 0 allows an account. */
+int web_setup_code_use(const char *path, int64_t now_s, const char *code, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif

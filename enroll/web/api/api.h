@@ -1,0 +1,83 @@
+/* The handlers of the API, and what they share. enroll/web/api/openapi.json describes each of them;
+ * a test compares the document with the table of routes. */
+#ifndef WEB_API_API_H
+#define WEB_API_API_H
+
+#include "enroll/web/account/account.h"
+#include "enroll/web/account/guess.h"
+#include "enroll/web/daemon/daemon.h"
+#include "enroll/web/http/route.h"
+#include "enroll/web/http/server.h"
+#include "enroll/web/session/session.h"
+
+struct web_feed;      /* enroll/web/daemon/feed.h: what the daemon reports, for the streams */
+struct web_enrolment; /* enroll/web/daemon/enrolment.h: the enrolment that goes on */
+struct web_last_seen; /* enroll/web/daemon/last_seen.h: when each person was let in last */
+
+/* The context of all handlers. */
+struct web_api {
+    struct web_accounts *accounts;
+    struct web_sessions *sessions;
+    struct web_guess *guess;
+    const char *setup_code; /* the file of the one-time code */
+    const char *document;   /* the text of openapi.json */
+    const struct web_certificate *certificate;
+    struct web_daemon *daemon;
+    struct web_feed *feed;
+    struct web_enrolment *enrolment;
+    struct web_last_seen *last_seen;
+    struct web_server *server; /* NULL until it runs */
+};
+
+/* All routes; ends with a method of NULL. */
+extern const struct web_route web_api_routes[];
+
+/* ---- sessions and accounts (api_session.c, api_accounts.c, api_document.c) ---- */
+void web_api_get_session(void *api, struct web_exchange *exchange);
+void web_api_login(void *api, struct web_exchange *exchange);
+void web_api_logout(void *api, struct web_exchange *exchange);
+void web_api_set_own_password(void *api, struct web_exchange *exchange);
+void web_api_setup(void *api, struct web_exchange *exchange);
+void web_api_list_accounts(void *api, struct web_exchange *exchange);
+void web_api_add_account(void *api, struct web_exchange *exchange);
+void web_api_change_account(void *api, struct web_exchange *exchange);
+void web_api_remove_account(void *api, struct web_exchange *exchange);
+void web_api_get_document(void *api, struct web_exchange *exchange);
+
+/* ---- the door (api_door.c) ---- */
+void web_api_get_status(void *api, struct web_exchange *exchange);
+void web_api_get_health(void *api, struct web_exchange *exchange);
+void web_api_get_settings(void *api, struct web_exchange *exchange);
+void web_api_set_lockdown(void *api, struct web_exchange *exchange);
+void web_api_clear_lockout(void *api, struct web_exchange *exchange);
+
+/* ---- streams (api_streams.c) ---- */
+void web_api_get_events(void *api, struct web_exchange *exchange);
+void web_api_get_outline(void *api, struct web_exchange *exchange);
+void web_api_get_relief(void *api, struct web_exchange *exchange);
+
+/* ---- people (api_people.c) ---- */
+void web_api_list_people(void *api, struct web_exchange *exchange);
+void web_api_change_person(void *api, struct web_exchange *exchange);
+void web_api_remove_person(void *api, struct web_exchange *exchange);
+
+/* ---- enrolment (api_enrolment.c) ---- */
+void web_api_get_enrolment(void *api, struct web_exchange *exchange);
+void web_api_begin_enrolment(void *api, struct web_exchange *exchange);
+void web_api_end_enrolment(void *api, struct web_exchange *exchange);
+
+/* ---- the log (api_log.c) ---- */
+void web_api_read_log(void *api, struct web_exchange *exchange);
+void web_api_verify_log(void *api, struct web_exchange *exchange);
+
+/* ---- for all handlers (api_fault.c) ---- */
+
+/* Answers an error of the daemon as a problem: 409 "camera-in-use", 404 "no-such-person", 503
+ * "no-daemon", and so on by one table of the names in firmware/contract/contract.h. */
+void web_api_daemon_problem(struct web_exchange *exchange, const sd_bus_error *error);
+
+/* The text of a member of the body. Returns NULL after answering 400 "invalid-member" if it is
+ * missing, is no text, or has no or more than `most` bytes. */
+const char *web_api_text(struct web_exchange *exchange, const char *member, size_t most);
+
+#endif

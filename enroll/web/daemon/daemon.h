@@ -1,0 +1,43 @@
+/* The web server's connection to isothermd. It never gives up: a bus or a daemon that is gone is
+ * tried again every second. No call blocks; every call is answered by its callback, also when the
+ * daemon is gone. One thread. */
+#ifndef WEB_DAEMON_DAEMON_H
+#define WEB_DAEMON_DAEMON_H
+
+#include <stdbool.h>
+#include <systemd/sd-bus.h>
+#include <systemd/sd-event.h>
+
+struct web_daemon;
+
+/* Makes a connection on an event loop. `address` is "system", "session" or a D-Bus address.
+ * -ENOMEM, or an errno of sd-event. */
+int web_daemon_new(sd_event *event, const char *address, struct web_daemon **out)
+    __attribute__((warn_unused_result));
+
+/* Answers all calls that wait, and frees the connection. NULL is accepted. */
+void web_daemon_free(struct web_daemon *daemon);
+
+/* Whether the daemon answered the last time it was asked for its state. */
+bool web_daemon_is_there(const struct web_daemon *daemon);
+
+/* The answer of a call: `reply` has the values; or, after a failure, it is NULL and `error` has the
+ * D-Bus name of the error and its text. Both are valid during the callback. */
+typedef void (*web_daemon_reply_fn)(void *context, sd_bus_message *reply,
+                                    const sd_bus_error *error);
+
+/* Makes a call of a method of the contract, to which the caller appends arguments.
+ * web_daemon_send() takes it over; NULL, after a failure, is accepted there. */
+sd_bus_message *web_daemon_message(struct web_daemon *daemon, const char *method);
+
+/* Sends the call. on_reply is called once, never before web_daemon_send() has returned. timeout_us:
+ * 0 for 10 s. */
+void web_daemon_send(struct web_daemon *daemon, sd_bus_message *call, uint64_t timeout_us,
+                     web_daemon_reply_fn on_reply, void *context);
+
+/* Puts on record that an account does something (RecordAct), before it is done. `person` is the
+ * person concerned or "". The caller acts in on_reply, and only if there is no error. */
+void web_daemon_record(struct web_daemon *daemon, const char *account, const char *act,
+                       const char *person, web_daemon_reply_fn on_reply, void *context);
+
+#endif

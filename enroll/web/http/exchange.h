@@ -1,0 +1,67 @@
+/* One request and its answer. A handler of the API receives an exchange and answers it once: at
+ * once, or later, after a reply of the daemon. An exchange stays valid until it has been answered,
+ * even if its client has gone away meanwhile.
+ *
+ * Errors are answered as application/problem+json (RFC 9457): {"type": "about:blank", "title": the
+ * words of the status, "status": 403, "code": "not-allowed", "detail": a sentence for people}. A
+ * code keeps its meaning in later versions; enroll/web/api/openapi.json lists all of them. */
+#ifndef WEB_HTTP_EXCHANGE_H
+#define WEB_HTTP_EXCHANGE_H
+
+#include <jansson.h>
+#include <sys/socket.h>
+
+#include "enroll/web/account/role.h"
+#include "enroll/web/http/stream.h"
+
+struct web_exchange;
+
+/* The value of {name} in the path of the route, percent-decoded; valid UTF-8; NULL if the route has
+ * none. */
+const char *web_exchange_part(const struct web_exchange *exchange);
+
+/* The value of a parameter of the query, percent-decoded; NULL if there is none. */
+const char *web_exchange_query(const struct web_exchange *exchange, const char *name);
+
+/* The whole number that a parameter has, or `otherwise` if there is no such parameter. Returns
+ * false after answering 400 "invalid-parameter" if it is no number from `least` to `most`. */
+bool web_exchange_number(struct web_exchange *exchange, const char *name, int64_t least,
+                         int64_t most, int64_t otherwise, int64_t *out)
+    __attribute__((warn_unused_result));
+
+/* The object in the body of a POST, PUT or PATCH. It is never NULL; a body that is no JSON object
+ * has been refused before the handler is called. It is valid until the answer. */
+json_t *web_exchange_body(const struct web_exchange *exchange);
+
+/* The account that asks, and its role; "" and WEB_ROLE_NONE for routes that need no login. */
+const char *web_exchange_account(const struct web_exchange *exchange);
+enum web_role web_exchange_role(const struct web_exchange *exchange);
+
+/* The id of its session; 0: none. */
+uint64_t web_exchange_session(const struct web_exchange *exchange);
+
+/* The address of the client. */
+const struct sockaddr *web_exchange_address(const struct web_exchange *exchange);
+
+/* Answers. `json` is taken over; NULL (no memory) is answered as 500. */
+void web_exchange_json(struct web_exchange *exchange, unsigned status, json_t *json);
+
+/* 204, without a body. */
+void web_exchange_done(struct web_exchange *exchange);
+
+/* A problem. `detail` is one sentence. */
+void web_exchange_problem(struct web_exchange *exchange, unsigned status, const char *code,
+                          const char *detail);
+
+/* Adds a header to the answer; called before it. At most four. */
+void web_exchange_header(struct web_exchange *exchange, const char *name, const char *value);
+
+/* Answers 200 with a stream. `on_closed` is called once, when the stream is closed; the stream is
+ * freed after it. NULL if there is no memory; then the exchange has been answered. A stream also
+ * ends with the session of its exchange. */
+struct web_stream *web_exchange_stream(struct web_exchange *exchange, const char *content_type,
+                                       enum web_stream_kind kind,
+                                       void (*on_closed)(void *context, struct web_stream *stream),
+                                       void *context);
+
+#endif

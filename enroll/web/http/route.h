@@ -1,0 +1,16 @@
+/* The table of the API: which function answers which request, and who may make it. */
+#ifndef WEB_HTTP_ROUTE_H
+#define WEB_HTTP_ROUTE_H
+
+#include "enroll/web/account/role.h"
+#include "enroll/web/http/exchange.h"
+
+struct web_route {
+    const char *method;  /* "GET", "POST", "PUT", "PATCH", "DELETE" */
+    const char *path;    /* below /api/v1; it may end with "/{name}" */
+    enum web_role least; /* who may ask; WEB_ROLE_NONE: without a login, too */
+    /* `context` is that of the server. */
+    void (*handle)(void *context, struct web_exchange *exchange);
+};
+
+#endif

@@ -1,0 +1,60 @@
+/* The web server: TLS by GnuTLS and HTTP by libmicrohttpd, on the event loop of the program, in one
+ * thread. It answers
+ *
+ *   /api/v1/...   by the table of routes. The server has checked before a handler is called: the
+ *                 session and its role (401 "login-required", 403 "not-allowed"), the origin of the
+ *                 request (403 "other-origin"), the type and size of the body (415, 413), and that
+ *                 it is a JSON object (400 "invalid-json"). 404 "no-such-path" and 405
+ *                 "no-such-method" otherwise
+ *   other paths   files of the folder of pages: GET and HEAD, with an ETag. It lists the folder
+ * when it starts and serves nothing else; "/" is index.html
+ *
+ * Every answer has the headers Content-Security-Policy (nothing from elsewhere, nothing inline),
+ * X-Content-Type-Options, Referrer-Policy, Cross-Origin-Opener-Policy,
+ * Cross-Origin-Resource-Policy and Strict-Transport-Security; answers of the API are not cached. */
+#ifndef WEB_HTTP_SERVER_H
+#define WEB_HTTP_SERVER_H
+
+#include <systemd/sd-event.h>
+
+#include "core/base/fault.h"
+#include "enroll/web/http/route.h"
+#include "enroll/web/session/session.h"
+#include "enroll/web/tls/certificate.h"
+
+enum {
+    WEB_BODY_MOST_BYTES = 64 << 10,
+    WEB_CONNECTIONS_MOST = 128,
+    WEB_CONNECTIONS_OF_ADDRESS = 32,
+    WEB_IDLE_S = 60, /* a connection without a request is closed; streams are not */
+};
+
+struct web_server;
+
+struct web_server_setup {
+    sd_event *event;
+    int listen_fd; /* a listening TCP socket, which the server takes over */
+    const struct web_certificate *certificate;
+    const char *pages; /* the folder */
+    struct web_sessions *sessions;
+    const struct web_route *routes; /* ends with a method of NULL */
+    void *context;                  /* of the handlers */
+};
+
+/* Starts to answer. All that `setup` points to has to live longer than the server. A negative errno
+ * with a fault. */
+int web_server_new(const struct web_server_setup *setup, struct web_server **out,
+                   struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* The number of streams that are open. */
+int web_server_streams(const struct web_server *server);
+
+/* Closes all streams that belong to a session which does not go on. Called after a logout, and by
+ * the server every few seconds. */
+void web_server_end_stale_streams(struct web_server *server);
+
+/* Closes all connections. Exchanges that have not been answered must have been answered before.
+ * NULL is accepted. */
+void web_server_free(struct web_server *server);
+
+#endif
