@@ -11,9 +11,11 @@
 #include "enroll/screen/client/client.h"
 #include "enroll/screen/language/language.h"
 #include "enroll/screen/painter.h"
+#include "enroll/screen/speech/speech.h"
 
 struct program {
     struct screen_painter painter;
+    struct screen_speech speech;
     struct screen_client *client;
     sd_event *event;
     sd_event_source *tick;
@@ -34,12 +36,15 @@ static int on_tick(sd_event_source *source, uint64_t usec, void *context)
     const int64_t now = now_ns();
     bool anew = false;
     (void)usec;
-    if (now >= program->next_look_ns) {
+    if (display->ops->looks_often || now >= program->next_look_ns) {
         anew = display->ops->look(display->self);
         program->next_look_ns = now + 1000000000;
     }
     screen_painter_paint(&program->painter, screen_client_state(program->client), now, time(NULL),
                          anew);
+    if (program->painter.drawn) {
+        screen_speech_follow(&program->speech, &program->painter.shown);
+    }
     if (program->end_ns && now >= program->end_ns) {
         return sd_event_exit(program->event, 0);
     }
@@ -68,9 +73,15 @@ static int open_loop(struct program *program, const struct screen_options *optio
 static int open_display(const struct screen_options *options, struct screen_display *out)
 {
     struct iso_fault fault = {.text = ""};
-    const int error = *options->png ? screen_display_png(options->png, options->width_px,
-                                                         options->height_px, out, &fault)
-                                    : screen_display_kms(options->device, out, &fault);
+    int error;
+    if (*options->png) {
+        error = screen_display_png(options->png, options->width_px, options->height_px, out,
+                                   &fault);
+    } else if (options->window) {
+        error = screen_display_window(options->width_px, options->height_px, out, &fault);
+    } else {
+        error = screen_display_kms(options->device, out, &fault);
+    }
     if (error) {
         fprintf(stderr, "isotherm-screen: %s\n", fault.text);
     }
@@ -79,7 +90,10 @@ static int open_display(const struct screen_options *options, struct screen_disp
 
 static int run(const struct screen_options *options)
 {
-    struct program program = {.painter = {.options = options}};
+    struct program program = {
+        .painter = {.options = options},
+        .speech = {.on = options->speak, .language = options->language, .directory = options->png},
+    };
     int r = open_display(options, &program.painter.display);
     if (r == 0) {
         program.end_ns = options->seconds ? now_ns() + options->seconds * INT64_C(1000000000) : 0;
@@ -92,6 +106,7 @@ static int run(const struct screen_options *options)
             fprintf(stderr, "isotherm-screen: %s\n", strerror(-r));
         }
     }
+    screen_speech_end(&program.speech);
     screen_client_free(program.client);
     sd_event_source_disable_unref(program.tick);
     sd_event_unref(program.event);

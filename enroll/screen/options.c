@@ -16,7 +16,9 @@ static const char usage[] =
     "  --rotate DEGREES     turn the picture clockwise: 0, 90, 180 or 270 (0)\n"
     "  --device FILE        graphics card (the first with a monitor)\n"
     "  --png DIR            write pictures to DIR, and use no monitor\n"
-    "  --size WIDTHxHEIGHT  of these pictures, pixels (800x480)\n"
+    "  --window             use a window on a desktop, and no monitor\n"
+    "  --size WIDTHxHEIGHT  of pictures or window, pixels (800x480)\n"
+    "  --speak              say aloud what is shown, by espeak-ng\n"
     "  --verbose            print what is shown, without names\n"
     "  --seconds N          end after N seconds (0: never)\n"
     "  --bus ADDRESS        system, session or an address of D-Bus (system)\n"
@@ -30,7 +32,9 @@ enum choice {
     ROTATE,
     DEVICE,
     PNG,
+    WINDOW,
     SIZE,
+    SPEAK,
     SECONDS,
     BUS,
     CATALOGUES,
@@ -46,7 +50,9 @@ static const struct option longs[] = {
     {"rotate", required_argument, NULL, ROTATE},
     {"device", required_argument, NULL, DEVICE},
     {"png", required_argument, NULL, PNG},
+    {"window", no_argument, NULL, WINDOW},
     {"size", required_argument, NULL, SIZE},
+    {"speak", no_argument, NULL, SPEAK},
     {"seconds", required_argument, NULL, SECONDS},
     {"bus", required_argument, NULL, BUS},
     {"catalogues", required_argument, NULL, CATALOGUES},
@@ -87,33 +93,46 @@ static bool read_size(const char *text, struct screen_options *out)
            read_number(by + 1, 16, 4096, &out->height_px);
 }
 
-static int take(int option, const char *value, struct screen_options *out)
+/* Where an option without further rules is kept; NULL for the others. */
+static const char **text_of(int option, struct screen_options *out)
 {
     switch (option) {
     case LANGUAGE:
-        out->language = value;
-        return 0;
+        return &out->language;
     case PLACE:
-        out->place = value;
-        return 0;
-    case VERBOSE:
-        out->verbose = true;
-        return 0;
-    case SHOW_NAMES:
-        out->show_names = true;
-        return 0;
+        return &out->place;
     case DEVICE:
-        out->device = value;
-        return 0;
+        return &out->device;
     case PNG:
-        out->png = value;
-        return 0;
+        return &out->png;
     case BUS:
-        out->bus = value;
-        return 0;
+        return &out->bus;
     case CATALOGUES:
-        out->catalogues = value;
-        return 0;
+        return &out->catalogues;
+    default:
+        return NULL;
+    }
+}
+
+static bool *switch_of(int option, struct screen_options *out)
+{
+    switch (option) {
+    case VERBOSE:
+        return &out->verbose;
+    case SHOW_NAMES:
+        return &out->show_names;
+    case WINDOW:
+        return &out->window;
+    case SPEAK:
+        return &out->speak;
+    default:
+        return NULL;
+    }
+}
+
+static int take_number(int option, const char *value, struct screen_options *out)
+{
+    switch (option) {
     case ROTATE:
         return read_number(value, 0, 270, &out->rotate) && out->rotate % 90 == 0
                    ? 0
@@ -123,10 +142,30 @@ static int take(int option, const char *value, struct screen_options *out)
                                      : refuse("--size", value,
                                               "must be two numbers of 16..4096, "
                                               "such as 800x480");
-    case SECONDS:
+    default:
         return read_number(value, 0, 1000000, &out->seconds)
                    ? 0
                    : refuse("--seconds", value, "must be a number of 0..1000000");
+    }
+}
+
+static int take(int option, const char *value, struct screen_options *out)
+{
+    const char **text = text_of(option, out);
+    bool *flag = switch_of(option, out);
+    if (text) {
+        *text = value;
+        return 0;
+    }
+    if (flag) {
+        *flag = true;
+        return 0;
+    }
+    switch (option) {
+    case ROTATE:
+    case SIZE:
+    case SECONDS:
+        return take_number(option, value, out);
     case HELP:
         fputs(usage, stdout);
         return 1;

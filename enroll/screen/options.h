@@ -11,7 +11,9 @@ struct screen_options {
     const char *catalogues;
     const char *device;      /* of the graphics card; "": the first with a monitor */
     const char *png;         /* a directory for pictures instead of a monitor; "" */
-    int width_px, height_px; /* of the pictures */
+    bool window;             /* a window instead of a monitor */
+    bool speak;              /* say aloud what is shown */
+    int width_px, height_px; /* of the pictures or the window */
     int rotate;              /* 0, 90, 180, 270 degrees clockwise */
     bool verbose;            /* print what is shown, but no names */
     bool show_names;

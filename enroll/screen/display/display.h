@@ -1,4 +1,4 @@
-/* Where the picture goes: a monitor (KMS), or a directory of PNG files. */
+/* Where the picture goes: a monitor (KMS), a window on a desktop, or a directory of PNG files. */
 #ifndef ENROLL_SCREEN_DISPLAY_DISPLAY_H
 #define ENROLL_SCREEN_DISPLAY_DISPLAY_H
 
@@ -16,11 +16,13 @@ struct screen_display_ops {
      * shown again. */
     int (*show)(void *self);
 
-    /* Called each second: looks whether a monitor was connected or lost. Returns true if the
-     * picture has to be drawn anew. */
+    /* Looks whether a monitor was connected or lost, or a window has another size. Called each
+     * second; with looks_often, as often as a picture may be drawn. Returns true if the picture has
+     * to be drawn anew. */
     bool (*look)(void *self);
 
     void (*close)(void *self);
+    bool looks_often;
 };
 
 struct screen_display {
@@ -40,6 +42,12 @@ int screen_display_png(const char *directory, int width_px, int height_px,
  */
 int screen_display_kms(const char *device, struct screen_display *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* A window of this size on the Wayland or X11 desktop of the user. The user may give it another
+ * size; closing it sends SIGTERM to the program. -ENOMEM; -ENOENT: SDL is not installed; -ENODEV:
+ * there is no desktop. */
+int screen_display_window(int width_px, int height_px, struct screen_display *out,
+                          struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Closes and clears it. It may be all zero. */
 void screen_display_close(struct screen_display *display);

@@ -260,7 +260,7 @@ static void close_kms(void *self)
     free(kms);
 }
 
-static const struct screen_display_ops ops = {begin, show, look, close_kms};
+static const struct screen_display_ops ops = {begin, show, look, close_kms, .looks_often = false};
 
 int screen_display_kms(const char *device, struct screen_display *out, struct iso_fault *fault)
 {

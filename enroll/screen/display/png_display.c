@@ -44,7 +44,7 @@ static void close_png(void *self)
     free(png);
 }
 
-static const struct screen_display_ops ops = {begin, show, look, close_png};
+static const struct screen_display_ops ops = {begin, show, look, close_png, .looks_often = false};
 
 int screen_display_png(const char *directory, int width_px, int height_px,
                        struct screen_display *out, struct iso_fault *fault)
