@@ -1,5 +1,5 @@
 /* The way of a request through libmicrohttpd. */
-#include <errno.h>
+#include <netinet/in.h>
 #include <sodium.h>
 #include <stdlib.h>
 #include <string.h>
