@@ -105,7 +105,7 @@ void web__exchange_answer(struct web_exchange *exchange, unsigned status,
     exchange->response = response;
     if (exchange->suspended) {
         exchange->suspended = false;
-        MHD_resume_connection(exchange->connection);
+        web__server_resume(exchange->server, exchange->connection);
     }
 }
 

@@ -85,7 +85,7 @@ struct web_stream {
 struct web_server {
     struct web_server_setup setup;
     struct MHD_Daemon *mhd;
-    sd_event_source *io, *timeout, *sweep;
+    sd_event_source *io, *timeout, *wake, *sweep;
     struct web_files files;
     struct web_exchange *exchanges;
     struct web_stream *streams;
@@ -94,6 +94,9 @@ struct web_server {
 
 /* Nanoseconds, monotonic. */
 int64_t web__now_ns(void);
+
+/* Goes on with a connection that was suspended. */
+void web__server_resume(struct web_server *server, struct MHD_Connection *connection);
 
 /* ---- exchange.c ---- */
 

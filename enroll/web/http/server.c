@@ -44,6 +44,20 @@ static void work(struct web_server *server)
     (void)sd_event_source_set_enabled(server->timeout, SD_EVENT_ONESHOT);
 }
 
+/* libmicrohttpd has nothing of its own that wakes an event loop which is not its own. */
+void web__server_resume(struct web_server *server, struct MHD_Connection *connection)
+{
+    MHD_resume_connection(connection);
+    (void)sd_event_source_set_enabled(server->wake, SD_EVENT_ONESHOT);
+}
+
+static int on_wake(sd_event_source *source, void *context)
+{
+    (void)source;
+    work(context);
+    return 0;
+}
+
 static int on_io(sd_event_source *source, int fd, uint32_t events, void *context)
 {
     (void)source;
@@ -83,6 +97,7 @@ static int add_sources(struct web_server *server)
     r = r < 0 ? r
               : sd_event_add_time_relative(event, &server->timeout, CLOCK_MONOTONIC, 0, 1000,
                                            on_timeout, server);
+    r = r < 0 ? r : sd_event_add_defer(event, &server->wake, on_wake, server);
     r = r < 0 ? r
               : sd_event_add_time_relative(event, &server->sweep, CLOCK_MONOTONIC, 0, 100000,
                                            on_sweep, server);
@@ -182,7 +197,10 @@ void web_server_free(struct web_server *server)
     if (!server) {
         return;
     }
-    /* MHD_stop_daemon() ends the program if a connection is suspended. */
+    /* MHD_stop_daemon() closes the descriptor that the loop watches. */
+    sd_event_source_disable_unref(server->io);
+    sd_event_source_disable_unref(server->timeout);
+    /* It ends the program if a connection is suspended. */
     for (struct web_stream *stream = server->streams; stream; stream = stream->next) {
         web__stream_wake(stream);
     }
@@ -196,8 +214,7 @@ void web_server_free(struct web_server *server)
         MHD_stop_daemon(server->mhd);
     }
     web__files_free(&server->files);
-    sd_event_source_disable_unref(server->io);
-    sd_event_source_disable_unref(server->timeout);
+    sd_event_source_disable_unref(server->wake);
     sd_event_source_disable_unref(server->sweep);
     free(server);
 }

@@ -37,7 +37,7 @@ void web__stream_wake(struct web_stream *stream)
 {
     if (stream->suspended) {
         stream->suspended = false;
-        MHD_resume_connection(stream->connection);
+        web__server_resume(stream->server, stream->connection);
     }
 }
 
