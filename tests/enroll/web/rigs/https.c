@@ -19,6 +19,11 @@ enum { PATIENCE_S = 10 };
 
 void https_pump(sd_event *event, int fd)
 {
+    if (!event) {
+        struct pollfd alone = {.fd = fd, .events = POLLIN};
+        (void)poll(&alone, 1, 20);
+        return;
+    }
     struct pollfd fds[2] = {{.fd = sd_event_get_fd(event), .events = POLLIN},
                             {.fd = fd, .events = POLLIN}};
 
@@ -241,19 +246,21 @@ const char *https_header(const struct https_answer *answer, const char *name)
 char *https_read_chunk(struct https *client, size_t *size)
 {
     const size_t head = wait_for_text(client, "\r\n");
+    const size_t n = head > 0 ? strtoul(client->bytes, NULL, 16) : 0;
     char *chunk;
 
-    if (head == 0) {
+    *size = 1;
+    if (head == 0 || !wait_for_bytes(client, head + n + 2)) {
         return NULL;
     }
-    *size = strtoul(client->bytes, NULL, 16);
-    if (!wait_for_bytes(client, head + *size + 2) || *size == 0) {
+    *size = n;
+    if (n == 0) {
         return NULL;
     }
-    chunk = malloc(*size + 1);
+    chunk = malloc(n + 1);
     assert_non_null(chunk);
-    memcpy(chunk, client->bytes + head, *size);
-    chunk[*size] = '\0';
-    use(client, head + *size + 2);
+    memcpy(chunk, client->bytes + head, n);
+    chunk[n] = '\0';
+    use(client, head + n + 2);
     return chunk;
 }

@@ -26,11 +26,12 @@ struct https_answer {
 };
 
 /* Lets the event loop work once: until it or the descriptor (-1: none) has something to do, at most
- * 20 ms. */
+ * 20 ms. Without an event loop (NULL) it only waits. */
 void https_pump(sd_event *event, int fd);
 
-/* Connects to 127.0.0.1. Returns the error of the handshake; 0: none. With small_buffer the client
- * accepts few bytes that it has not read. */
+/* Connects to 127.0.0.1. `event` is that of the server, or NULL if this is another process. Returns
+ * the error of the handshake; 0: none. With small_buffer the client accepts few bytes that it has
+ * not read. */
 int https_open(struct https *client, sd_event *event, int port, const char *priorities,
                bool small_buffer);
 
@@ -53,8 +54,9 @@ void https_ask(struct https *client, const char *method, const char *path, const
 /* The value of a header of an answer in a static buffer; NULL: it has none. */
 const char *https_header(const struct https_answer *answer, const char *name);
 
-/* The next chunk of a body without an end, which the caller frees; NULL: the body has ended, or the
- * connection has been closed, which client->ended says. */
+/* The next chunk of a body without a length, which the caller frees. NULL: there is none, because
+ * the body has ended (*size is 0), or because the connection was closed before that (*size is 1).
+ */
 char *https_read_chunk(struct https *client, size_t *size);
 
 /* Receives what has come, without waiting for more. */
