@@ -99,17 +99,23 @@ static bool bare_code(const char *code, char bare[CHARACTERS])
     return n == CHARACTERS;
 }
 
-int web_setup_code_use(const char *path, int64_t now_s, const char *code, struct iso_fault *fault)
+bool web_setup_code_is(const char *path, int64_t now_s, const char *code)
 {
     struct stored stored;
     char bare[CHARACTERS];
     uint8_t hash[32];
 
     if (!read_stored(path, now_s, &stored) || !bare_code(code, bare)) {
-        return iso_fault_set(fault, -EACCES, "the code is wrong or has ended");
+        return false;
     }
     hash_of(bare, hash);
-    if (sodium_memcmp(hash, stored.hash, sizeof hash)) {
+    sodium_memzero(bare, sizeof bare);
+    return sodium_memcmp(hash, stored.hash, sizeof hash) == 0;
+}
+
+int web_setup_code_use(const char *path, int64_t now_s, const char *code, struct iso_fault *fault)
+{
+    if (!web_setup_code_is(path, now_s, code)) {
         return iso_fault_set(fault, -EACCES, "the code is wrong or has ended");
     }
     if (unlink(path)) {

@@ -23,6 +23,9 @@ int web_setup_code_make(const char *path, int64_t now_s, char code[WEB_SETUP_COD
 /* Whether a code is waiting in the file and has not ended. */
 bool web_setup_code_waits(const char *path, int64_t now_s);
 
+/* Whether this is the code that is waiting. Does not use it up. */
+bool web_setup_code_is(const char *path, int64_t now_s, const char *code);
+
 /* Uses the code up. Small letters, blanks and hyphens do not matter. Returns 0 after the file has
  * been removed; -EACCES: the code is wrong, has ended, or there is none; or the error of removing
  * the file. Only 0 allows an account. */

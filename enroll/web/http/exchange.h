@@ -9,6 +9,8 @@
 #define WEB_HTTP_EXCHANGE_H
 
 #include <jansson.h>
+#include <stdbool.h>
+#include <stdint.h>
 #include <sys/socket.h>
 
 #include "enroll/web/account/role.h"
@@ -33,7 +35,7 @@ bool web_exchange_number(struct web_exchange *exchange, const char *name, int64_
  * has been refused before the handler is called. It is valid until the answer. */
 json_t *web_exchange_body(const struct web_exchange *exchange);
 
-/* The account that asks, and its role; "" and WEB_ROLE_NONE for routes that need no login. */
+/* The account that asks, and its role; "" and WEB_ROLE_NONE without a session. */
 const char *web_exchange_account(const struct web_exchange *exchange);
 enum web_role web_exchange_role(const struct web_exchange *exchange);
 
@@ -43,7 +45,8 @@ uint64_t web_exchange_session(const struct web_exchange *exchange);
 /* The address of the client. */
 const struct sockaddr *web_exchange_address(const struct web_exchange *exchange);
 
-/* Answers. `json` is taken over; NULL (no memory) is answered as 500. */
+/* Answers. `json` is taken over; NULL (no memory) is answered as 500. A status of 400 and more has
+ * the type application/problem+json. */
 void web_exchange_json(struct web_exchange *exchange, unsigned status, json_t *json);
 
 /* 204, without a body. */
@@ -53,7 +56,12 @@ void web_exchange_done(struct web_exchange *exchange);
 void web_exchange_problem(struct web_exchange *exchange, unsigned status, const char *code,
                           const char *detail);
 
-/* Adds a header to the answer; called before it. At most four. */
+/* The object of a problem, to which the caller may add members before web_exchange_json(). NULL:
+ * there is no memory. */
+json_t *web_problem_json(unsigned status, const char *code, const char *detail);
+
+/* Adds a header to the answer; called before it. At most four; a name has at most 31 bytes and a
+ * value at most 191. */
 void web_exchange_header(struct web_exchange *exchange, const char *name, const char *value);
 
 /* Answers 200 with a stream. `on_closed` is called once, when the stream is closed; the stream is

@@ -7,6 +7,8 @@
 #ifndef WEB_HTTP_STREAM_H
 #define WEB_HTTP_STREAM_H
 
+#include <stdint.h>
+
 #include "enroll/web/http/chunk.h"
 
 /* What happens to a chunk that does not fit. */

@@ -1,0 +1,126 @@
+#include "enroll/web/api/act.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+struct act {
+    struct web_api *api;
+    struct web_exchange *exchange;
+    void (*go)(struct web_api *api, struct web_exchange *exchange);
+};
+
+int64_t web__api_now_ns(void)
+{
+    struct timespec now;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+}
+
+int64_t web__api_now_s(void)
+{
+    return time(NULL);
+}
+
+static void on_recorded(void *context, sd_bus_message *reply, const sd_bus_error *error)
+{
+    const struct act act = *(struct act *)context;
+
+    (void)reply;
+    free(context);
+    if (error) {
+        web_api_daemon_problem(act.exchange, error);
+    } else if (!web_session_goes_on(act.api->sessions, web_exchange_session(act.exchange),
+                                    web__api_now_ns())) {
+        web_exchange_problem(act.exchange, 401, "login-required", "the session has ended");
+    } else {
+        act.go(act.api, act.exchange);
+    }
+}
+
+void web__api_act(struct web_api *api, struct web_exchange *exchange, const char *act,
+                  const char *concerned,
+                  void (*go)(struct web_api *api, struct web_exchange *exchange))
+{
+    struct act *context = malloc(sizeof *context);
+
+    if (!context) {
+        web_exchange_problem(exchange, 500, "internal", "there is no memory for this");
+        return;
+    }
+    *context = (struct act){.api = api, .exchange = exchange, .go = go};
+    web_daemon_record(api->daemon, web_exchange_account(exchange), act, concerned, on_recorded,
+                      context);
+}
+
+static void on_noted(void *context, sd_bus_message *reply, const sd_bus_error *error)
+{
+    (void)reply;
+    if (error) {
+        fprintf(stderr, "isotherm-web: %s is not on record: %s\n", (const char *)context,
+                error->message ? error->message : error->name);
+    }
+}
+
+void web__api_note(struct web_api *api, const char *account, const char *act)
+{
+    web_daemon_record(api->daemon, account, act, "", on_noted, (void *)(uintptr_t)act);
+}
+
+void web__api_account_problem(struct web_exchange *exchange, int error,
+                              const struct iso_fault *fault)
+{
+    static const struct {
+        int error;
+        unsigned status;
+        const char *code;
+    } problems[] = {
+        {-EEXIST, 409, "account-exists"},   {-ENOSPC, 409, "too-many-accounts"},
+        {-ENOENT, 404, "no-such-account"},  {-EBUSY, 409, "last-administrator"},
+        {-EINVAL, 400, "invalid-password"}, {-ENOMEM, 500, "internal"},
+    };
+
+    for (size_t i = 0; i < sizeof problems / sizeof *problems; i++) {
+        /* The disk has errors of the same numbers; its faults have codes. */
+        if (problems[i].error == error && (fault->code == ISO_FAULT_NONE || error == -ENOMEM)) {
+            web_exchange_problem(exchange, problems[i].status, problems[i].code, fault->text);
+            return;
+        }
+    }
+    web_exchange_problem(exchange, 507, "storage", fault->text);
+}
+
+bool web__api_must_wait(struct web_api *api, struct web_exchange *exchange, const char *account)
+{
+    const int64_t wait_ns = web_guess_wait_ns(api->guess, account, web_exchange_address(exchange),
+                                              web__api_now_ns());
+    char seconds[24];
+
+    if (wait_ns == 0) {
+        return false;
+    }
+    (void)snprintf(seconds, sizeof seconds, "%lld",
+                   (long long)((wait_ns + 999999999) / 1000000000));
+    web_exchange_header(exchange, "Retry-After", seconds);
+    web_exchange_problem(exchange, 429, "too-many-attempts", "there were too many wrong attempts");
+    return true;
+}
+
+void web__api_end_streams(struct web_api *api)
+{
+    if (api->server) {
+        web_server_end_stale_streams(api->server);
+    }
+}
+
+json_t *web__api_session_json(const char *account, enum web_role role)
+{
+    return json_pack("{s:s, s:s}", "account", account, "role", web_role_word(role));
+}
+
+json_t *web__api_account_json(const struct web_account *account)
+{
+    return json_pack("{s:s, s:s}", "name", account->name, "role", web_role_word(account->role));
+}

@@ -1,0 +1,191 @@
+/* Who is logged in, and the first account. */
+#include <sodium.h>
+
+#include "enroll/web/account/setup_code.h"
+#include "enroll/web/api/act.h"
+
+enum { CODE_MOST_BYTES = 64 }; /* with blanks and hyphens as a person types it */
+
+/* Everybody who tries codes shares this delay; it is no name of an account. */
+static const char setup_name[] = "#setup";
+
+/* Answers with a problem that also says whether there is no account yet. */
+static void ask_for_login(const struct web_api *api, struct web_exchange *exchange)
+{
+    json_t *problem = web_problem_json(401, "login-required", "log in first");
+
+    if (problem && json_object_set_new(problem, "setup",
+                                       json_boolean(web_accounts_count(api->accounts) == 0))) {
+        json_decref(problem);
+        problem = NULL;
+    }
+    web_exchange_json(exchange, 401, problem);
+}
+
+void web_api_get_session(void *context, struct web_exchange *exchange)
+{
+    if (web_exchange_session(exchange) == 0) {
+        ask_for_login(context, exchange);
+        return;
+    }
+    web_exchange_json(
+        exchange, 200,
+        web__api_session_json(web_exchange_account(exchange), web_exchange_role(exchange)));
+}
+
+/* Ends the session of the request, if it has one. */
+static void end_session(struct web_api *api, const struct web_exchange *exchange)
+{
+    web_session_end(api->sessions, web_exchange_session(exchange));
+    web__api_end_streams(api);
+}
+
+/* Begins a session and answers with it. */
+static void begin_session(struct web_api *api, struct web_exchange *exchange,
+                          const struct web_account *account)
+{
+    char token[WEB_SESSION_TOKEN_SIZE], cookie[WEB_SESSION_SET_COOKIE_SIZE];
+
+    if (web_exchange_session(exchange) != 0) {
+        end_session(api, exchange);
+    }
+    (void)web_session_begin(api->sessions, account, web__api_now_ns(), token);
+    web_exchange_header(exchange, "Set-Cookie", web_session_set_cookie(token, cookie));
+    web_exchange_json(exchange, 201, web__api_session_json(account->name, account->role));
+    sodium_memzero(token, sizeof token);
+    sodium_memzero(cookie, sizeof cookie);
+}
+
+void web_api_login(void *context, struct web_exchange *exchange)
+{
+    struct web_api *api = context;
+    const char *name = web_api_text(exchange, "account", WEB_ACCOUNT_NAME_SIZE - 1);
+    const char *password = name ? web_api_text(exchange, "password", WEB_PASSWORD_MOST_BYTES)
+                                : NULL;
+    const struct web_account *account;
+
+    if (!password || web__api_must_wait(api, exchange, name)) {
+        return;
+    }
+    account = web_accounts_find(api->accounts, name);
+    /* Takes as long for an account that does not exist. */
+    if (!web_password_is(password, account ? account->hash : NULL)) {
+        web_guess_failed(api->guess, name, web_exchange_address(exchange), web__api_now_ns());
+        web_exchange_problem(exchange, 401, "wrong-password",
+                             "the account or the password is wrong");
+        return;
+    }
+    web_guess_passed(api->guess, name);
+    web__api_note(api, account->name, "login");
+    begin_session(api, exchange, account);
+}
+
+void web_api_logout(void *context, struct web_exchange *exchange)
+{
+    struct web_api *api = context;
+    char cookie[WEB_SESSION_SET_COOKIE_SIZE];
+
+    if (web_exchange_session(exchange) != 0) {
+        web__api_note(api, web_exchange_account(exchange), "logout");
+        end_session(api, exchange);
+    }
+    web_exchange_header(exchange, "Set-Cookie", web_session_set_cookie(NULL, cookie));
+    web_exchange_done(exchange);
+}
+
+static void set_own_password(struct web_api *api, struct web_exchange *exchange)
+{
+    const char *name = web_exchange_account(exchange);
+    const char *password = json_string_value(json_object_get(web_exchange_body(exchange), "new"));
+    struct iso_fault fault = {.text = ""};
+    const int r = web_accounts_set_password(api->accounts, name, password, &fault);
+
+    if (r < 0) {
+        web__api_account_problem(exchange, r, &fault);
+        return;
+    }
+    web_session_end_account(api->sessions, name, web_exchange_session(exchange));
+    web__api_end_streams(api);
+    web_exchange_done(exchange);
+}
+
+void web_api_set_own_password(void *context, struct web_exchange *exchange)
+{
+    struct web_api *api = context;
+    const char *name = web_exchange_account(exchange);
+    const struct web_account *account = web_accounts_find(api->accounts, name);
+    const char *old = web_api_text(exchange, "old", WEB_PASSWORD_MOST_BYTES);
+    const char *new = old ? web_api_text(exchange, "new", WEB_PASSWORD_MOST_BYTES) : NULL;
+    const char *flaw;
+
+    if (!new || web__api_must_wait(api, exchange, name)) {
+        return;
+    }
+    if (!web_password_is(old, account ? account->hash : NULL)) {
+        web_guess_failed(api->guess, name, web_exchange_address(exchange), web__api_now_ns());
+        web_exchange_problem(exchange, 401, "wrong-password", "the old password is wrong");
+        return;
+    }
+    flaw = web_password_flaw(name, new);
+    if (flaw) {
+        web_exchange_problem(exchange, 400, "invalid-password", flaw);
+        return;
+    }
+    web_guess_passed(api->guess, name);
+    web__api_act(api, exchange, "password-change", "", set_own_password);
+}
+
+/* What hinders an account of this name; answers it. It is told only to who knows the code. */
+static bool is_refused(struct web_api *api, struct web_exchange *exchange, const char *name)
+{
+    if (web_accounts_find(api->accounts, name)) {
+        web_exchange_problem(exchange, 409, "account-exists", "there is an account of this name");
+        return true;
+    }
+    if (web_accounts_count(api->accounts) == WEB_ACCOUNTS_MOST) {
+        web_exchange_problem(exchange, 409, "too-many-accounts", "there are too many accounts");
+        return true;
+    }
+    return false;
+}
+
+/* The code is used up before the account is added, so that it never makes two. */
+static void set_up(struct web_api *api, struct web_exchange *exchange, const char *code,
+                   const char *name, const char *password)
+{
+    struct iso_fault fault = {.text = ""};
+    int r = web_setup_code_use(api->setup_code, web__api_now_s(), code, &fault);
+
+    if (r == 0) {
+        web__api_note(api, name, "setup");
+        r = web_accounts_add(api->accounts, name, password, WEB_ROLE_ADMINISTRATOR, &fault);
+    }
+    if (r < 0) {
+        web__api_account_problem(exchange, r, &fault);
+        return;
+    }
+    begin_session(api, exchange, web_accounts_find(api->accounts, name));
+}
+
+void web_api_setup(void *context, struct web_exchange *exchange)
+{
+    struct web_api *api = context;
+    const char *code = web_api_text(exchange, "code", CODE_MOST_BYTES);
+    const char *name = code ? web_api_text(exchange, "account", WEB_ACCOUNT_NAME_SIZE - 1) : NULL;
+    const char *password = name ? web_api_text(exchange, "password", WEB_PASSWORD_MOST_BYTES)
+                                : NULL;
+
+    if (!password || web__api_must_wait(api, exchange, setup_name)) {
+        return;
+    }
+    if (web_account_name_flaw(name)) {
+        web_exchange_problem(exchange, 400, "invalid-account", web_account_name_flaw(name));
+    } else if (web_password_flaw(name, password)) {
+        web_exchange_problem(exchange, 400, "invalid-password", web_password_flaw(name, password));
+    } else if (!web_setup_code_is(api->setup_code, web__api_now_s(), code)) {
+        web_guess_failed(api->guess, setup_name, web_exchange_address(exchange), web__api_now_ns());
+        web_exchange_problem(exchange, 401, "wrong-code", "the code is wrong or has ended");
+    } else if (!is_refused(api, exchange, name)) {
+        set_up(api, exchange, code, name, password);
+    }
+}

@@ -1,0 +1,72 @@
+#include "enroll/web/http/answer.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "enroll/web/http/exchange.h"
+
+static const struct {
+    const char *name, *value;
+} common[] = {
+    {"Content-Security-Policy",
+     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+     "connect-src 'self'; font-src 'self'; manifest-src 'self'; base-uri 'none'; "
+     "form-action 'none'; frame-ancestors 'none'"},
+    {"X-Content-Type-Options", "nosniff"},
+    {"Referrer-Policy", "no-referrer"},
+    {"Cross-Origin-Opener-Policy", "same-origin"},
+    {"Cross-Origin-Resource-Policy", "same-origin"},
+    {"Strict-Transport-Security", "max-age=31536000"},
+};
+
+bool web__answer_add_headers(struct MHD_Response *response, const char *content_type,
+                             const char *cache_control)
+{
+    bool ok = MHD_add_response_header(response, "Cache-Control", cache_control) == MHD_YES;
+
+    for (size_t i = 0; ok && i < sizeof common / sizeof *common; i++) {
+        ok = MHD_add_response_header(response, common[i].name, common[i].value) == MHD_YES;
+    }
+    if (ok && content_type) {
+        ok = MHD_add_response_header(response, "Content-Type", content_type) == MHD_YES;
+    }
+    return ok;
+}
+
+/* The response with its headers, or NULL. */
+static struct MHD_Response *complete(struct MHD_Response *response, const char *content_type)
+{
+    if (response && !web__answer_add_headers(response, content_type, "no-store")) {
+        MHD_destroy_response(response);
+        return NULL;
+    }
+    return response;
+}
+
+struct MHD_Response *web__answer_json(unsigned status, json_t *json)
+{
+    char *text = json ? json_dumps(json, JSON_COMPACT) : NULL;
+    struct MHD_Response *response;
+
+    json_decref(json);
+    if (!text) {
+        return NULL;
+    }
+    response = MHD_create_response_from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE);
+    if (!response) {
+        free(text);
+    }
+    return complete(response, status >= 400 ? "application/problem+json" : "application/json");
+}
+
+struct MHD_Response *web__answer_empty(void)
+{
+    return complete(MHD_create_response_from_buffer(0, NULL, MHD_RESPMEM_PERSISTENT), NULL);
+}
+
+json_t *web_problem_json(unsigned status, const char *code, const char *detail)
+{
+    return json_pack("{s:s, s:s, s:i, s:s, s:s}", "type", "about:blank", "title",
+                     MHD_get_reason_phrase_for(status), "status", (int)status, "code", code,
+                     "detail", detail);
+}

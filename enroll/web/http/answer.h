@@ -1,0 +1,20 @@
+/* The bodies of answers, and the headers that every answer has. Internal to enroll/web/http. */
+#ifndef WEB_HTTP_ANSWER_H
+#define WEB_HTTP_ANSWER_H
+
+#include <jansson.h>
+#include <microhttpd.h>
+#include <stdbool.h>
+
+/* The headers of this kind of answer, added to a response. False: there is no memory. */
+bool web__answer_add_headers(struct MHD_Response *response, const char *content_type,
+                             const char *cache_control) __attribute__((warn_unused_result));
+
+/* A response with a JSON text, which is taken over. A status of 400 and more makes it a problem.
+ * NULL: there is no memory, or `json` is NULL. */
+struct MHD_Response *web__answer_json(unsigned status, json_t *json);
+
+/* A response without a body. NULL: there is no memory. */
+struct MHD_Response *web__answer_empty(void);
+
+#endif

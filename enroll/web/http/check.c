@@ -1,0 +1,185 @@
+/* What is checked before the body of a request is read. */
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "enroll/web/http/inner.h"
+#include "enroll/web/session/origin.h"
+
+static const char api[] = "/api/v1";
+
+static const char *header(const struct web_exchange *exchange, const char *name)
+{
+    return MHD_lookup_connection_value(exchange->connection, MHD_HEADER_KIND, name);
+}
+
+static void refuse(struct web_exchange *exchange, unsigned status, const char *code,
+                   const char *detail)
+{
+    exchange->refusal = (struct web_refusal){.status = status, .code = code, .detail = detail};
+}
+
+/* Compares the path of a request with that of a route. `*part` is what stands for "{name}". */
+static bool is_path_of(const struct web_route *route, const char *path, const char **part)
+{
+    const char *brace = strchr(route->path, '{');
+
+    *part = NULL;
+    if (!brace) {
+        return strcmp(route->path, path) == 0;
+    }
+    const size_t n = (size_t)(brace - route->path);
+    if (strncmp(route->path, path, n) != 0 || !path[n] || strchr(path + n, '/')) {
+        return false;
+    }
+    *part = path + n;
+    return true;
+}
+
+/* Adds a method to a list such as "GET, PUT". */
+static void add_method(char allow[40], const char *method)
+{
+    const size_t n = strlen(allow);
+
+    (void)snprintf(allow + n, 40 - n, "%s%s", n > 0 ? ", " : "", method);
+}
+
+static void find_route(struct web_exchange *exchange, const char *path, const char *method)
+{
+    char allow[40] = "";
+    const char *part;
+
+    for (const struct web_route *route = exchange->server->setup.routes; route->method; route++) {
+        if (!is_path_of(route, path, &part)) {
+            continue;
+        }
+        if (strcmp(route->method, method) == 0) {
+            exchange->route = route;
+            exchange->part = part;
+            return;
+        }
+        add_method(allow, route->method);
+    }
+    if (!*allow) {
+        refuse(exchange, 404, "no-such-path", "there is nothing at this path");
+        return;
+    }
+    refuse(exchange, 405, "no-such-method", "this path has no such method");
+    strcpy(exchange->refusal.allow, allow);
+}
+
+static void check_origin(struct web_exchange *exchange, const char *method)
+{
+    const struct web_origin origin = {
+        .host = header(exchange, "Host"),
+        .origin = header(exchange, "Origin"),
+        .sec_fetch_site = header(exchange, "Sec-Fetch-Site"),
+    };
+    const bool ok = strcmp(method, "GET") == 0 ? web_origin_may_read(&origin)
+                                               : web_origin_may_change(&origin);
+
+    if (!ok) {
+        refuse(exchange, 403, "other-origin", "the request does not come from this server's pages");
+    }
+}
+
+static void find_session(struct web_exchange *exchange)
+{
+    const char *cookie = header(exchange, "Cookie");
+    char token[WEB_SESSION_TOKEN_SIZE];
+    const struct web_session *session = NULL;
+
+    if (cookie && web_session_cookie_token(cookie, token)) {
+        session = web_session_use(exchange->server->setup.sessions, token, web__now_ns());
+    }
+    if (session) {
+        exchange->session = session->id;
+        exchange->role = session->role;
+        strcpy(exchange->account, session->account);
+    }
+}
+
+static void check_role(struct web_exchange *exchange)
+{
+    find_session(exchange);
+    if (exchange->role >= exchange->route->least) {
+        return;
+    }
+    if (exchange->session == 0) {
+        refuse(exchange, 401, "login-required", "log in first");
+    } else {
+        refuse(exchange, 403, "not-allowed", "this account may not do this");
+    }
+}
+
+static bool is_json(const char *type)
+{
+    static const char json[] = "application/json";
+
+    return type && strncasecmp(type, json, sizeof json - 1) == 0 &&
+           strchr("; \t", type[sizeof json - 1]);
+}
+
+static void check_body(struct web_exchange *exchange)
+{
+    const char *length = header(exchange, "Content-Length");
+    const bool has_body = header(exchange, "Transfer-Encoding") ||
+                          (length && strspn(length, "0") != strlen(length));
+
+    if (has_body && !is_json(header(exchange, "Content-Type"))) {
+        refuse(exchange, 415, "no-json", "the body has to be of the type application/json");
+    }
+}
+
+static void check_api(struct web_exchange *exchange, char *path, char *query, const char *method)
+{
+    find_route(exchange, path, method);
+    if (exchange->refusal.status) {
+        return;
+    }
+    if (exchange->part && !web_percent_decode((char *)(uintptr_t)exchange->part, false)) {
+        refuse(exchange, 404, "no-such-path", "the path is not percent-encoded UTF-8");
+        return;
+    }
+    check_origin(exchange, method);
+    if (!exchange->refusal.status) {
+        check_role(exchange);
+    }
+    if (!exchange->refusal.status) {
+        check_body(exchange);
+    }
+    if (!exchange->refusal.status && query && !web_query_read(query, &exchange->query)) {
+        refuse(exchange, 400, "invalid-parameter", "the query of the path cannot be read");
+    }
+}
+
+static void check_file(struct web_exchange *exchange, char *path, const char *method)
+{
+    if (web_percent_decode(path, false)) {
+        exchange->file = web__files_find(&exchange->server->files, path);
+    }
+    if (!exchange->file) {
+        refuse(exchange, 404, "no-such-path", "there is no such file");
+    } else if (strcmp(method, "GET") != 0 && strcmp(method, "HEAD") != 0) {
+        refuse(exchange, 405, "no-such-method", "files can only be read");
+        strcpy(exchange->refusal.allow, "GET, HEAD");
+    }
+}
+
+void web__request_check(struct web_exchange *exchange, const char *method)
+{
+    const char *host = header(exchange, "Host");
+    char *query = exchange->uri;
+    char *path = strsep(&query, "?");
+
+    if (!host || !*host) {
+        refuse(exchange, 400, "no-host", "the request has no header Host");
+    } else if (strnlen(path, WEB_URI_MOST_BYTES + 1) + (query ? strlen(query) : 0) >
+               WEB_URI_MOST_BYTES) {
+        refuse(exchange, 414, "too-long", "the path is too long");
+    } else if (strncmp(path, api, sizeof api - 1) == 0 && path[sizeof api - 1] == '/') {
+        check_api(exchange, path + sizeof api - 1, query, method);
+    } else {
+        check_file(exchange, path, method);
+    }
+}

@@ -1,0 +1,179 @@
+/* The way of a request through libmicrohttpd. */
+#include <netinet/in.h>
+#include <sodium.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "enroll/web/http/inner.h"
+
+static void refuse_as_too_large(struct web_exchange *exchange)
+{
+    exchange->refusal = (struct web_refusal){
+        .status = 413, .code = "too-large", .detail = "the body of the request is too large"};
+}
+
+void *web__request_begin(void *server, const char *uri, struct MHD_Connection *connection)
+{
+    (void)connection;
+    return web__exchange_new(server, uri);
+}
+
+void web__request_completed(void *server, struct MHD_Connection *connection, void **exchange,
+                            enum MHD_RequestTerminationCode code)
+{
+    (void)server;
+    (void)connection;
+    (void)code;
+    if (*exchange) {
+        web__exchange_completed(*exchange);
+        *exchange = NULL;
+    }
+}
+
+static enum MHD_Result queue(struct web_exchange *exchange)
+{
+    enum MHD_Result result;
+
+    if (exchange->file && !exchange->refusal.status) {
+        const char *known = MHD_lookup_connection_value(exchange->connection, MHD_HEADER_KIND,
+                                                        "If-None-Match");
+        const bool is_unchanged = web__file_is_unchanged(exchange->file, known);
+        return MHD_queue_response(exchange->connection, is_unchanged ? 304 : 200,
+                                  is_unchanged ? exchange->file->unchanged : exchange->file->whole);
+    }
+    if (!exchange->response) {
+        return MHD_NO;
+    }
+    result = MHD_queue_response(exchange->connection, exchange->status, exchange->response);
+    MHD_destroy_response(exchange->response);
+    exchange->response = NULL;
+    return result;
+}
+
+static void remember_address(struct web_exchange *exchange)
+{
+    const union MHD_ConnectionInfo *info = MHD_get_connection_info(
+        exchange->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    const struct sockaddr *address = info ? info->client_addr : NULL;
+
+    if (address && address->sa_family == AF_INET) {
+        memcpy(&exchange->address, address, sizeof(struct sockaddr_in));
+    } else if (address && address->sa_family == AF_INET6) {
+        memcpy(&exchange->address, address, sizeof(struct sockaddr_in6));
+    }
+}
+
+/* The first call for a request: its headers are known. */
+static enum MHD_Result check(struct web_exchange *exchange, struct MHD_Connection *connection,
+                             const char *method)
+{
+    const char *length;
+
+    exchange->checked = true;
+    exchange->connection = connection;
+    remember_address(exchange);
+    web__request_check(exchange, method);
+    length = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Content-Length");
+    if (length && strtoull(length, NULL, 10) > WEB_BODY_MOST_BYTES) {
+        if (!exchange->refusal.status) {
+            refuse_as_too_large(exchange);
+        }
+        /* The body is not read; libmicrohttpd closes the connection after the answer. */
+        exchange->handled = true;
+        web__exchange_refuse(exchange);
+        return queue(exchange);
+    }
+    return MHD_YES;
+}
+
+/* A piece of the body. What nobody will use is read and thrown away, so that the client sees the
+ * answer: a connection that is closed with bytes unread would be reset. */
+static enum MHD_Result take(struct web_exchange *exchange, const char *data, size_t size)
+{
+    char *larger;
+
+    exchange->body_received += size;
+    if (exchange->body_received > WEB_BODY_MOST_BYTES && !exchange->refusal.status) {
+        refuse_as_too_large(exchange);
+    }
+    if (exchange->refusal.status || !exchange->route) {
+        return exchange->body_received <= WEB_BODY_DRAIN_BYTES ? MHD_YES : MHD_NO;
+    }
+    larger = malloc(exchange->body_received);
+    if (!larger) {
+        return MHD_NO;
+    }
+    if (exchange->body) {
+        memcpy(larger, exchange->body, exchange->body_size);
+        sodium_memzero(exchange->body, exchange->body_size);
+        free(exchange->body);
+    }
+    memcpy(larger + exchange->body_size, data, size);
+    exchange->body = larger;
+    exchange->body_size = exchange->body_received;
+    return MHD_YES;
+}
+
+/* A body that is missing counts as an object without members. */
+static void read_json(struct web_exchange *exchange)
+{
+    if (!exchange->body) {
+        exchange->json = json_object();
+        return;
+    }
+    exchange->json = json_loadb(exchange->body, exchange->body_size, JSON_REJECT_DUPLICATES, NULL);
+    sodium_memzero(exchange->body, exchange->body_size);
+    free(exchange->body);
+    exchange->body = NULL;
+}
+
+/* The request is complete. */
+static void handle(struct web_exchange *exchange)
+{
+    exchange->handled = true;
+    if (!exchange->refusal.status && exchange->route) {
+        read_json(exchange);
+        if (!json_is_object(exchange->json)) {
+            exchange->refusal = (struct web_refusal){
+                .status = 400, .code = "invalid-json", .detail = "the body is no JSON object"};
+        }
+    }
+    if (exchange->refusal.status) {
+        web__exchange_refuse(exchange);
+    } else if (exchange->route) {
+        exchange->route->handle(exchange->server->setup.context, exchange);
+    } else {
+        exchange->answered = true;
+    }
+}
+
+enum MHD_Result web__request_step(void *server, struct MHD_Connection *connection, const char *url,
+                                  const char *method, const char *version, const char *data,
+                                  size_t *size, void **context)
+{
+    struct web_exchange *exchange = *context;
+
+    (void)server;
+    (void)url;
+    (void)version;
+    if (!exchange) {
+        return MHD_NO;
+    }
+    if (!exchange->checked) {
+        return check(exchange, connection, method);
+    }
+    if (*size > 0) {
+        const enum MHD_Result result = take(exchange, data, *size);
+        *size = 0;
+        return result;
+    }
+    if (!exchange->handled) {
+        handle(exchange);
+    }
+    if (exchange->answered) {
+        return queue(exchange);
+    }
+    exchange->suspended = true;
+    MHD_suspend_connection(connection);
+    return MHD_YES;
+}
