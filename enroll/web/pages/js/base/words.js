@@ -63,11 +63,11 @@ export const VERDICTS = { allow: N_('Let in'), deny: N_('Refused') };
 /* firmware/door/door.h. */
 export const DOOR_STATES = {
     stopped: N_('Stopped'),
-    locked: N_('Locked'),
-    unlocked: N_('Unlocked'),
-    opened: N_('Open'),
-    'held-open': N_('Open for too long'),
-    forced: N_('Forced open'),
+    locked: N_('The door is locked'),
+    unlocked: N_('The door is unlocked'),
+    opened: N_('The door is open'),
+    'held-open': N_('The door is open for too long'),
+    forced: N_('The door was forced open'),
     fault: N_('Out of order'),
 };
 

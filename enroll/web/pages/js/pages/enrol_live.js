@@ -39,14 +39,14 @@ function bars(captures) {
 
 export function enrolLive({ api, hub }, ended) {
     const view = reliefView(_('Relief of the face'));
-    const mirror = checkbox(_('As in a mirror'), { checked: true, onchange: () => picture.classList.toggle('mirror', mirror.box.checked) });
-    const picture = h('div', { class: 'picture mirror' }, api.can.relief ? view.element : h('p', { class: 'quiet' }, _('The relief is not shown here.')));
+    const mirror = checkbox(_('As in a mirror'), { checked: true, onchange: () => element.classList.toggle('mirror', mirror.box.checked) });
+    const picture = h('div', { class: 'picture' }, api.can.relief ? view.element : h('p', { class: 'quiet' }, _('The relief is not shown here.')));
     const hint = h('p', { class: 'hint', role: 'status', 'aria-live': 'polite' });
     const hold = holdHint((text) => say(hint, text));
     const progress = h('progress', { 'aria-label': _('Progress') });
     const steps = h('div', {});
     const quality = h('ul', { class: 'bars', 'aria-label': _('Quality of each frame') });
-    const stop = h('button', { type: 'button', class: 'danger' }, _('Stop'));
+    const stop = h('button', { type: 'button', class: 'danger' }, _('Stop the enrolment…'));
     let drawn = '';
     let over = false;
 
@@ -80,7 +80,7 @@ export function enrolLive({ api, hub }, ended) {
     }
 
     stop.addEventListener('click', async () => {
-        if (!await confirm(_('Stop the enrolment?'), _('Nobody is enrolled then.'), _('Stop'), { danger: true })) {
+        if (!await confirm(_('Stop the enrolment?'), _('Nobody is enrolled then.'), _('Stop the enrolment'), { danger: true })) {
             return;
         }
         try {
@@ -102,10 +102,11 @@ export function enrolLive({ api, hub }, ended) {
     let stream = api.relief(view.draw, () => {});
     /* A short enrolment may be over before this page listens. */
     setTimeout(() => draw(hub.enrolment), 0);
+    const element = h('div', { class: 'enrol mirror panel' }, h('h2', {}, h('bdi', {}, hub.enrolment?.person ?? '')),
+        h('div', { class: 'columns' }, h('div', {}, picture, mirror.element), h('div', {}, hint, progress, quality)),
+        steps, h('div', { class: 'buttons start' }, stop));
     return {
-        element: h('div', { class: 'enrol panel' }, h('h2', {}, h('bdi', {}, hub.enrolment?.person ?? '')),
-            h('div', { class: 'columns' }, h('div', {}, picture, api.can.relief && mirror.element), h('div', {}, hint, progress, quality)),
-            steps, h('div', { class: 'buttons start' }, stop)),
+        element,
         resume() {
             stream.close();
             stream = api.relief(view.draw, () => {});

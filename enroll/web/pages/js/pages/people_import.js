@@ -34,14 +34,9 @@ function chooseFile() {
 }
 
 function changeText({ person, change }) {
-    const lines = [];
-    if (change.valid_from_s !== person.valid_from_s) {
-        lines.push(`${_('Valid from')}: ${limit(person.valid_from_s)} → ${limit(change.valid_from_s)}`);
-    }
-    if (change.valid_until_s !== person.valid_until_s) {
-        lines.push(`${_('Valid until')}: ${limit(person.valid_until_s)} → ${limit(change.valid_until_s)}`);
-    }
-    return lines.map((line) => h('div', {}, line));
+    return [['valid_from_s', _('Valid from')], ['valid_until_s', _('Valid until')]]
+        .filter(([key]) => change[key] !== person[key])
+        .map(([key, name]) => h('div', {}, name, ': ', limit(person[key]), ' → ', limit(change[key])));
 }
 
 function planTable(plan) {
@@ -94,7 +89,7 @@ function work(api, plan, close, after) {
         running = true;
         begin.disabled = true;
         bar.hidden = false;
-        say(cancel, _('Stop'));
+        say(cancel, _('Stop the import'));
         const end = await apply(api, changes, (done) => { bar.value = done; }, () => stop);
         running = false;
         say(cancel, _('Close'));
