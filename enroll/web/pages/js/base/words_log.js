@@ -1,0 +1,40 @@
+/* The events of the audit log (ISO_CONTRACT_EVENTS in firmware/contract/contract.h) in the language
+ * of the page. */
+
+import { N_ } from './i18n.js';
+
+export const EVENTS = {
+    act: N_('Act of an account'),
+    attack: N_('Attack'),
+    clock: N_('Clock'),
+    counter: N_('Counter of the state'),
+    delete: N_('Person removed'),
+    door: N_('Door'),
+    'door-test': N_('Test of the relay'),
+    enroll: N_('Enrolment'),
+    export: N_('People exported'),
+    forget: N_('Learned template dropped'),
+    gallery: N_('List of people'),
+    grant: N_('Admission granted'),
+    identify: N_('Identification'),
+    import: N_('People imported'),
+    learn: N_('Template learned'),
+    lockdown: N_('Lockdown'),
+    lockout: N_('Lock-out'),
+    'log-recovered': N_('Log recovered'),
+    'log-rotated': N_('Log rotated'),
+    'log-sealed': N_('Log sealed'),
+    picture: N_('Picture taken'),
+    'records-lost': N_('Records lost'),
+    relief: N_('Relief watched'),
+    rename: N_('Person renamed'),
+    'rotate-keys': N_('Keys rotated'),
+    sensor: N_('Sensor'),
+    site: N_('Adaptation to the site'),
+    start: N_('Start'),
+    'state-accepted': N_('State accepted'),
+    stop: N_('Stop'),
+    validity: N_('Limits changed'),
+    verify: N_('Verification'),
+    visit: N_('Visit'),
+};

@@ -1,0 +1,70 @@
+/* What happens at the door, for all pages: one stream of events of the API, given to those who
+ * listen. It remembers the last status, visits and enrolment. */
+
+const VISITS_MOST = 50;
+
+/* Events besides those of the API: "connection" (true or false) and "changed" (something that the
+ * banner shows). */
+export function makeHub(api) {
+    const listeners = new Map();
+    let stream = null;
+    const hub = {
+        connected: null, /* null: not known yet */
+        daemon: null,
+        status: {},
+        visits: [], /* the newest first */
+        enrolment: null,
+
+        /* Calls listener(value) for each event of a name; returns a function that ends it. */
+        on(name, listener) {
+            if (!listeners.has(name)) {
+                listeners.set(name, new Set());
+            }
+            listeners.get(name).add(listener);
+            return () => listeners.get(name).delete(listener);
+        },
+
+        tell(name, value) {
+            for (const listener of [...(listeners.get(name) ?? [])]) {
+                try {
+                    listener(value);
+                } catch (error) {
+                    console.error(error); /* one page in trouble does not stop the others */
+                }
+            }
+        },
+
+        start() {
+            stream ??= api.events(receive, (up) => {
+                if (hub.connected !== up) {
+                    hub.connected = up;
+                    hub.tell('connection', up);
+                    hub.tell('changed');
+                }
+            });
+        },
+
+        stop() {
+            stream?.close();
+            stream = null;
+        },
+    };
+
+    function receive(name, value) {
+        if (name === 'status') {
+            hub.status = value?.status ?? {};
+            hub.daemon = value?.daemon === true;
+        } else if (name === 'visit') {
+            hub.visits = [value, ...hub.visits].slice(0, VISITS_MOST);
+        } else if (name === 'door') {
+            hub.status = { ...hub.status, 'door-state': value?.state };
+        } else if (name === 'enrolment') {
+            /* Events do not say whose enrolment it is; the page asked for that before. */
+            const own = hub.enrolment?.own && hub.enrolment.person === value?.person;
+            hub.enrolment = { ...value, own: value?.own ?? own ?? false };
+        }
+        hub.tell(name, name === 'enrolment' ? hub.enrolment : value);
+        hub.tell('changed');
+    }
+    return hub;
+}

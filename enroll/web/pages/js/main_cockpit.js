@@ -1,0 +1,10 @@
+/* The pages inside Cockpit, which has loaded base1/cockpit.js before. */
+
+import { loadPreferredLanguage } from './base/i18n.js';
+import { makeApp } from './app.js';
+import { makeCockpitApi } from './transport/cockpit.js';
+
+const { cockpit } = globalThis;
+
+await loadPreferredLanguage([cockpit.language, ...(navigator.languages ?? [])].filter(Boolean));
+await makeApp(makeCockpitApi(cockpit), document.getElementById('app'))();

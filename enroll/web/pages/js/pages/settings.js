@@ -1,0 +1,75 @@
+/* The page Settings: lockdown and lock-out, and the values with which the daemon runs. */
+
+import { N_, _, _f } from '../base/i18n.js';
+import { fill, h, say } from '../base/dom.js';
+import { duration, number } from '../base/format.js';
+import { fold, matcher } from '../base/fold.js';
+import { faultText } from '../transport/fault.js';
+import { badge } from '../view/badge.js';
+import { input } from '../view/fields.js';
+import { lockControls } from './lock_controls.js';
+
+function lockState({ hub }) {
+    const list = h('dl', { class: 'facts' });
+    const row = (name, value) => [h('dt', {}, name), h('dd', {}, value)];
+    const draw = () => fill(list,
+        row(_('Lockdown'), hub.status.lockdown ? badge('bad', _('On')) : _('Off')),
+        row(_('Lock-out'), hub.status['lockout-ms'] > 0 ? badge('bad', _f('On, for another {time}', { time: duration(hub.status['lockout-ms']) })) : _('Off')));
+    const stop = hub.on('changed', draw);
+    draw();
+    return { element: list, stop };
+}
+
+function sectionTable(section, list) {
+    const head = (text) => h('th', { scope: 'col' }, text);
+    return h('section', { class: 'panel' }, h('h3', { dir: 'ltr' }, h('code', {}, `[${section}]`)), h('div', { class: 'scroll' }, h('table', { class: 'settings' },
+        h('thead', {}, h('tr', {}, head(_('Setting')), head(_('Value')), head(_('Default')), head(_('Allowed')), head(_('Meaning')))),
+        h('tbody', {}, list.map((one) => h('tr', { class: one.value === one.default ? '' : 'own' },
+            h('th', { scope: 'row' }, h('code', {}, one.key)),
+            h('td', {}, h('code', {}, one.value === '' ? '–' : one.value), one.value !== one.default && h('span', { class: 'unseen' }, ` ${_('changed')}`)),
+            h('td', {}, h('code', {}, one.default === '' ? '–' : one.default)),
+            h('td', { lang: 'en', dir: 'ltr' }, one.range), h('td', { lang: 'en', dir: 'ltr' }, one.help)))))));
+}
+
+function make(context) {
+    const { api } = context;
+    const state = lockState(context);
+    const controls = lockControls(context);
+    const place = h('div', {});
+    const count = h('p', { class: 'quiet', role: 'status' });
+    const search = input({ type: 'search', placeholder: _('Search settings'), 'aria-label': _('Search settings') });
+    let all = [];
+    const draw = () => {
+        const takes = matcher(search.value);
+        const shown = all.filter((one) => takes(fold(`${one.section} ${one.key} ${one.help}`)));
+        const sections = [...new Set(shown.map((one) => one.section))];
+        fill(place, sections.map((section) => sectionTable(section, shown.filter((one) => one.section === section))));
+        say(count, _f('Settings: {n}', { n: number(shown.length) }));
+    };
+    search.addEventListener('input', draw);
+    const load = async () => {
+        try {
+            all = await api.settings();
+            draw();
+        } catch (error) {
+            fill(place, h('p', { class: 'fault', role: 'alert' }, faultText(error)));
+        }
+    };
+    if (api.can.settings) {
+        load();
+    }
+    return {
+        element: h('div', {},
+            h('section', { class: 'panel' }, h('h2', {}, _('Lockdown and lock-out')), state.element, controls.element),
+            h('section', {}, h('h2', {}, _('Settings of the door service')),
+                h('p', { class: 'quiet' }, _('They are in the file /etc/isotherm/isotherm.conf on the appliance and hold from its next start on. Values that differ from the default are bold.')),
+                api.can.settings && [h('div', { class: 'bar' }, search), count, place])),
+        resume: load,
+        leave() {
+            state.stop();
+            controls.stop();
+        },
+    };
+}
+
+export const settings = { id: 'settings', title: N_('Settings'), least: 'administrator', make };

@@ -1,0 +1,163 @@
+/* The API inside Cockpit: D-Bus calls of the user who is logged in there. It has the functions of
+ * transport/http.js. Cockpit's login and the groups of the bus decide who may do what, so there are
+ * no accounts. Streams of descriptors do not get through Cockpit: instead of the outline there are
+ * the words of the signal View. */
+
+import { CockpitEnrolment } from './cockpit_enrolment.js';
+import { DoorBus } from './door_bus.js';
+
+const SILENT_MS = 10000;
+const seconds = (value) => Number(value) || 0;
+
+function toPerson([name, enrolled, from, until, templates]) {
+    return { name, enrolled_s: seconds(enrolled), valid_from_s: seconds(from), valid_until_s: seconds(until),
+        templates, last_seen_s: null };
+}
+
+function toVisit([verdict, person, score, threshold, frames, latency_us, reason, door, door_fault]) {
+    return { time: new Date().toISOString(), verdict, person, score, threshold, frames, latency_us, reason, door, door_fault };
+}
+
+/* The role that the bus gives this user: it refuses the calls of higher ones. */
+async function findRole(bus) {
+    if (await bus.allows('GetAddress', [])) {
+        return 'administrator';
+    }
+    return await bus.allows('ListPeople', []) ? 'enroller' : 'observer';
+}
+
+export function makeCockpitApi(cockpit) {
+    const bus = new DoorBus(cockpit);
+    const enrolment = new CockpitEnrolment(bus);
+    let role = 'observer';
+    let account = '';
+
+    async function status() {
+        try {
+            return { time: new Date().toISOString(), daemon: true, status: await bus.values('GetStatus') };
+        } catch (fault) {
+            if (fault.code !== 'no-daemon') {
+                throw fault;
+            }
+            return { time: new Date().toISOString(), daemon: false, status: {} };
+        }
+    }
+
+    function events(on, onState) {
+        const ask = async () => {
+            try {
+                on('status', await status());
+                onState(true);
+            } catch (fault) {
+                onState(false, fault);
+            }
+        };
+        const signals = {
+            Visit: (args) => on('visit', toVisit(args)),
+            Hint: ([word]) => on('hint', { word }),
+            DoorChanged: ([state, cause]) => {
+                on('door', { state, cause });
+                ask();
+            },
+        };
+        const subscription = bus.subscribe((name, args) => signals[name]?.(args));
+        enrolment.listen((state) => on('enrolment', state));
+        const timer = setInterval(ask, SILENT_MS);
+        ask();
+        return {
+            close() {
+                clearInterval(timer);
+                subscription.remove();
+                enrolment.listen(() => {});
+            },
+        };
+    }
+
+    /* Words of what the camera sees, in the form of an outline without points. */
+    function outline(onRecord) {
+        const subscription = bus.subscribe((name, [view] = []) => {
+            if (name === 'View') {
+                const seen = bus.plain(view);
+                onRecord({ hint: seen.capture ?? '', distanceMm: seen['distance-mm'] ?? 0, verdict: '', outline: [],
+                    silhouette: new Uint8Array(600) });
+            }
+        });
+        bus.call('AimStart', []).catch(() => {});
+        return {
+            close() {
+                subscription.remove();
+                bus.call('AimStop', []).catch(() => {});
+            },
+        };
+    }
+
+    async function changePerson(name, change) {
+        let present = name;
+        if (change.name !== undefined && change.name !== name) {
+            await bus.call('RenamePerson', [name, change.name]);
+            present = change.name;
+        }
+        if (change.valid_from_s !== undefined || change.valid_until_s !== undefined) {
+            await bus.call('SetValidity', [present, bus.options(change)], 'sa{sv}');
+        }
+    }
+
+    /* ReadLog reads forwards from a number; the page asks for what is before one. */
+    async function log({ before, from, max = 100 }) {
+        const last = seconds((await bus.values('GetStatus'))['log-sequence']);
+        const begin = from ?? Math.max(1, (before ?? last + 1) - max);
+        const count = before === undefined ? max : Math.min(max, before - begin);
+        const [lines] = count > 0 ? await bus.call('ReadLog', [begin, count], 'tu') : [[]];
+        return { last, records: lines.map((line) => JSON.parse(line)).filter((record) => before === undefined || record.sequence < before) };
+    }
+
+    async function verifyLog() {
+        const [sound, first, last, head, flaw_at, flaw] = await bus.call('VerifyLog', [0, ''], 'ts', 600000);
+        return { sound, first, last, head, flaw_at, flaw };
+    }
+
+    /* What the command line tool finds, which knows the remedies. */
+    async function health() {
+        let text;
+        try {
+            text = await cockpit.spawn(['isotherm', 'doctor', '--json'], { superuser: 'try', err: 'ignore' });
+        } catch (error) {
+            text = error?.message ?? '';
+        }
+        const found = await bus.doctor(text);
+        const { version } = await bus.values('GetStatus').catch(() => ({}));
+        return { healthy: found.healthy === true, checks: found.checks ?? [], version };
+    }
+
+    return {
+        kind: 'cockpit',
+        can: { accounts: false, outline: false, relief: false, settings: false, login: false },
+        onLoginRequired() {},
+        async session() {
+            account = (await cockpit.user()).name;
+            enrolment.account = account;
+            await bus.values('GetStatus').catch((fault) => {
+                if (fault.code === 'not-allowed') {
+                    throw fault;
+                }
+            });
+            role = await findRole(bus);
+            return { account, role };
+        },
+        status,
+        health,
+        setLockdown: (on) => bus.call('SetLockdown', [on], 'b'),
+        clearLockout: () => bus.call('ClearLockout', []),
+        people: async () => ({ people: (await bus.call('ListPeople', []))[0].map(toPerson), log_read: true }),
+        changePerson,
+        removePerson: (name) => bus.call('DeletePerson', [name], 's'),
+        enrolment: async () => enrolment.state,
+        beginEnrolment: (wish) => enrolment.begin(wish, role === 'administrator'),
+        endEnrolment: () => enrolment.end(),
+        log,
+        verifyLog,
+        events,
+        outline,
+        relief: () => ({ close() {} }),
+    };
+}
