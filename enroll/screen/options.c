@@ -14,6 +14,7 @@ static const char usage[] =
     "  --place NAME         the name of the place, above the clock\n"
     "  --show-names         greet people who are let in by their names\n"
     "  --rotate DEGREES     turn the picture clockwise: 0, 90, 180 or 270 (0)\n"
+    "  --fingerprint FILE   show the fingerprint of the web server in FILE\n"
     "  --device FILE        graphics card (the first with a monitor)\n"
     "  --png DIR            write pictures to DIR, and use no monitor\n"
     "  --size WIDTHxHEIGHT  of these pictures, pixels (800x480)\n"
@@ -28,6 +29,7 @@ enum choice {
     PLACE,
     SHOW_NAMES,
     ROTATE,
+    FINGERPRINT,
     DEVICE,
     PNG,
     SIZE,
@@ -44,6 +46,7 @@ static const struct option longs[] = {
     {"place", required_argument, NULL, PLACE},
     {"show-names", no_argument, NULL, SHOW_NAMES},
     {"rotate", required_argument, NULL, ROTATE},
+    {"fingerprint", required_argument, NULL, FINGERPRINT},
     {"device", required_argument, NULL, DEVICE},
     {"png", required_argument, NULL, PNG},
     {"size", required_argument, NULL, SIZE},
@@ -102,6 +105,9 @@ static int take(int option, const char *value, struct screen_options *out)
     case SHOW_NAMES:
         out->show_names = true;
         return 0;
+    case FINGERPRINT:
+        out->fingerprint = value;
+        return 0;
     case DEVICE:
         out->device = value;
         return 0;
@@ -145,6 +151,7 @@ int screen_options_read(int argc, char **argv, struct screen_options *out)
         .language = "en",
         .place = "",
         .catalogues = ISOTHERM_LOCALE_DIR,
+        .fingerprint = "",
         .device = "",
         .png = "",
         .width_px = 800,

@@ -13,6 +13,7 @@ struct screen_options {
     const char *png;         /* a directory for pictures instead of a monitor; "" */
     int width_px, height_px; /* of the pictures */
     int rotate;              /* 0, 90, 180, 270 degrees clockwise */
+    const char *fingerprint; /* the file of the web server's fingerprint; "": none */
     bool verbose;            /* print what is shown, but no names */
     bool show_names;
     int seconds; /* end after this time; 0: never */
