@@ -90,35 +90,42 @@ static bool read_size(const char *text, struct screen_options *out)
            read_number(by + 1, 16, 4096, &out->height_px);
 }
 
-static int take(int option, const char *value, struct screen_options *out)
+/* Where an option without further rules is kept; NULL for the others. */
+static const char **text_of(int option, struct screen_options *out)
 {
     switch (option) {
     case LANGUAGE:
-        out->language = value;
-        return 0;
+        return &out->language;
     case PLACE:
-        out->place = value;
+        return &out->place;
+    case FINGERPRINT:
+        return &out->fingerprint;
+    case DEVICE:
+        return &out->device;
+    case PNG:
+        return &out->png;
+    case BUS:
+        return &out->bus;
+    case CATALOGUES:
+        return &out->catalogues;
+    default:
+        return NULL;
+    }
+}
+
+static int take(int option, const char *value, struct screen_options *out)
+{
+    const char **text = text_of(option, out);
+    if (text) {
+        *text = value;
         return 0;
+    }
+    switch (option) {
     case VERBOSE:
         out->verbose = true;
         return 0;
     case SHOW_NAMES:
         out->show_names = true;
-        return 0;
-    case FINGERPRINT:
-        out->fingerprint = value;
-        return 0;
-    case DEVICE:
-        out->device = value;
-        return 0;
-    case PNG:
-        out->png = value;
-        return 0;
-    case BUS:
-        out->bus = value;
-        return 0;
-    case CATALOGUES:
-        out->catalogues = value;
         return 0;
     case ROTATE:
         return read_number(value, 0, 270, &out->rotate) && out->rotate % 90 == 0

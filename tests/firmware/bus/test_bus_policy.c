@@ -104,11 +104,11 @@ static void replace(char *text, size_t size, const char *from, const char *to)
 /* The text of a policy, with room for as much again. The caller frees it. */
 static char *read_policy(const char *path, size_t *size)
 {
-    char *file = scratch_read(path, size);
-    char *text = calloc(1, 2 * *size);
+    char *file = scratch_read_text(path);
+    *size = 2 * strlen(file) + 1;
+    char *text = calloc(1, *size);
     assert_non_null(text);
-    memcpy(text, file, *size);
-    *size *= 2;
+    (void)snprintf(text, *size, "%s", file);
     free(file);
     return text;
 }
