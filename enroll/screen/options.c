@@ -14,6 +14,7 @@ static const char usage[] =
     "  --place NAME         the name of the place, above the clock\n"
     "  --show-names         greet people who are let in by their names\n"
     "  --rotate DEGREES     turn the picture clockwise: 0, 90, 180 or 270 (0)\n"
+    "  --fingerprint FILE   show the fingerprint of the web server in FILE\n"
     "  --device FILE        graphics card (the first with a monitor)\n"
     "  --png DIR            write pictures to DIR, and use no monitor\n"
     "  --window             use a window on a desktop, and no monitor\n"
@@ -30,6 +31,7 @@ enum choice {
     PLACE,
     SHOW_NAMES,
     ROTATE,
+    FINGERPRINT,
     DEVICE,
     PNG,
     WINDOW,
@@ -48,6 +50,7 @@ static const struct option longs[] = {
     {"place", required_argument, NULL, PLACE},
     {"show-names", no_argument, NULL, SHOW_NAMES},
     {"rotate", required_argument, NULL, ROTATE},
+    {"fingerprint", required_argument, NULL, FINGERPRINT},
     {"device", required_argument, NULL, DEVICE},
     {"png", required_argument, NULL, PNG},
     {"window", no_argument, NULL, WINDOW},
@@ -101,6 +104,8 @@ static const char **text_of(int option, struct screen_options *out)
         return &out->language;
     case PLACE:
         return &out->place;
+    case FINGERPRINT:
+        return &out->fingerprint;
     case DEVICE:
         return &out->device;
     case PNG:
@@ -184,6 +189,7 @@ int screen_options_read(int argc, char **argv, struct screen_options *out)
         .language = "en",
         .place = "",
         .catalogues = ISOTHERM_LOCALE_DIR,
+        .fingerprint = "",
         .device = "",
         .png = "",
         .width_px = 800,

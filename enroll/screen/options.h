@@ -15,6 +15,7 @@ struct screen_options {
     bool speak;              /* say aloud what is shown */
     int width_px, height_px; /* of the pictures or the window */
     int rotate;              /* 0, 90, 180, 270 degrees clockwise */
+    const char *fingerprint; /* the file of the web server's fingerprint; "": none */
     bool verbose;            /* print what is shown, but no names */
     bool show_names;
     int seconds; /* end after this time; 0: never */

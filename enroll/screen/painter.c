@@ -4,14 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "enroll/screen/draw/picture.h"
 #include "enroll/screen/language/language.h"
 
 void screen_paint_surface(cairo_surface_t *surface, int rotate, const struct screen_scene *scene,
-                          const char *place, const char *clock, const char *date,
-                          bool right_to_left)
+                          const struct screen_look *look)
 {
-    const struct screen_look look = {place, clock, date, right_to_left};
     const int width = cairo_image_surface_get_width(surface);
     const int height = cairo_image_surface_get_height(surface);
     const bool turned = rotate % 180 != 0;
@@ -19,7 +16,7 @@ void screen_paint_surface(cairo_surface_t *surface, int rotate, const struct scr
     cairo_translate(cairo, 0.5 * width, 0.5 * height);
     cairo_rotate(cairo, rotate * M_PI / 180.0);
     cairo_translate(cairo, -0.5 * (turned ? height : width), -0.5 * (turned ? width : height));
-    screen_picture_draw(cairo, turned ? height : width, turned ? width : height, scene, &look);
+    screen_picture_draw(cairo, turned ? height : width, turned ? width : height, scene, look);
     cairo_destroy(cairo);
 }
 
@@ -38,23 +35,31 @@ void screen_painter_paint(struct screen_painter *painter, const struct screen_st
 {
     char clock[sizeof painter->clock] = "";
     char date[sizeof painter->date] = "";
+    const char *fingerprint = "";
     struct tm local;
+    const struct screen_options *options = painter->options;
     const struct screen_scene scene = screen_scene_of(&painter->memory, state, now_ns);
     if (scene.kind == SCREEN_IDLE && localtime_r(&time_of_day, &local)) {
         (void)strftime(clock, sizeof clock, "%H:%M", &local);
         (void)strftime(date, sizeof date, "%Y-%m-%d", &local);
+        fingerprint = screen_fingerprint_look(&painter->fingerprint, options->fingerprint, now_ns);
     }
     if (!anew && painter->drawn && is_same(&scene, &painter->shown) &&
-        strcmp(clock, painter->clock) == 0) {
+        strcmp(clock, painter->clock) == 0 && strcmp(fingerprint, painter->print) == 0) {
         return;
     }
     cairo_surface_t *surface = painter->display.ops->begin(painter->display.self);
     if (!surface) {
         return;
     }
-    const struct screen_options *options = painter->options;
-    screen_paint_surface(surface, options->rotate, &scene, options->place, clock, date,
-                         screen_language_is_right_to_left(options->language));
+    const struct screen_look look = {
+        .place = options->place,
+        .clock = clock,
+        .date = date,
+        .fingerprint = fingerprint,
+        .right_to_left = screen_language_is_right_to_left(options->language),
+    };
+    screen_paint_surface(surface, options->rotate, &scene, &look);
     painter->drawn = painter->display.ops->show(painter->display.self) == 0;
     painter->pictures += painter->drawn;
     if (options->verbose && (scene.kind != painter->shown.kind ||
@@ -64,4 +69,5 @@ void screen_painter_paint(struct screen_painter *painter, const struct screen_st
     }
     painter->shown = scene;
     memcpy(painter->clock, clock, sizeof clock);
+    memmove(painter->print, fingerprint, strlen(fingerprint) + 1);
 }

@@ -5,6 +5,8 @@
 #include <time.h>
 
 #include "enroll/screen/display/display.h"
+#include "enroll/screen/draw/picture.h"
+#include "enroll/screen/fingerprint.h"
 #include "enroll/screen/options.h"
 #include "enroll/screen/scene/scene.h"
 
@@ -15,8 +17,10 @@ struct screen_painter {
     struct screen_display display;
     const struct screen_options *options;
     struct screen_scene_memory memory;
-    struct screen_scene shown; /* what is on the display */
-    char clock[16], date[32];  /* the same */
+    struct screen_scene shown;           /* what is on the display */
+    char clock[16], date[32];            /* the same */
+    char print[SCREEN_FINGERPRINT_SIZE]; /* the same: the fingerprint of the web server */
+    struct screen_fingerprint fingerprint;
     bool drawn;
     unsigned pictures; /* how many were shown */
 };
@@ -28,7 +32,6 @@ void screen_painter_paint(struct screen_painter *painter, const struct screen_st
 
 /* Draws on a surface of any size, turned clockwise. */
 void screen_paint_surface(cairo_surface_t *surface, int rotate, const struct screen_scene *scene,
-                          const char *place, const char *clock, const char *date,
-                          bool right_to_left);
+                          const struct screen_look *look);
 
 #endif

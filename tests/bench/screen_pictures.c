@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "enroll/screen/draw/picture.h"
 #include "enroll/screen/language/language.h"
 #include "enroll/screen/painter.h"
 
@@ -40,6 +41,8 @@ int main(int argc, char **argv)
     }
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, atoi(argv[1]),
                                                           atoi(argv[2]));
+    const struct screen_look look = {
+        .place = "Isotherm", .clock = "", .date = "", .fingerprint = ""};
     struct screen_scene_memory memory = {.hint = NULL};
     struct screen_state state = {
         .connected = true, .sees = true, .mode = "watch", .has_record = true};
@@ -53,7 +56,7 @@ int main(int argc, char **argv)
             fprintf(stderr, "the scene is not that of a person before the camera\n");
             return 1;
         }
-        screen_paint_surface(surface, 0, &scene, "Isotherm", "", "", false);
+        screen_paint_surface(surface, 0, &scene, &look);
     }
     cairo_surface_destroy(surface);
     return 0;

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs the appliance from the packages, or by `make install`, in a fresh Debian that systemd boots. Then it checks that the appliance
 # starts, enrols, lets in and refuses, that it keeps its state over restart, reboot and upgrade, that it is confined, and that purging
-# removes all of its files.
+# removes all of its files. The web server is installed once the appliance runs, and is checked in the same ways.
 #
 #   first_start.sh packages DIR TAR      DIR: the packages of `make packages`
 #   first_start.sh tree BUILD TAR        BUILD: a configured and built tree whose prefix is /usr/local
@@ -15,10 +15,11 @@ from=$(cd "$2" && pwd)
 tar=$3
 story_scratch=$(mktemp -d)
 install='apt-get install -q -y --no-install-recommends'
-installed_packages='isotherm isotherm-data libisotherm0 isotherm-board-pc-usb'
+installed_packages='isotherm isotherm-data libisotherm0 isotherm-board-pc-usb isotherm-web'
 . "$here/container.sh"
 . "$here/story.sh"
 . "$here/say.sh"
+. "$here/web_story.sh"
 
 # apt WHAT COMMAND...: runs COMMAND, and shows its output only if it fails
 apt() {
@@ -42,7 +43,7 @@ packages() {
 install_packages() {
     mkdir "$container_root/srv/packages"
     # shellcheck disable=SC2046
-    cp $(packages isotherm isotherm-data libisotherm0 isotherm-sim isotherm-board-pc-usb) "$container_root/srv/packages"
+    cp $(packages isotherm isotherm-data libisotherm0 isotherm-sim isotherm-board-pc-usb isotherm-web) "$container_root/srv/packages"
     in_root apt-get update -qq
     in_root dpkg-query -W -f '${Package}\n' | sort >"$story_scratch/before"
     apt 'installing isotherm' in_root sh -c "$install"' /srv/packages/isotherm_*.deb /srv/packages/isotherm-data_*.deb /srv/packages/libisotherm0_*.deb'
@@ -57,7 +58,7 @@ install_packages() {
 
 # Installs the dependencies of the packages, and the files that `make install` has put into a staging folder.
 install_tree() {
-    libraries=$(find "$from" -maxdepth 3 -type f -perm /111 \( -name isothermd -o -name isotherm -o -name 'isotherm-*.so' -o -name 'libisotherm.so.*' \) -exec objdump -p {} + |
+    libraries=$(find "$from" -maxdepth 3 -type f -perm /111 \( -name isothermd -o -name isotherm -o -name isotherm-web -o -name 'isotherm-*.so' -o -name 'libisotherm.so.*' \) -exec objdump -p {} + |
         awk '$1 == "NEEDED" { print $2 }' | sort -u | grep -v '^libisotherm' | while read -r library; do
         path=$(ldconfig -p | awk -v name="$library" '$1 == name { print $NF; exit }')
         dpkg -S "$(readlink -f "$path")" 2>/dev/null || dpkg -S "$path"
@@ -96,13 +97,23 @@ END
 
 # ---- the checks ----
 
+# The web server is off unless it is installed: until now nothing listens at its port.
+install_web() {
+    web_is_gone
+    case $way in
+    packages) apt 'installing isotherm-web' inside sh -c "$install"' /srv/packages/isotherm-web_*.deb' ;;
+    tree) inside systemctl --quiet enable --now isotherm-web.service || die 'the unit of the web server does not start' ;;
+    esac
+    web_works
+}
+
 everything_works() {
     others_are_refused
     p01_is_enrolled
     p01_is_let_in
     a_stranger_is_refused
     p01_is_let_in
-    exposure 1.3
+    exposure 1.3 isothermd.service
     the_door_is_real_time
     calls_are_filtered
     leave_open
@@ -124,6 +135,7 @@ state_is_lasting() {
     container_boot
     active_within 5
     state_is_kept 'a reboot'
+    web_is_back 'a reboot'
 }
 
 upgrade_keeps() {
@@ -133,10 +145,11 @@ upgrade_keeps() {
     done
     before=$(daemon_pid)
     apt 'the upgrade' inside sh -c "$install"' /srv/newer/isotherm_*.deb /srv/newer/isotherm-data_*.deb /srv/newer/libisotherm0_*.deb \
-        /srv/newer/isotherm-board-pc-usb_*.deb'
+        /srv/newer/isotherm-board-pc-usb_*.deb /srv/newer/isotherm-web_*.deb'
     wait_for 10 'the unit does not come back' unit_is active
     [ "$(daemon_pid)" != "$before" ] || die 'the upgrade does not restart the daemon'
     state_is_kept 'an upgrade'
+    web_is_back 'an upgrade'
 }
 
 state_files() {
@@ -149,6 +162,7 @@ removal_keeps_people() {
     # shellcheck disable=SC2086
     apt 'the removal' inside apt-get remove -q -y $installed_packages
     [ -z "$(inside find /proc -maxdepth 2 -name exe -lname '*/isothermd*' 2>/dev/null)" ] || die 'the daemon outlives the removal of its package'
+    web_is_gone
     apt 'the purge' inside apt-get purge -q -y isotherm
     state_files | cmp -s - "$story_scratch/state" || die 'purging removes people without a question'
     say 'removing and purging keep the people if the package manager cannot ask'
@@ -185,6 +199,7 @@ fi
 active_within 5
 add_users
 everything_works
+install_web
 state_is_lasting
 if [ "$way" = packages ]; then
     upgrade_keeps
@@ -196,4 +211,4 @@ if [ "$way" = packages ]; then
     purge_leaves_nothing
 fi
 container_halt
-say 'the installed appliance opens the door'
+say 'the installed appliance opens the door, and shows it in a browser'

@@ -10,6 +10,7 @@ die() {
     [ -z "$container_nspawn" ] || {
         inside systemctl --no-pager --full status isothermd || true
         inside journalctl --no-pager --unit isothermd | tail -n 20 || true
+        inside journalctl --no-pager --unit isotherm-web.service | tail -n 20 || true
     } >&2
     exit 1
 }

@@ -170,12 +170,12 @@ leave_open() {
     wait_for 10 'the unit does not come back' unit_is active
 }
 
-# exposure MOST
+# exposure MOST UNIT
 exposure() {
-    story_level=$(inside systemd-analyze security --no-pager isothermd | sed -n 's/.*Overall exposure level[^:]*: \([0-9.]*\) .*/\1/p')
+    story_level=$(inside systemd-analyze security --no-pager "$2" | sed -n 's/.*Overall exposure level[^:]*: \([0-9.]*\) .*/\1/p')
     awk -v level="$story_level" -v most="$1" 'BEGIN { exit !(level != "" && level + 0 <= most) }' ||
-        die "systemd-analyze security: '$story_level', at most $1 is allowed"
-    say "systemd-analyze security: exposure $story_level (at most $1)"
+        die "systemd-analyze security $2: '$story_level', at most $1 is allowed"
+    say "systemd-analyze security $2: exposure $story_level (at most $1)"
 }
 
 # thread_policy NAME: prints priority and policy of a thread of the daemon; "20 1" is SCHED_FIFO with priority 20, "0 0" is an ordinary

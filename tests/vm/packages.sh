@@ -71,5 +71,5 @@ calls_are_filtered
 leave_open
 files_are_restricted
 journalctl --no-pager --unit isothermd | grep -q 'memory is not locked' && die 'the memory is not locked'
-exposure 1.3
+exposure 1.3 isothermd.service
 say 'the packages open the door of a machine'

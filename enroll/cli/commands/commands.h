@@ -6,6 +6,7 @@
 #include "enroll/cli/arguments/arguments.h"
 #include "enroll/cli/client/daemon.h"
 #include "enroll/cli/client/fault.h"
+#include "enroll/cli/machine/places.h"
 
 enum cli_exit cli_enroll(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                          struct cli_fault *fault);
@@ -49,5 +50,9 @@ enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault
 
 /* Needs no connection to the daemon, because it starts the daemon. */
 enum cli_exit cli_setup(const struct cli_arguments *arguments, struct cli_fault *fault);
+
+/* Needs no connection to the daemon either: it asks the program isotherm-web. */
+enum cli_exit cli_web(const struct cli_web_places *places, const struct cli_arguments *arguments,
+                      struct cli_fault *fault);
 
 #endif

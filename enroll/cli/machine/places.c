@@ -1,5 +1,11 @@
 #include "enroll/cli/machine/places.h"
 
+const struct cli_web_places cli_web_installed = {
+    .program = ISOTHERM_WEB,
+    .systemctl = "/usr/bin/systemctl",
+    .root = true,
+};
+
 const struct cli_setup_places cli_setup_installed = {
     .config = ISOTHERM_CONFIG,
     .boards = ISOTHERM_SHARE "/boards",

@@ -1,5 +1,5 @@
-/* The paths that `isotherm setup` reads and writes. The installed program has one set of them;
- * tests have their own. */
+/* The paths that `isotherm setup` and `isotherm web` use. The installed program has one set of
+ * them; tests have their own. */
 #ifndef CLI_MACHINE_PLACES_H
 #define CLI_MACHINE_PLACES_H
 
@@ -20,7 +20,14 @@ struct cli_setup_places {
     int daemon_wait_s;      /* longest wait for the daemon on the bus, once its unit is active */
 };
 
+struct cli_web_places {
+    const char *program;   /* isotherm-web */
+    const char *systemctl; /* knows where the web server listens */
+    bool root;             /* only root may read the state of the web server */
+};
+
 /* The paths of the installed program. */
+extern const struct cli_web_places cli_web_installed;
 extern const struct cli_setup_places cli_setup_installed;
 
 #endif

@@ -71,20 +71,64 @@ static const char *translated(const char *text)
     return text && *text ? gettext(text) : "";
 }
 
-/* The clock and the name of the place over the whole screen. */
+/* The fingerprint in lines of as many bytes as fit the screen: people compare it group by group. */
+static void break_fingerprint(const char *fingerprint, size_t bytes_of_line, char *lines,
+                              size_t size)
+{
+    const size_t line = 3 * bytes_of_line;
+    size_t n = 0;
+    for (size_t i = 0; fingerprint[i] && n + 2 < size; i++) {
+        lines[n++] = fingerprint[i];
+        if ((i + 1) % line == 0) {
+            lines[n++] = '\n';
+        }
+    }
+    lines[n] = '\0';
+}
+
+/* Draws label and fingerprint, small, at the lower edge. Returns the height that they take. */
+static double draw_fingerprint(cairo_t *cairo, const struct layout *layout, double width,
+                               double height, const struct screen_palette *palette,
+                               const char *fingerprint)
+{
+    char lines[160];
+    const double margin = 0.04 * layout->unit;
+    const double inner = width - 2 * margin;
+    if (!*fingerprint) {
+        return 0.0;
+    }
+    break_fingerprint(fingerprint, layout->upright ? 8 : 16, lines, sizeof lines);
+    const struct screen_text label = {translated(N_("Certificate of the web server (SHA-256)")),
+                                      layout->unit / 30.0, false, true};
+    const struct screen_text print = {lines, layout->unit / 30.0, false, true};
+    const struct screen_box box = {margin, 0, inner, 0.12 * height};
+    const double low = screen_text_height(cairo, &print, &box);
+    const double above = screen_text_height(cairo, &label, &box);
+    const double top = height - margin - low - above;
+    set_colour(cairo, palette->quiet);
+    (void)screen_text_draw(cairo, &label, &(struct screen_box){margin, top, inner, above + 1.0});
+    (void)screen_text_draw(cairo, &print,
+                           &(struct screen_box){margin, top + above, inner, low + 1.0});
+    return low + above;
+}
+
+/* The clock and the name of the place over the whole screen. A fingerprint moves them up. */
 static void draw_idle(cairo_t *cairo, const struct layout *layout, double width, double height,
                       const struct screen_palette *palette, const struct screen_scene *scene,
                       const struct screen_look *look)
 {
     const double margin = 0.08 * layout->unit;
     const double inner = width - 2 * margin;
-    const struct screen_text clock = {look->clock, 0.34 * layout->unit, true, true};
+    const double below = draw_fingerprint(cairo, layout, width, height, palette, look->fingerprint);
+    const bool moved = below > 0.0;
+    const struct screen_text clock = {look->clock, (moved ? 0.26 : 0.34) * layout->unit, true,
+                                      true};
     const struct screen_text date = {look->date, layout->unit / 15.0, false, true};
     const struct screen_text place = {look->place, layout->unit / 13.5, false, true};
     const struct screen_text advice = {translated(scene->advice), layout->unit / 13.5, false, true};
     const struct screen_box whole = {margin, margin, inner, 0.4 * height};
     const double tall = screen_text_height(cairo, &clock, &whole);
-    const double top = 0.46 * height - 0.5 * tall;
+    const double top = (moved ? 0.36 : 0.46) * height - 0.5 * tall;
     set_colour(cairo, palette->quiet);
     (void)screen_text_draw(cairo, &place,
                            &(struct screen_box){margin, margin, inner, top - margin});
@@ -94,10 +138,11 @@ static void draw_idle(cairo_t *cairo, const struct layout *layout, double width,
     (void)screen_text_draw(cairo, &date,
                            &(struct screen_box){margin, top + tall, inner, 0.1 * height});
     set_colour(cairo, palette->accent);
-    const struct screen_box end = {margin, 0, inner, 0.24 * height};
+    const struct screen_box end = {margin, 0, inner, (moved ? 0.13 : 0.24) * height};
     const double low = screen_text_height(cairo, &advice, &end);
-    (void)screen_text_draw(cairo, &advice,
-                           &(struct screen_box){margin, height - margin - low, inner, low + 1.0});
+    (void)screen_text_draw(
+        cairo, &advice,
+        &(struct screen_box){margin, height - margin - below - low, inner, low + 1.0});
 }
 
 static void draw_scene(cairo_t *cairo, const struct layout *layout,

@@ -13,10 +13,11 @@
 #include "enroll/screen/scene/scene.h"
 
 struct screen_look {
-    const char *place;  /* the name of the place, UTF-8; "": none */
-    const char *clock;  /* the time of day as it is shown, such as "14:05" */
-    const char *date;   /* the date; "": none */
-    bool right_to_left; /* the direction of the language */
+    const char *place;       /* the name of the place, UTF-8; "": none */
+    const char *clock;       /* the time of day as it is shown, such as "14:05" */
+    const char *date;        /* the date; "": none */
+    const char *fingerprint; /* of the web server's certificate: "AB:CD:..."; "": none */
+    bool right_to_left;      /* the direction of the language */
 };
 
 /* Draws the whole picture, width x height pixels. */

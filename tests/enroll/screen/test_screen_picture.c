@@ -79,16 +79,28 @@ static void tell_stories(struct story stories[STORIES])
     stories[9].state.connected = false;
 }
 
-static cairo_surface_t *draw(const struct screen_state *state, const char *language, int width,
-                             int height, int rotate)
+static cairo_surface_t *draw_with(const struct screen_state *state, const char *language, int width,
+                                  int height, int rotate, const char *fingerprint)
 {
+    const struct screen_look look = {
+        .place = "Isotherm",
+        .clock = "14:05",
+        .date = "2026-11-24",
+        .fingerprint = fingerprint,
+        .right_to_left = screen_language_is_right_to_left(language),
+    };
     struct screen_scene_memory memory = {.hint = NULL};
     const struct screen_scene scene = screen_scene_of(&memory, state, NOW);
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
-    screen_paint_surface(surface, rotate, &scene, "Isotherm", "14:05", "2026-11-24",
-                         screen_language_is_right_to_left(language));
+    screen_paint_surface(surface, rotate, &scene, &look);
     cairo_surface_flush(surface);
     return surface;
+}
+
+static cairo_surface_t *draw(const struct screen_state *state, const char *language, int width,
+                             int height, int rotate)
+{
+    return draw_with(state, language, width, height, rotate, "");
 }
 
 static uint32_t pixel(cairo_surface_t *surface, int x, int y)
@@ -134,15 +146,17 @@ static void write_picture(cairo_surface_t *surface, const char *language, const 
     }
 }
 
+enum { SIZES = 5 };
+static const int sizes[SIZES][2] = {{320, 240}, {240, 320}, {800, 480}, {480, 800}, {1920, 1080}};
+
 static void every_state_fits_in_every_language_and_size(void **state)
 {
-    static const int sizes[][2] = {{320, 240}, {240, 320}, {800, 480}, {480, 800}, {1920, 1080}};
     static struct story stories[STORIES];
     (void)state;
     tell_stories(stories);
     for (const char *const *language = screen_languages; *language; language++) {
         assert_int_equal(screen_language_set(*language, CATALOGUES), 0);
-        for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+        for (size_t s = 0; s < SIZES; s++) {
             for (int i = 0; i < STORIES; i++) {
                 cairo_surface_t *surface = draw(&stories[i].state, *language, sizes[s][0],
                                                 sizes[s][1], 0);
@@ -150,6 +164,45 @@ static void every_state_fits_in_every_language_and_size(void **state)
                 write_picture(surface, *language, stories[i].name, sizes[s][0]);
                 cairo_surface_destroy(surface);
             }
+        }
+    }
+}
+
+/* The number of bands of ink that empty rows separate from each other. */
+static int bands(cairo_surface_t *surface)
+{
+    const int w = cairo_image_surface_get_width(surface);
+    int n = 0;
+    bool inked = false;
+    for (int y = 0; y < cairo_image_surface_get_height(surface); y++) {
+        const bool ink_here = ink(surface, 0, y, w, y + 1) > 0.0;
+        n += ink_here && !inked;
+        inked = ink_here;
+    }
+    return n;
+}
+
+/* Place, clock, date, advice and fingerprint stand one below the other and do not touch. */
+static void the_fingerprint_fits_below_the_rest(void **state)
+{
+    static const char print[] = "D0:D1:D2:D3:D4:D5:D6:D7:D8:D9:DA:DB:DC:DD:DE:DF:"
+                                "B0:B1:B2:B3:B4:B5:B6:B7:B8:B9:BA:BB:BC:BD:BE:BF";
+    static struct story stories[STORIES];
+    (void)state;
+    tell_stories(stories);
+    for (const char *const *language = screen_languages; *language; language++) {
+        assert_int_equal(screen_language_set(*language, CATALOGUES), 0);
+        for (size_t s = 0; s < SIZES; s++) {
+            const int w = sizes[s][0], h = sizes[s][1];
+            cairo_surface_t *with = draw_with(&stories[0].state, *language, w, h, 0, print);
+            cairo_surface_t *without = draw(&stories[0].state, *language, w, h, 0);
+            check_borders(with);
+            write_picture(with, *language, "idle-fingerprint", w);
+            assert_true(bands(without) >= 4);
+            assert_true(bands(with) >= 5);
+            assert_true(ink(without, 0, h - h / 20, w, h) == 0.0);
+            cairo_surface_destroy(with);
+            cairo_surface_destroy(without);
         }
     }
 }
@@ -240,6 +293,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_state_fits_in_every_language_and_size),
+        cmocka_unit_test(the_fingerprint_fits_below_the_rest),
         cmocka_unit_test(a_turned_screen_shows_the_same_picture),
         cmocka_unit_test(arabic_changes_the_sides),
         cmocka_unit_test(the_fonts_have_the_letters),

@@ -1,9 +1,10 @@
-/* Which client may call which method of the daemon: the installed policy on a private bus, a
- * stand-in for the daemon that answers every call, and clients in the groups of the policy.
- * Existing groups of Debian replace the groups of the policy. The test needs root, because it
- * changes its user. */
+/* Which client may call which method of the daemon: the installed policies on a private bus, a
+ * stand-in for the daemon that answers every call, and clients in the groups of the policy, and one
+ * that is the web server. Existing groups and users of Debian replace those of the policies. The
+ * test needs root, because it changes its user. */
 #include <errno.h>
 #include <grp.h>
+#include <pwd.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,7 +21,9 @@
 #include "tests/support/programs/private_bus.h"
 #include "tests/support/scratch.h"
 
-#define POLICY ISOTHERM_SOURCE_DIR "/board/generic/org.isotherm.Isotherm.conf"
+#define POLICY     ISOTHERM_SOURCE_DIR "/board/generic/org.isotherm.Isotherm.conf"
+#define WEB_POLICY ISOTHERM_SOURCE_DIR "/board/generic/org.isotherm.Web.conf"
+#define WEB_USER   "www-data" /* takes the place of isotherm-web */
 
 enum { NOBODY_UID = 65534, ALLOWED = 0, DENIED = 1, CONFUSED = 2 };
 
@@ -31,37 +34,54 @@ static const char *const groups[][2] = {
     {"isotherm", "floppy"},
 };
 
-enum rank { OBSERVE = 0, IDENTIFY, ENROLL, ADMINISTER, NO_GROUP };
+/* The one method of another interface; libsystemd answers it in the daemon. */
+#define INTROSPECT "Introspect"
+
+enum rank { OBSERVE = 0, IDENTIFY, ENROLL, ADMINISTER, NO_GROUP, WEB_SERVER, RANKS };
+
+static const char *const ranks[RANKS] = {
+    "isotherm-observe", "isotherm-identify", "isotherm-enroll", "isotherm",
+    "nobody",           "isotherm-web",
+};
 
 static const struct {
     const char *method;
-    bool may[NO_GROUP + 1];
+    bool may[RANKS];
 } rules[] = {
-    {ISO_CONTRACT_GET_STATUS, {true, true, true, true, false}},
-    {ISO_CONTRACT_GET_SITE, {true, true, true, true, false}},
-    {ISO_CONTRACT_LIST_LOOK_ALIKES, {false, false, true, true, false}},
-    {ISO_CONTRACT_RESET_SITE, {false, false, false, true, false}},
-    {ISO_CONTRACT_ROLL_BACK_SITE, {false, false, false, true, false}},
-    {ISO_CONTRACT_RECORD_ACT, {false, false, false, true, false}},
-    {ISO_CONTRACT_AIM_START, {true, false, false, true, false}},
-    {ISO_CONTRACT_AIM_STOP, {true, false, false, true, false}},
-    {ISO_CONTRACT_CLAIM, {false, true, true, true, false}},
-    {ISO_CONTRACT_RELEASE, {false, true, true, true, false}},
-    {ISO_CONTRACT_IDENTIFY_START, {false, true, false, true, false}},
-    {ISO_CONTRACT_IDENTIFY_STOP, {false, true, false, true, false}},
-    {ISO_CONTRACT_VERIFY_START, {false, true, false, true, false}},
-    {ISO_CONTRACT_VERIFY_STOP, {false, true, false, true, false}},
-    {ISO_CONTRACT_ENROLL_START, {false, false, true, true, false}},
-    {ISO_CONTRACT_ENROLL_STOP, {false, false, true, true, false}},
-    {ISO_CONTRACT_LIST_PEOPLE, {false, false, true, true, false}},
-    {ISO_CONTRACT_DELETE_PERSON, {false, false, false, true, false}},
-    {ISO_CONTRACT_SET_VALIDITY, {false, false, false, true, false}},
-    {ISO_CONTRACT_RENAME_PERSON, {false, false, false, true, false}},
-    {ISO_CONTRACT_READ_LOG, {false, false, false, true, false}},
-    {ISO_CONTRACT_CLEAR_LOCKOUT, {false, false, false, true, false}},
-    {ISO_CONTRACT_PICTURE, {false, false, false, true, false}},
-    {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false}},
-    {ISO_CONTRACT_TEST_DOOR, {false, false, false, true, false}},
+    {INTROSPECT, {true, true, true, true, false, false}},
+    {ISO_CONTRACT_GET_STATUS, {true, true, true, true, false, true}},
+    {ISO_CONTRACT_GET_SITE, {true, true, true, true, false, true}},
+    {ISO_CONTRACT_LIST_LOOK_ALIKES, {false, false, true, true, false, false}},
+    {ISO_CONTRACT_RESET_SITE, {false, false, false, true, false, false}},
+    {ISO_CONTRACT_ROLL_BACK_SITE, {false, false, false, true, false, false}},
+    {ISO_CONTRACT_RECORD_ACT, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_AIM_START, {true, false, false, true, false, false}},
+    {ISO_CONTRACT_AIM_STOP, {true, false, false, true, false, false}},
+    {ISO_CONTRACT_CLAIM, {false, true, true, true, false, true}},
+    {ISO_CONTRACT_RELEASE, {false, true, true, true, false, true}},
+    {ISO_CONTRACT_IDENTIFY_START, {false, true, false, true, false, false}},
+    {ISO_CONTRACT_IDENTIFY_STOP, {false, true, false, true, false, false}},
+    {ISO_CONTRACT_VERIFY_START, {false, true, false, true, false, false}},
+    {ISO_CONTRACT_VERIFY_STOP, {false, true, false, true, false, false}},
+    {ISO_CONTRACT_ENROLL_START, {false, false, true, true, false, true}},
+    {ISO_CONTRACT_ENROLL_STOP, {false, false, true, true, false, true}},
+    {ISO_CONTRACT_LIST_PEOPLE, {false, false, true, true, false, true}},
+    {ISO_CONTRACT_DELETE_PERSON, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_SET_VALIDITY, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_RENAME_PERSON, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_READ_LOG, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_CLEAR_LOCKOUT, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_PICTURE, {false, false, false, true, false, false}},
+    {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_TEST_DOOR, {false, false, false, true, false, false}},
+    {ISO_CONTRACT_WATCH, {true, false, false, true, false, true}},
+    {ISO_CONTRACT_WATCH_RELIEF, {false, false, true, true, false, true}},
+    {ISO_CONTRACT_VERIFY_LOG, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_EXPORT_PEOPLE, {false, false, false, true, false, false}},
+    {ISO_CONTRACT_IMPORT_PEOPLE, {false, false, false, true, false, false}},
+    {ISO_CONTRACT_ROTATE_KEYS, {false, false, false, true, false, false}},
+    {ISO_CONTRACT_GET_ADDRESS, {false, false, false, true, false, false}},
+    {"GetSettings", {false, false, false, true, false, true}},
 };
 
 enum { RULES = sizeof rules / sizeof *rules };
@@ -81,23 +101,40 @@ static void replace(char *text, size_t size, const char *from, const char *to)
     memcpy(at, to, strlen(to));
 }
 
+/* The text of a policy, with room for as much again. The caller frees it. */
+static char *read_policy(const char *path, size_t *size)
+{
+    char *file = scratch_read_text(path);
+    *size = 2 * strlen(file) + 1;
+    char *text = calloc(1, *size);
+    assert_non_null(text);
+    (void)snprintf(text, *size, "%s", file);
+    free(file);
+    return text;
+}
+
 static void write_policy(const char *path)
 {
     size_t size;
-    char *file = scratch_read(POLICY, &size);
-    char *text = calloc(1, 2 * size);
-    assert_non_null(text);
-    memcpy(text, file, size);
+    char *text = read_policy(POLICY, &size);
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
         char from[64], to[64];
         (void)snprintf(from, sizeof from, "<policy group=\"%s\">", groups[i][0]);
         (void)snprintf(to, sizeof to, "<policy group=\"%s\">", groups[i][1]);
-        replace(text, 2 * size, from, to);
+        replace(text, size, from, to);
     }
-    replace(text, 2 * size, "<policy user=\"isotherm\">", "<policy user=\"daemon\">");
+    replace(text, size, "<policy user=\"isotherm\">", "<policy user=\"daemon\">");
     scratch_write_text(path, text);
     free(text);
-    free(file);
+}
+
+static void write_web_policy(const char *path)
+{
+    size_t size;
+    char *text = read_policy(WEB_POLICY, &size);
+    replace(text, size, "<policy user=\"isotherm-web\">", "<policy user=\"" WEB_USER "\">");
+    scratch_write_text(path, text);
+    free(text);
 }
 
 /* ---- both ends ---- */
@@ -115,7 +152,7 @@ static int answer(sd_bus_message *message, void *context, sd_bus_error *error)
 {
     (void)context;
     (void)error;
-    return sd_bus_message_is_method_call(message, ISO_CONTRACT_INTERFACE, NULL)
+    return sd_bus_message_is_method_call(message, NULL, NULL)
                ? sd_bus_reply_method_return(message, NULL)
                : 0;
 }
@@ -142,11 +179,14 @@ static int group_setup(void **state)
     if (geteuid() != 0 || !private_bus_start(&private)) {
         return 0;
     }
-    char policy[128];
+    char policy[128], web_policy[128];
     (void)snprintf(policy, sizeof policy, "%s/policy.conf", private.directory);
+    (void)snprintf(web_policy, sizeof web_policy, "%s/web_policy.conf", private.directory);
     private_bus_kill(&private);
     write_policy(policy);
+    write_web_policy(web_policy);
     private_bus_include(&private, policy);
+    private_bus_include(&private, web_policy);
     assert_int_equal(chmod(private.directory, 0755), 0);
     assert_true(private_bus_revive(&private));
     assert_int_equal(pipe(ready), 0);
@@ -159,6 +199,7 @@ static int group_setup(void **state)
     assert_int_equal(read(ready[0], &byte, 1), 1);
     close(ready[0]);
     (void)unlink(policy);
+    (void)unlink(web_policy);
     return 0;
 }
 
@@ -173,27 +214,38 @@ static int group_teardown(void **state)
     return 0;
 }
 
-/* Runs in a child process, which becomes a client in this group. Writes one verdict for each rule.
+/* Becomes a user with no group but that of the rank; the web server is a user of its own. */
+static bool become(enum rank rank)
+{
+    uid_t uid = NOBODY_UID;
+    gid_t gid = NOBODY_UID;
+    if (rank == WEB_SERVER) {
+        const struct passwd *user = getpwnam(WEB_USER);
+        uid = user ? user->pw_uid : 0;
+    } else if (rank < NO_GROUP) {
+        const struct group *group = getgrnam(groups[rank][1]);
+        gid = group ? group->gr_gid : 0;
+    }
+    return uid && gid && !setgroups(1, &gid) && !setgid(NOBODY_UID) && !setuid(uid);
+}
+
+/* Runs in a child process, which becomes a client of this rank. Writes one verdict for each rule.
  */
-static void ask_all(enum rank group, uint8_t verdicts[RULES])
+static void ask_all(enum rank rank, uint8_t verdicts[RULES])
 {
     sd_bus *bus;
-    gid_t gid = NOBODY_UID;
-    const struct group *entry = group < NO_GROUP ? getgrnam(groups[group][1]) : NULL;
-    if (group < NO_GROUP && !entry) {
-        fprintf(stderr, "there is no group %s on this machine\n", groups[group][1]);
-        _exit(1);
-    }
-    gid = entry ? entry->gr_gid : gid;
-    if (setgroups(1, &gid) || setgid(NOBODY_UID) || setuid(NOBODY_UID) || !(bus = connect_bus())) {
-        fprintf(stderr, "cannot become a user of group %u on the bus: %s\n", (unsigned)gid,
+    if (!become(rank) || !(bus = connect_bus())) {
+        fprintf(stderr, "cannot become the client %s on the bus: %s\n", ranks[rank],
                 strerror(errno));
         _exit(1);
     }
     for (int i = 0; i < RULES; i++) {
         sd_bus_error error = SD_BUS_ERROR_NULL;
-        const int r = sd_bus_call_method(bus, ISO_CONTRACT_NAME, ISO_CONTRACT_PATH,
-                                         ISO_CONTRACT_INTERFACE, rules[i].method, &error, NULL, "");
+        const char *interface = strcmp(rules[i].method, INTROSPECT) == 0
+                                    ? "org.freedesktop.DBus.Introspectable"
+                                    : ISO_CONTRACT_INTERFACE;
+        const int r = sd_bus_call_method(bus, ISO_CONTRACT_NAME, ISO_CONTRACT_PATH, interface,
+                                         rules[i].method, &error, NULL, "");
         verdicts[i] = r >= 0 ? ALLOWED : CONFUSED;
         if (sd_bus_error_has_name(&error, SD_BUS_ERROR_ACCESS_DENIED)) {
             verdicts[i] = DENIED;
@@ -205,14 +257,14 @@ static void ask_all(enum rank group, uint8_t verdicts[RULES])
     }
 }
 
-static void expect_rights(enum rank group)
+static void expect_rights(enum rank rank)
 {
     uint8_t verdicts[RULES];
     struct child child;
     int out[2];
     assert_int_equal(pipe(out), 0);
     if (child_fork(&child, "a client that calls every method") == 0) {
-        ask_all(group, verdicts);
+        ask_all(rank, verdicts);
         _exit(write(out[1], verdicts, sizeof verdicts) != (ssize_t)sizeof verdicts);
     }
     close(out[1]);
@@ -220,28 +272,27 @@ static void expect_rights(enum rank group)
     assert_int_equal(read(out[0], verdicts, sizeof verdicts), sizeof verdicts);
     close(out[0]);
     for (int i = 0; i < RULES; i++) {
-        if (verdicts[i] != (rules[i].may[group] ? ALLOWED : DENIED)) {
-            fail_msg("%s: verdict %d for %s", rules[i].method, verdicts[i],
-                     group < NO_GROUP ? groups[group][0] : "nobody");
+        if (verdicts[i] != (rules[i].may[rank] ? ALLOWED : DENIED)) {
+            fail_msg("%s: verdict %d for %s", rules[i].method, verdicts[i], ranks[rank]);
         }
     }
 }
 
-static void each_group_may_call_its_methods(void **state)
+static void each_rank_may_call_its_methods(void **state)
 {
     (void)state;
     if (server <= 0) {
         print_message("skipped: needs root and a dbus-daemon\n");
         skip();
     }
-    for (int group = OBSERVE; group <= NO_GROUP; group++) {
-        expect_rights((enum rank)group);
+    for (int rank = OBSERVE; rank < RANKS; rank++) {
+        expect_rights((enum rank)rank);
     }
 }
 
 /* The answer to an enrolment contains the person whose face is a duplicate, and since when a name
  * is in use. The test above has compared the table of rules with the policy. */
-static void every_group_that_may_enrol_may_list(void **state)
+static void every_rank_that_may_enrol_may_list(void **state)
 {
     const bool *enrol = NULL, *list = NULL;
     (void)state;
@@ -251,14 +302,14 @@ static void every_group_that_may_enrol_may_list(void **state)
     }
     assert_non_null(enrol);
     assert_non_null(list);
-    for (int group = OBSERVE; group <= NO_GROUP; group++) {
-        assert_true(list[group] || !enrol[group]);
+    for (int rank = OBSERVE; rank < RANKS; rank++) {
+        assert_true(list[rank] || !enrol[rank]);
     }
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(each_group_may_call_its_methods),
-                                       cmocka_unit_test(every_group_that_may_enrol_may_list)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(each_rank_may_call_its_methods),
+                                       cmocka_unit_test(every_rank_that_may_enrol_may_list)};
     return cmocka_run_group_tests(tests, group_setup, group_teardown);
 }

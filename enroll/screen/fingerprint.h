@@ -1,0 +1,28 @@
+/* The fingerprint of the web server's certificate (isotherm-web(8)), which the screen shows while
+ * nobody is there: whoever opens the pages compares it with what the browser says. It comes from a
+ * file that the web server writes, and that the screen trusts with nothing: only a text of the form
+ * of a fingerprint is shown. */
+#ifndef ENROLL_SCREEN_FINGERPRINT_H
+#define ENROLL_SCREEN_FINGERPRINT_H
+
+#include <stdint.h>
+
+enum { SCREEN_FINGERPRINT_SIZE = 95 + 1 }; /* 32 bytes, "AB:CD:...", with the NUL */
+
+/* The shortest time between two reads of the file, nanoseconds. */
+#define SCREEN_FINGERPRINT_NS INT64_C(10000000000)
+
+/* All zero: the file has not been read yet. */
+struct screen_fingerprint {
+    int64_t next_ns; /* when the file is read again */
+    char text[SCREEN_FINGERPRINT_SIZE];
+};
+
+/* The fingerprint in the file `path` at this monotonic time; the file is read again when it was
+ * last read SCREEN_FINGERPRINT_NS ago. "" if `path` is "", if the file is missing or is no regular
+ * file, or if it has anything else than 1 to 95 of the characters 0-9, A-F and ':', which a line
+ * end may follow. The text is valid until the next call. */
+const char *screen_fingerprint_look(struct screen_fingerprint *fingerprint, const char *path,
+                                    int64_t now_ns);
+
+#endif
