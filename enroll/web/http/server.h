@@ -7,11 +7,16 @@
  *                 it is a JSON object (400 "invalid-json"). 404 "no-such-path" and 405
  *                 "no-such-method" otherwise
  *   other paths   files of the folder of pages: GET and HEAD, with an ETag. It lists the folder
- * when it starts and serves nothing else; "/" is index.html
+ *                 when it starts and serves nothing else; "/" is index.html
  *
  * Every answer has the headers Content-Security-Policy (nothing from elsewhere, nothing inline),
  * X-Content-Type-Options, Referrer-Policy, Cross-Origin-Opener-Policy,
- * Cross-Origin-Resource-Policy and Strict-Transport-Security; answers of the API are not cached. */
+ * Cross-Origin-Resource-Policy and Strict-Transport-Security; answers of the API are not cached.
+ * Only what is no HTTP request, or has headers of more than some kB, is answered by libmicrohttpd
+ * itself, without these headers.
+ *
+ * A client that is gone is noticed at once if it closes its connection, and after half a minute if
+ * it has lost its power or its network. */
 #ifndef WEB_HTTP_SERVER_H
 #define WEB_HTTP_SERVER_H
 
@@ -53,8 +58,8 @@ int web_server_streams(const struct web_server *server);
  * the server every few seconds. */
 void web_server_end_stale_streams(struct web_server *server);
 
-/* Closes all connections. Exchanges that have not been answered must have been answered before.
- * NULL is accepted. */
+/* Closes all connections and streams; each stream's on_closed is called. An exchange that has not
+ * been answered stays valid; its answer goes nowhere. Not called by a handler. NULL is accepted. */
 void web_server_free(struct web_server *server);
 
 #endif

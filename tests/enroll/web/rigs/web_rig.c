@@ -131,3 +131,19 @@ long web_rig_resident_kb(void)
     (void)fclose(file);
     return kb;
 }
+
+void web_rig_check_headers(const struct https_answer *answer)
+{
+    static const char *const names[] = {
+        "Content-Security-Policy",    "X-Content-Type-Options",       "Referrer-Policy",
+        "Cross-Origin-Opener-Policy", "Cross-Origin-Resource-Policy", "Cache-Control",
+        "Strict-Transport-Security"};
+
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (!https_header(answer, names[i])) {
+            fail_msg("%s is missing in:\n%s", names[i], answer->head);
+        }
+    }
+    assert_non_null(strstr(https_header(answer, "Content-Security-Policy"), "default-src 'none'"));
+    assert_null(strstr(https_header(answer, "Content-Security-Policy"), "unsafe"));
+}

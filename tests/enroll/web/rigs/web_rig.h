@@ -35,6 +35,9 @@ void web_rig_connect(struct web_rig *rig, struct https *client);
 void web_rig_expect(struct https *client, const char *method, const char *path, const char *headers,
                     const char *body, int status, const char *code);
 
+/* Checks that an answer has the headers that every answer has. */
+void web_rig_check_headers(const struct https_answer *answer);
+
 /* The resident memory of this process, kB. */
 long web_rig_resident_kb(void);
 
