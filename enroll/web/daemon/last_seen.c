@@ -145,7 +145,7 @@ static void on_status(void *context, const json_t *status)
         seen->next = 1;
         seen->is_read = false;
     }
-    if (seen->next > seen->last) {
+    if (seen->last > 0 && seen->next > seen->last) {
         seen->is_read = true;
     }
     read_on(seen);
