@@ -53,7 +53,8 @@ typedef void (*web_daemon_reply_fn)(void *context, sd_bus_message *reply,
 sd_bus_message *web_daemon_message(struct web_daemon *daemon, const char *method);
 
 /* Sends the call. on_reply is called once, and not before web_daemon_send() has returned, except if
- * there is no memory for the call. timeout_us: 0 for 10 s. */
+ * there is no memory for the call. A call waits while the daemon would refuse it as one too many.
+ * timeout_us: how long the daemon may take; 0 for 10 s. */
 void web_daemon_send(struct web_daemon *daemon, sd_bus_message *call, uint64_t timeout_us,
                      web_daemon_reply_fn on_reply, void *context);
 
