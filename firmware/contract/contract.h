@@ -26,6 +26,7 @@
  *   RenamePerson(s person, s name) -> s remark
  *                                        gives a person another name; a remark for people, or ""
  *   GetStatus() -> a{sv}                 the keys below
+ *   GetSettings() -> a(ssssss)           every setting: section, key, value, default, range, help
  *   GetSite() -> a{sv}                   what the people have taught the metric, and the error rates
  *                                        that their templates show: the keys below
  *   ListLookAlikes() -> a(ssd)           pairs of people who look alike, for clients that may call
@@ -250,6 +251,7 @@
 #define ISO_CONTRACT_SET_VALIDITY     "SetValidity"
 #define ISO_CONTRACT_RENAME_PERSON    "RenamePerson"
 #define ISO_CONTRACT_GET_STATUS       "GetStatus"
+#define ISO_CONTRACT_GET_SETTINGS     "GetSettings"
 #define ISO_CONTRACT_GET_SITE         "GetSite"
 #define ISO_CONTRACT_LIST_LOOK_ALIKES "ListLookAlikes"
 #define ISO_CONTRACT_RESET_SITE       "ResetSite"

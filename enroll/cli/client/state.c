@@ -3,8 +3,6 @@
 #include <errno.h>
 #include <math.h>
 
-#include "firmware/contract/contract.h"
-
 /* Converts the value of a variant to JSON. -EBADMSG for a type that no status has. */
 static int read_value(sd_bus_message *reply, char type, json_t **out)
 {
@@ -97,19 +95,6 @@ int cli_state_read(sd_bus_message *message, json_t **out)
     }
     *out = state;
     return 0;
-}
-
-enum cli_exit cli_state_fetch(struct cli_daemon *daemon, json_t **out, struct cli_fault *fault)
-{
-    sd_bus_message *reply = NULL;
-    const enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_GET_STATUS, &reply, fault);
-
-    if (exit) {
-        return exit;
-    }
-    const int r = cli_state_read(reply, out);
-    sd_bus_message_unref(reply);
-    return r < 0 ? cli_daemon_bad_reply(r, ISO_CONTRACT_GET_STATUS, fault) : CLI_EXIT_OK;
 }
 
 const char *cli_state_text(const json_t *state, const char *name)

@@ -10,6 +10,7 @@
 
 #include <jansson.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <sys/socket.h>
 
@@ -48,6 +49,10 @@ const struct sockaddr *web_exchange_address(const struct web_exchange *exchange)
 /* Answers. `json` is taken over; NULL (no memory) is answered as 500. A status of 400 and more has
  * the type application/problem+json. */
 void web_exchange_json(struct web_exchange *exchange, unsigned status, json_t *json);
+
+/* Answers with a JSON text that the handler has written itself, for long answers. `text` is taken
+ * over, and freed with free(); NULL (no memory) is answered as 500. */
+void web_exchange_text(struct web_exchange *exchange, unsigned status, char *text, size_t size);
 
 /* 204, without a body. */
 void web_exchange_done(struct web_exchange *exchange);
