@@ -1,5 +1,5 @@
 /* Builds elements. A text is always a text node, so that a name or a word of the daemon can never
- * become markup. Nothing here uses innerHTML. */
+ * become markup: no module sets markup from a text. */
 
 const SVG = 'http://www.w3.org/2000/svg';
 

@@ -30,9 +30,9 @@ function figures(history) {
     const points = (key) => history.map((sample) => ({ time: sample.time_s,
         value: key === 'frames_per_s' && sample.sensor_works === false ? 0 : sample[key] }));
     return [chart(_('Frames of the sensor per second'), points('frames_per_s'), { digits: 1 }),
-        chart(_('People let in, per minute'), points('allowed'), { total: true }),
-        chart(_('People refused, per minute'), points('denied'), { total: true }),
-        chart(_('Frames that looked like an attack, per minute'), points('attack_frames'), { total: true })];
+        chart(_('People let in, per hour'), points('allowed'), { total: true }),
+        chart(_('People refused, per hour'), points('denied'), { total: true }),
+        chart(_('Frames that looked like an attack, per hour'), points('attack_frames'), { total: true })];
 }
 
 function groups(fingerprint) {
