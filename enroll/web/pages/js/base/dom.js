@@ -3,8 +3,9 @@
 
 const SVG = 'http://www.w3.org/2000/svg';
 
-function append(element, children) {
-    for (const child of children.flat(Infinity)) {
+/* Adds children: elements, texts, and lists of them; null, undefined and false are left out. */
+export function append(element, children) {
+    for (const child of [children].flat(Infinity)) {
         if (child === null || child === undefined || child === false) {
             continue;
         }

@@ -38,6 +38,6 @@ export function recordHeads() {
 export function recordRow(record) {
     const [sequence, time, event, person, verdict, more] = recordCells(record, false);
     return h('tr', {}, h('td', { class: 'number' }, sequence), h('td', { class: 'whole' }, h('time', { datetime: record.time }, time)),
-        h('td', {}, event), h('td', {}, h('bdi', {}, person)),
+        h('td', {}, event), h('td', {}, person && h('bdi', {}, person)),
         h('td', {}, record.verdict && badge(record.verdict === 'allow' ? 'good' : 'bad', verdict)), h('td', {}, more));
 }
