@@ -1,10 +1,11 @@
 /* Builds elements. A text is always a text node, so that a name or a word of the daemon can never
- * become markup. Nothing here uses innerHTML. */
+ * become markup: no module sets markup from a text. */
 
 const SVG = 'http://www.w3.org/2000/svg';
 
-function append(element, children) {
-    for (const child of children.flat(Infinity)) {
+/* Adds children: elements, texts, and lists of them; null, undefined and false are left out. */
+export function append(element, children) {
+    for (const child of [children].flat(Infinity)) {
         if (child === null || child === undefined || child === false) {
             continue;
         }

@@ -58,6 +58,17 @@ export const REASONS = {
     stale: N_('The measurement was too old'),
 };
 
+/* What an attack looked like: the cues of isotherm/capture.h, for the people who run the door. */
+export const CUES = {
+    flat: N_('a flat picture'),
+    bent: N_('a bent picture'),
+    screen: N_('a screen'),
+    'wrong-size': N_('a face of the wrong size'),
+    'eyes-cut': N_('a mask with holes for the eyes'),
+    still: N_('a face that does not live'),
+    'no-face-in-image': N_('no face in the picture of the camera'),
+};
+
 export const VERDICTS = { allow: N_('Let in'), deny: N_('Refused') };
 
 /* firmware/door/door.h. */

@@ -7,6 +7,7 @@ import { faultText } from '../transport/fault.js';
 import { confirm, form, openDialog } from '../view/dialog.js';
 import { choice, field, input, newPassword } from '../view/fields.js';
 import { notice, noticeFault } from '../view/notice.js';
+import { stack } from '../view/stack.js';
 
 const roleChoice = (value) => choice(Object.keys(ROLES).map((role) => [role, word(ROLES, role)]), value);
 
@@ -81,9 +82,9 @@ function make({ api, session }) {
     load();
     const head = (text) => h('th', { scope: 'col' }, text);
     return {
-        element: h('div', {}, fault, h('section', { class: 'panel' }, h('div', { class: 'scroll' }, h('table', {},
+        element: h('div', {}, fault, h('section', { class: 'panel' }, h('div', { class: 'scroll' }, stack(h('table', {},
             h('caption', { class: 'unseen' }, _('Accounts')),
-            h('thead', {}, h('tr', {}, head(_('Name')), head(_('Role')), head(_('Changes')))), body)),
+            h('thead', {}, h('tr', {}, head(_('Name')), head(_('Role')), head(_('Changes')))), body))),
         h('div', { class: 'buttons start' }, h('button', { type: 'button', onclick: doing(() => addAccount(api)) }, _('Add an account…'))))),
         resume: load,
     };

@@ -7,6 +7,7 @@ import { DOOR_ACTS, DOOR_CAUSES, DOOR_STATES, HINTS, MODES, REASONS, SENSOR_STAT
 import { badge } from '../view/badge.js';
 import { holdHint } from '../view/hint_hold.js';
 import { outlineView } from '../view/outline_view.js';
+import { stack } from '../view/stack.js';
 import { lockControls } from './lock_controls.js';
 
 const QUIET_MS = 3000; /* without a frame the picture is old */
@@ -122,7 +123,7 @@ function visits({ api, hub, may }) {
     const head = (text) => h('th', { scope: 'col' }, text);
     return {
         element: h('section', { class: 'panel' }, h('h2', {}, _('Last visits')), h('div', { class: 'scroll' },
-            h('table', {}, h('thead', {}, h('tr', {}, head(_('Time')), head(_('Verdict')), head(_('Person')), head(_('Reason')))), body)), empty),
+            stack(h('table', {}, h('thead', {}, h('tr', {}, head(_('Time')), head(_('Verdict')), head(_('Person')), head(_('Reason')))), body))), empty),
         leave: end,
     };
 }

@@ -12,10 +12,10 @@ function privacyNote() {
     return h('section', { class: 'note', 'aria-labelledby': 'privacy' }, h('h3', { id: 'privacy' }, _('Before you begin: privacy')),
         h('ul', {},
             h('li', {}, _('What is measured: the shape of the face, by a depth camera. No photograph is taken.')),
-            h('li', {}, _('What is stored: the name, the limits, and templates, which are numbers about the shape of the face. They are sealed on this appliance, and no picture can be made from them.')),
-            h('li', {}, _('What for: only to open this door to the person.')),
+            h('li', {}, _('What is stored: the name, the limits, and templates: curves and heights of the face. They are sealed on this appliance. They are no picture, but the person can be recognised by them.')),
+            h('li', {}, _('What for: only to open this door to the person, and other doors to which an administrator transfers the enrolment.')),
             h('li', {}, _('What else is recorded: each visit, with time, name and verdict, in the log of the appliance.')),
-            h('li', {}, _('How it ends: an administrator removes the person on the page People. The templates are then erased at once.'))));
+            h('li', {}, _('How it ends: an administrator removes the person on the page People. The templates are then erased at once. Records in the log stay.'))));
 }
 
 function wishForm({ api, query }, begun) {

@@ -99,7 +99,8 @@ export function enrolLive({ api, hub }, ended) {
             hub.enrolment = now;
             draw(now);
         }).catch(() => {}))];
-    let stream = api.relief(view.draw, () => {});
+    const follow = () => api.relief((record) => view.draw(record, mirror.box.checked), () => {});
+    let stream = follow();
     /* A short enrolment may be over before this page listens. */
     setTimeout(() => draw(hub.enrolment), 0);
     const element = h('div', { class: 'enrol mirror panel' }, h('h2', {}, h('bdi', {}, hub.enrolment?.person ?? '')),
@@ -109,7 +110,7 @@ export function enrolLive({ api, hub }, ended) {
         element,
         resume() {
             stream.close();
-            stream = api.relief(view.draw, () => {});
+            stream = follow();
         },
         leave() {
             over = true;

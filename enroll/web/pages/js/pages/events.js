@@ -2,7 +2,7 @@
 
 import { N_, _, _f } from '../base/i18n.js';
 import { fill, h, say } from '../base/dom.js';
-import { dateTime, fromLocalInput, number } from '../base/format.js';
+import { fromLocalInput, number } from '../base/format.js';
 import { writeCsv } from '../base/csv.js';
 import { fold, matcher } from '../base/fold.js';
 import { firstFrom } from '../base/log_search.js';
@@ -11,6 +11,7 @@ import { EVENTS } from '../base/words_log.js';
 import { faultText } from '../transport/fault.js';
 import { datedName, download } from '../view/download.js';
 import { choice, field, input } from '../view/fields.js';
+import { stack } from '../view/stack.js';
 import { recordCells, recordRow, recordHeads } from './record_row.js';
 import { verifyButton } from './verify_log.js';
 
@@ -151,7 +152,7 @@ function make({ api, hub }) {
             h('div', { class: 'bar' }, h('button', { type: 'button', class: 'plain', onclick: () => download(datedName('events'), writeCsv(
                 [[_('Number'), _('Time'), _('Event'), _('Person'), _('Verdict'), _('Details')], ...state.rows.map((record) => recordCells(record, true))])) }, _('Download CSV')),
             verifyButton(api)),
-            fault, h('div', { class: 'panel scroll' }, h('table', { class: 'log' }, h('caption', { class: 'unseen' }, _('Events')), recordHeads(), body)),
+            fault, h('div', { class: 'panel scroll' }, stack(h('table', { class: 'log' }, h('caption', { class: 'unseen' }, _('Events')), recordHeads(), body))),
             status, h('div', { class: 'buttons start' }, older)),
         resume: newer,
         leave() {

@@ -7,6 +7,7 @@ import { FINDINGS, word } from '../base/words.js';
 import { faultText } from '../transport/fault.js';
 import { badge } from '../view/badge.js';
 import { chart } from '../view/chart.js';
+import { stack } from '../view/stack.js';
 
 const AGAIN_MS = 60000;
 const KINDS = { good: 'good', odd: 'odd', denied: 'odd', bad: 'bad' };
@@ -18,21 +19,21 @@ function checks(list) {
     const order = ['bad', 'denied', 'odd', 'good'];
     const rows = list.toSorted((a, b) => order.indexOf(a.state) - order.indexOf(b.state));
     const head = (text) => h('th', { scope: 'col' }, text);
-    return h('div', { class: 'scroll' }, h('table', {},
+    return h('div', { class: 'scroll' }, stack(h('table', {},
         h('thead', {}, h('tr', {}, head(_('Part')), head(_('State')), head(_('Found')), head(_('Remedy')))),
         h('tbody', {}, rows.map((check) => h('tr', {}, h('th', { scope: 'row', lang: 'en' }, check.subject),
             h('td', {}, badge(KINDS[check.state] ?? 'plain', word(FINDINGS, check.state))),
             h('td', {}, english(check.found), check.code && h('div', { class: 'quiet' }, h('code', {}, check.code))),
-            h('td', {}, english(check.remedy)))))));
+            h('td', {}, english(check.remedy))))))));
 }
 
 function figures(history) {
     const points = (key) => history.map((sample) => ({ time: sample.time_s,
         value: key === 'frames_per_s' && sample.sensor_works === false ? 0 : sample[key] }));
     return [chart(_('Frames of the sensor per second'), points('frames_per_s'), { digits: 1 }),
-        chart(_('People let in, per minute'), points('allowed'), { total: true }),
-        chart(_('People refused, per minute'), points('denied'), { total: true }),
-        chart(_('Frames that looked like an attack, per minute'), points('attack_frames'), { total: true })];
+        chart(_('People let in, per hour'), points('allowed'), { total: true }),
+        chart(_('People refused, per hour'), points('denied'), { total: true }),
+        chart(_('Frames that looked like an attack, per hour'), points('attack_frames'), { total: true })];
 }
 
 function groups(fingerprint) {

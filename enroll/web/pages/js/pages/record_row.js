@@ -3,7 +3,7 @@
 import { _ } from '../base/i18n.js';
 import { h } from '../base/dom.js';
 import { dateTime, number } from '../base/format.js';
-import { DOOR_ACTS, DOOR_CAUSES, DOOR_STATES, HINTS, REASONS, RESULTS, VERDICTS, word } from '../base/words.js';
+import { CUES, DOOR_ACTS, DOOR_CAUSES, DOOR_STATES, REASONS, RESULTS, VERDICTS, word } from '../base/words.js';
 import { EVENTS } from '../base/words_log.js';
 import { badge } from '../view/badge.js';
 
@@ -18,7 +18,7 @@ function door(record) {
 }
 
 function details(record) {
-    const note = record.event === 'attack' ? word(HINTS, record.note) : record.note;
+    const note = Object.hasOwn(CUES, record.note ?? '') ? word(CUES, record.note) : record.note;
     const score = Number.isFinite(record.score) ? `${_('Score')} ${number(record.score, 2)}` : '';
     const change = record.before !== undefined || record.after !== undefined ? `${record.before ?? ''} → ${record.after ?? ''}` : '';
     return [reason(record), door(record), record.door_fault, change, note, score].filter(Boolean).map(String).join(' · ');
@@ -38,6 +38,6 @@ export function recordHeads() {
 export function recordRow(record) {
     const [sequence, time, event, person, verdict, more] = recordCells(record, false);
     return h('tr', {}, h('td', { class: 'number' }, sequence), h('td', { class: 'whole' }, h('time', { datetime: record.time }, time)),
-        h('td', {}, event), h('td', {}, h('bdi', {}, person)),
+        h('td', {}, event), h('td', {}, person && h('bdi', {}, person)),
         h('td', {}, record.verdict && badge(record.verdict === 'allow' ? 'good' : 'bad', verdict)), h('td', {}, more));
 }

@@ -7,6 +7,7 @@ import { fold, matcher } from '../base/fold.js';
 import { faultText } from '../transport/fault.js';
 import { badge } from '../view/badge.js';
 import { input } from '../view/fields.js';
+import { stack } from '../view/stack.js';
 import { lockControls } from './lock_controls.js';
 
 function lockState({ hub }) {
@@ -22,13 +23,13 @@ function lockState({ hub }) {
 
 function sectionTable(section, list) {
     const head = (text) => h('th', { scope: 'col' }, text);
-    return h('section', { class: 'panel' }, h('h3', { dir: 'ltr' }, h('code', {}, `[${section}]`)), h('div', { class: 'scroll' }, h('table', { class: 'settings' },
+    return h('section', { class: 'panel' }, h('h3', { dir: 'ltr' }, h('code', {}, `[${section}]`)), h('div', { class: 'scroll' }, stack(h('table', { class: 'settings' },
         h('thead', {}, h('tr', {}, head(_('Setting')), head(_('Value')), head(_('Default')), head(_('Allowed')), head(_('Meaning')))),
         h('tbody', {}, list.map((one) => h('tr', { class: one.value === one.default ? '' : 'own' },
             h('th', { scope: 'row' }, h('code', {}, one.key)),
             h('td', {}, h('code', {}, one.value === '' ? '–' : one.value), one.value !== one.default && h('span', { class: 'unseen' }, ` ${_('changed')}`)),
             h('td', {}, h('code', {}, one.default === '' ? '–' : one.default)),
-            h('td', { lang: 'en', dir: 'ltr' }, one.range), h('td', { lang: 'en', dir: 'ltr' }, one.help)))))));
+            h('td', { lang: 'en', dir: 'ltr' }, one.range), h('td', { lang: 'en', dir: 'ltr' }, one.help))))))));
 }
 
 function make(context) {

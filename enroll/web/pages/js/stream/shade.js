@@ -20,8 +20,10 @@ function nearest(depth) {
 }
 
 /* Brightness of each point, 0..255; 0 where nothing was measured, or where it is more than `deep_mm`
- * behind the nearest surface. */
-export function shade(depth, columns, rows, deepMm = 400) {
+ * behind the nearest surface. `mirrored`: the picture will be turned, so that light has to come from
+ * the other side. */
+export function shade(depth, columns, rows, { mirrored = false, deepMm = 400 } = {}) {
+    const side = mirrored ? -1 : 1;
     const out = new Uint8Array(columns * rows);
     const far = nearest(depth) + deepMm;
     const focus = PIXELS_OF_FOCUS * columns / 160;
@@ -36,7 +38,7 @@ export function shade(depth, columns, rows, deepMm = 400) {
             const x = slope(column ? depth[i - 1] : 0, mm, column + 1 < columns ? depth[i + 1] : 0) / pitch;
             const y = slope(row ? depth[i - columns] : 0, mm, row + 1 < rows ? depth[i + columns] : 0) / pitch;
             /* The normal that looks at the camera is (x, y, -1); light comes from before it. */
-            const light = (x * LIGHT[0] + y * LIGHT[1] + LIGHT[2]) / Math.hypot(x, y, 1);
+            const light = (x * side * LIGHT[0] + y * LIGHT[1] + LIGHT[2]) / Math.hypot(x, y, 1);
             out[i] = Math.round(40 + 215 * Math.max(0, Math.min(1, light)));
         }
     }

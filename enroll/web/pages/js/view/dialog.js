@@ -2,7 +2,7 @@
  * focus inside and gives it back. */
 
 import { _ } from '../base/i18n.js';
-import { fill, h, newId } from '../base/dom.js';
+import { append, fill, h, newId } from '../base/dom.js';
 import { faultText } from '../transport/fault.js';
 
 /* Opens a dialog with the contents that make(close) returns. close(value) closes it; Esc closes it
@@ -16,7 +16,7 @@ export function openDialog(title, make, { firm = false, wide = false } = {}) {
             value = result;
             dialog.close();
         };
-        dialog.append(h('h2', { id }, title), ...[make(close)].flat());
+        append(dialog, [h('h2', { id }, title), make(close)]);
         dialog.addEventListener('cancel', (event) => {
             if (firm) {
                 event.preventDefault();

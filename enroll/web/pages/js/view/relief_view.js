@@ -3,13 +3,14 @@
 import { h } from '../base/dom.js';
 import { shade } from '../stream/shade.js';
 
-/* A canvas, and draw(record) for it; draw(null) shows nothing. */
+/* A canvas, and draw(record, mirrored) for it; draw(null) shows nothing. The style sheet turns a
+ * mirrored picture. */
 export function reliefView(label) {
     const canvas = h('canvas', { width: 160, height: 120, role: 'img', 'aria-label': label, class: 'relief' });
     const context = canvas.getContext('2d');
     return {
         element: canvas,
-        draw(record) {
+        draw(record, mirrored = false) {
             if (!record) {
                 context.clearRect(0, 0, canvas.width, canvas.height);
                 return;
@@ -19,7 +20,7 @@ export function reliefView(label) {
                 canvas.width = columns;
                 canvas.height = rows;
             }
-            const light = shade(depth, columns, rows);
+            const light = shade(depth, columns, rows, { mirrored });
             const image = context.createImageData(columns, rows);
             light.forEach((value, i) => {
                 image.data.set([value * 0.92, value * 0.97, value, value ? 255 : 0], 4 * i);
