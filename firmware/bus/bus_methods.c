@@ -341,6 +341,8 @@ const sd_bus_vtable iso__bus_vtable[] = {
            "person\0valid_from\0valid_until\0", iso__bus_set_validity),
     METHOD(ISO_CONTRACT_RENAME_PERSON, "ss", "person\0name\0", "s", "remark\0", iso__bus_rename),
     METHOD(ISO_CONTRACT_GET_STATUS, "", NOTHING, "a{sv}", "status\0", on_get_status),
+    METHOD(ISO_CONTRACT_GET_SETTINGS, "", NOTHING, "a(ssssss)", "settings\0",
+           iso__bus_get_settings),
     METHOD(ISO_CONTRACT_GET_SITE, "", NOTHING, "a{sv}", "site\0", iso__bus_get_site),
     METHOD(ISO_CONTRACT_LIST_LOOK_ALIKES, "", NOTHING, "a(ssd)", "pairs\0",
            iso__bus_list_look_alikes),

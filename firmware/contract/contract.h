@@ -26,12 +26,14 @@
  *   RenamePerson(s person, s name) -> s remark
  *                                        gives a person another name; a remark for people, or ""
  *   GetStatus() -> a{sv}                 the keys below
+ *   GetSettings() -> a(ssssss)           for administrators: each key of the configuration, with the
+ *                                        options of the chosen sensor and door: section, key, value in
+ *                                        force, default, allowed values, help (firmware/config/settings.h)
  *   GetSite() -> a{sv}                   what the people have taught the metric, and the error rates
  *                                        that their templates show: the keys below
  *   ListLookAlikes() -> a(ssd)           pairs of people who look alike, for clients that may call
- *                                        ListPeople: two names and the highest score of a template
- *                                        of one with the other, by falling score; at most 16 pairs.
- *                                        Empty while there is no estimate
+ *                                        ListPeople: two names and the highest score of a template of
+ *                                        one with the other, by falling score; at most 16, or none yet
  *   ResetSite() -> u                     for administrators: no template that is enrolled now teaches
  *                                        the metric any more. The templates go on to identify their
  *                                        people, and later enrolments teach. The reply is the number
@@ -250,6 +252,7 @@
 #define ISO_CONTRACT_SET_VALIDITY     "SetValidity"
 #define ISO_CONTRACT_RENAME_PERSON    "RenamePerson"
 #define ISO_CONTRACT_GET_STATUS       "GetStatus"
+#define ISO_CONTRACT_GET_SETTINGS     "GetSettings"
 #define ISO_CONTRACT_GET_SITE         "GetSite"
 #define ISO_CONTRACT_LIST_LOOK_ALIKES "ListLookAlikes"
 #define ISO_CONTRACT_RESET_SITE       "ResetSite"

@@ -38,6 +38,7 @@ static const struct {
     bool may[NO_GROUP + 1];
 } rules[] = {
     {ISO_CONTRACT_GET_STATUS, {true, true, true, true, false}},
+    {ISO_CONTRACT_GET_SETTINGS, {false, false, false, true, false}},
     {ISO_CONTRACT_GET_SITE, {true, true, true, true, false}},
     {ISO_CONTRACT_LIST_LOOK_ALIKES, {false, false, true, true, false}},
     {ISO_CONTRACT_RESET_SITE, {false, false, false, true, false}},
