@@ -29,7 +29,9 @@ int iso__bus_append_site(sd_bus_message *reply, const struct iso_bus *bus)
         return r;
     }
     const size_t excluded = iso_gallery_site_excluded(bus->borrowed->gallery);
-    r = sd_bus_message_append(reply, "{sv}{sv}{sv}{sv}", "site-excluded", "u", (uint32_t)excluded,
+    const size_t other = iso_gallery_site_other(bus->borrowed->gallery);
+    r = sd_bus_message_append(reply, "{sv}{sv}{sv}{sv}{sv}", "site-excluded", "u",
+                              (uint32_t)excluded, "site-other-sensor", "u", (uint32_t)other,
                               "site-people", "u", (uint32_t)summary->people, "site-taught", "u",
                               (uint32_t)summary->taught, "site-least", "u",
                               (uint32_t)ISO_SITE_PEOPLE_MIN);

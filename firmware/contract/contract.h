@@ -35,13 +35,11 @@
  *                                        ListPeople: two names and the highest score of a template of
  *                                        one with the other, by falling score; at most 16, or none yet
  *   ResetSite() -> u                     for administrators: no template that is enrolled now teaches
- *                                        the metric any more. The templates go on to identify their
- *                                        people, and later enrolments teach. The reply is the number
- *                                        of templates that have taught until now. It is recorded
- *                                        with the user who asks. A second call changes nothing
- *   RollBackSite() -> u                  the same for the templates of the last enrolment or import
- *                                        from which the metric still learns. The daemon remembers
- *                                        the last 16 of them; 0: there is none
+ *                                        the metric any more. They still identify their people, and
+ *                                        later enrolments teach. The reply is how many have taught. It
+ *                                        is recorded with the user. A second call changes nothing
+ *   RollBackSite() -> u                  the same for the last enrolment or import from which the
+ *                                        metric still learns, of the last 16; 0: there is none
  *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each;
  *                                        at most 1000, and only records that are still kept
  *   VerifyLog(t sequence, s head) -> b sound, t first, t last, s head, t flaw_at, s flaw
@@ -172,6 +170,8 @@
  *                             two templates
  *   "site-least" u            people that it needs to adapt
  *   "site-excluded" u         templates that do not teach it, because of ResetSite or RollBackSite
+ *   "site-other-sensor" u     people who do not teach it, because no template of theirs was made
+ *                             before this class of sensor (its model); they are identified all the same
  *   "site-offset" d           length of what they have in common, in standard deviations of a
  *                             rendered person, where "site-expected" d is expected of rendered ones
  *   "site-growth" d           variance within a person as a multiple of the rendered one; 0: not

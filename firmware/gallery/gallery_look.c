@@ -135,6 +135,18 @@ int iso_gallery_templates(struct iso_gallery *gallery, int64_t person, struct is
     return 0;
 }
 
+void iso_gallery_set_sensor(struct iso_gallery *gallery, const char *model)
+{
+    iso_gallery_memory_set_sensor(&gallery->memory, model);
+}
+
+size_t iso_gallery_site_other(struct iso_gallery *gallery)
+{
+    return gallery->memory.site && !iso__gallery_is_lost(gallery)
+               ? iso_site_index_count_other(gallery->memory.site)
+               : 0;
+}
+
 bool iso_gallery_follow_site(struct iso_gallery *gallery)
 {
     return gallery->memory.site && iso_site_index_follow(gallery->memory.site);

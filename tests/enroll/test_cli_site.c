@@ -107,6 +107,24 @@ static void it_says_what_is_missing(void **state)
     assert_null(strstr(result.out, "Error rates"));
 }
 
+static void people_of_another_sensor_are_to_be_enrolled_again(void **state)
+{
+    struct fake_script script = script_of("adapted", 4, false);
+    (void)state;
+    struct cli_result result = cli_run(&script, "site");
+    assert_null(strstr(result.out, "another model"));
+    script.site_other = 1;
+    result = cli_run(&script, "site");
+    expect_text(&result, "\n  do not teach it        1 person: enrolled before another model of "
+                         "camera\n");
+    expect_text(&result, "\n  enrol 1 person again before this camera");
+    script.site_other = 12;
+    result = cli_run(&script, "site");
+    expect_text(&result, "\n  do not teach it        12 people: enrolled before another model of "
+                         "camera\n");
+    expect_text(&result, "\n  enrol 12 people again before this camera");
+}
+
 static void it_takes_back(void **state)
 {
     const struct fake_script some = script_of("adapted", 4, false);
@@ -149,6 +167,7 @@ int main(void)
         cmocka_unit_test(without_the_list_of_people_nobody_is_named),
         cmocka_unit_test(a_document_has_all_of_it),
         cmocka_unit_test(it_says_what_is_missing),
+        cmocka_unit_test(people_of_another_sensor_are_to_be_enrolled_again),
         cmocka_unit_test(it_takes_back),
         cmocka_unit_test(faults_are_faults),
     };

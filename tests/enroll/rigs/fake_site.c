@@ -13,10 +13,10 @@ int fake_site_append(sd_bus_message *reply, const struct fake_script *script)
     if (r < 0 || strcmp(site, ISO_CONTRACT_SITE_OFF) == 0) {
         return r;
     }
-    return sd_bus_message_append(reply, "{sv}{sv}{sv}{sv}{sv}{sv}", "site-people", "u",
-                                 script->site_people, "site-taught", "u", (uint32_t)1, "site-least",
-                                 "u", (uint32_t)3, "site-offset", "d", 6.314, "site-expected", "d",
-                                 5.1, "site-growth", "d", 1.1);
+    return sd_bus_message_append(
+        reply, "{sv}{sv}{sv}{sv}{sv}{sv}{sv}", "site-other-sensor", "u", script->site_other,
+        "site-people", "u", script->site_people, "site-taught", "u", (uint32_t)1, "site-least", "u",
+        (uint32_t)3, "site-offset", "d", 6.314, "site-expected", "d", 5.1, "site-growth", "d", 1.1);
 }
 
 static int append_estimate(sd_bus_message *reply)
