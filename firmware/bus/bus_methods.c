@@ -346,6 +346,7 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_GET_SITE, "", NOTHING, "a{sv}", "site\0", iso__bus_get_site),
     METHOD(ISO_CONTRACT_LIST_LOOK_ALIKES, "", NOTHING, "a(ssd)", "pairs\0",
            iso__bus_list_look_alikes),
+    METHOD(ISO_CONTRACT_LIST_OTHER, "", NOTHING, "as", "people\0", iso__bus_list_other),
     METHOD(ISO_CONTRACT_RESET_SITE, "", NOTHING, "u", "templates\0", iso__bus_reset_site),
     METHOD(ISO_CONTRACT_ROLL_BACK_SITE, "", NOTHING, "u", "templates\0", iso__bus_roll_back_site),
     METHOD(ISO_CONTRACT_READ_LOG, "tu", "from\0max\0", "as", "records\0", on_read_log),

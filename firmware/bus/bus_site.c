@@ -166,6 +166,27 @@ int iso__bus_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error 
     return iso__bus_reply_list(call, context, append_pairs, out);
 }
 
+/* ---- people of another sensor ---- */
+
+static int append_others(sd_bus_message *reply, const struct iso_bus *bus)
+{
+    const struct iso_gallery *gallery = bus->borrowed->gallery;
+    size_t n = 0;
+    const struct iso_person *people = iso_gallery_people(gallery, &n);
+    int r = sd_bus_message_open_container(reply, 'a', "s");
+    for (size_t i = 0; r >= 0 && i < n; i++) {
+        if (iso_gallery_is_other(gallery, people[i].id)) {
+            r = sd_bus_message_append_basic(reply, 's', people[i].name);
+        }
+    }
+    return r < 0 ? r : sd_bus_message_close_container(reply);
+}
+
+int iso__bus_list_other(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    return iso__bus_reply_list(call, context, append_others, out);
+}
+
 /* ---- taking it back ---- */
 
 typedef int (*take_back_fn)(struct iso_appliance *appliance, const char *who, size_t *n,

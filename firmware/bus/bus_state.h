@@ -53,6 +53,7 @@ int iso__bus_get_settings(sd_bus_message *call, void *context, sd_bus_error *out
 int iso__bus_append_site(sd_bus_message *reply, const struct iso_bus *bus);
 int iso__bus_get_site(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_list_other(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_reset_site(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_roll_back_site(sd_bus_message *call, void *context, sd_bus_error *out);
 

@@ -34,6 +34,8 @@
  *   ListLookAlikes() -> a(ssd)           pairs of people who look alike, for clients that may call
  *                                        ListPeople: two names and the highest score of a template of
  *                                        one with the other, by falling score; at most 16, or none yet
+ *   ListOtherSensor() -> as              for the same clients: who does not teach the metric because no
+ *                                        template was made before the present class of sensor
  *   ResetSite() -> u                     for administrators: no template that is enrolled now teaches
  *                                        the metric any more. They still identify their people, and
  *                                        later enrolments teach. The reply is how many have taught. It
@@ -46,9 +48,8 @@
  *                                        checks every record; sequence and head come from an
  *                                        earlier report; head is "" if there is none
  *   ExportPeople(h file, as people, a{sv} options) -> u people
- *                                        writes a sealed file; an empty list means all people.
- *                                        Options: "to" s, the address of an appliance; else "key"
- *                                        ay, "salt" ay
+ *                                        writes a sealed file; an empty list means all people. Options:
+ *                                        "to" s, the address of an appliance; else "key" ay, "salt" ay
  *   ImportPeople(h file, a{sv} options) -> u added, u known
  *                                        adds the people of such a file. A person who is known here
  *                                        stays as is, except with "replace" b. Options: "from" s,
@@ -59,11 +60,10 @@
  *   ClearLockout()                       ends a lock-out, clears the count of failures, and accepts
  *                                        the date of a clock that was set back
  *   SetLockdown(b on)                    lets nobody in until it is switched off
- *   TestDoor()                           unlocks the door for half a second; for administrators. It
- *                                        is recorded before it is done. It is refused while a
- *                                        client has the claim, under lockdown or lock-out, if the
- *                                        door is not locked, and if it has no relay or its lines
- *                                        do not work
+ *   TestDoor()                           unlocks the door for half a second; for administrators. It is
+ *                                        recorded before it is done. It is refused while a client has the
+ *                                        claim, under lockdown or lock-out, if the door is not locked, and
+ *                                        if it has no relay or its lines do not work
  *   RecordAct(s account, s act, s person)
  *                                        puts on record that a client does something for one of its
  *                                        own accounts, before the client does it: the event "act"
@@ -80,11 +80,10 @@
  * + WatchRelief() -> h stream            the same with records of the relief, for clients that may
  *                                        call EnrollStart. It is recorded, and goes on during an
  *                                        action. The daemon closes it at the end of the claim
- * + Picture() -> h file                  a PNG of the next depth frame as shaded relief, at most
- *                                        320x240 pixels: a sealed memory file, which the client
- *                                        reads from its beginning. It is recorded. It is refused
- *                                        while an action goes on, and fails if the camera shows
- *                                        nothing for three seconds
+ * + Picture() -> h file                  a PNG of the next depth frame as shaded relief, at most 320x240
+ *                                        pixels: a sealed memory file, which the client reads from its
+ *                                        beginning. It is recorded. It is refused while an action goes on,
+ *                                        and fails if the camera shows nothing for three seconds
  *
  * An action goes on until a status signal with `done` set. The Stop method ends it before that, and
  * is also legal after it. One client at a time has the claim. No call of a client opens the door,
@@ -255,6 +254,7 @@
 #define ISO_CONTRACT_GET_SETTINGS     "GetSettings"
 #define ISO_CONTRACT_GET_SITE         "GetSite"
 #define ISO_CONTRACT_LIST_LOOK_ALIKES "ListLookAlikes"
+#define ISO_CONTRACT_LIST_OTHER       "ListOtherSensor"
 #define ISO_CONTRACT_RESET_SITE       "ResetSite"
 #define ISO_CONTRACT_ROLL_BACK_SITE   "RollBackSite"
 #define ISO_CONTRACT_READ_LOG         "ReadLog"

@@ -227,8 +227,10 @@ struct iso_candidate_list iso_gallery_only(struct iso_gallery *gallery, int64_t 
  * this class of sensor teach the metric (iso_site_index_set_sensor). */
 void iso_gallery_set_sensor(struct iso_gallery *gallery, const char *model);
 
-/* How many people do not teach the metric because no template of theirs is of this class. */
-size_t iso_gallery_site_other(struct iso_gallery *gallery);
+/* Whether a person does not teach the metric because no template of the person is of this class;
+ * and how many people do not. */
+bool iso_gallery_is_other(const struct iso_gallery *gallery, int64_t person);
+size_t iso_gallery_site_other(const struct iso_gallery *gallery);
 
 /* Takes a metric that was adapted to the people into use, if it is complete. Returns whether it
  * did. Never waits. */

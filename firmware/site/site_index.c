@@ -270,12 +270,9 @@ void iso_site_index_set_sensor(struct iso_site_index *site, const char *sensor)
     }
 }
 
-size_t iso_site_index_count_other(struct iso_site_index *site)
+bool iso_site_index_is_other(const struct iso_site_index *site, int64_t person)
 {
-    (void)pthread_mutex_lock(&site->mutex);
-    const size_t n = iso_site_rows_count_other(&site->rows, &site->teaching);
-    (void)pthread_mutex_unlock(&site->mutex);
-    return n;
+    return iso_site_rows_is_other(&site->rows, &site->teaching, person);
 }
 
 size_t iso_site_index_count(struct iso_site_index *site, uint64_t first, bool teaching)

@@ -87,8 +87,9 @@ void iso_site_index_set_record(struct iso_site_index *site, const struct iso_sit
  * use the shipped metric until the new one is complete. Costs nothing if the class is the same. */
 void iso_site_index_set_sensor(struct iso_site_index *site, const char *sensor);
 
-/* Counts the people who do not teach because none of their templates is of the running class. */
-size_t iso_site_index_count_other(struct iso_site_index *site);
+/* Whether a person does not teach because none of the person's templates is of the running
+ * class. */
+bool iso_site_index_is_other(const struct iso_site_index *site, int64_t person);
 
 /* Counts the templates with at least this number that teach by the record, or (`teaching` false)
  * those that do not. 0 without `adapt`. */

@@ -185,19 +185,16 @@ bool iso_site_rows_are_same(const struct iso_site_rows *rows, const struct iso_s
     return at == rows->n;
 }
 
-size_t iso_site_rows_count_other(const struct iso_site_rows *rows,
-                                 const struct iso_site_teaching *teaching)
+bool iso_site_rows_is_other(const struct iso_site_rows *rows,
+                            const struct iso_site_teaching *teaching, int64_t person)
 {
-    size_t n = 0;
-    for (size_t at = 0; at < rows->n;) {
-        const int64_t person = rows->person[at];
-        bool other = true;
-        for (; at < rows->n && rows->person[at] == person; at++) {
-            other = other && !is_of_class(rows, teaching, at);
-        }
-        n += other;
+    size_t at = lower_bound(rows, person);
+    const size_t end = end_of(rows, person);
+    const bool has_rows = at < end;
+    while (at < end && !is_of_class(rows, teaching, at)) {
+        at++;
     }
-    return n;
+    return has_rows && at == end;
 }
 
 void iso_site_rows_free(struct iso_site_rows *rows)

@@ -67,10 +67,10 @@ int iso_site_rows_copy(const struct iso_site_rows *rows, const struct iso_site_t
 bool iso_site_rows_are_same(const struct iso_site_rows *rows, const struct iso_site_teaching *one,
                             const struct iso_site_teaching *other);
 
-/* Counts the people who have rows, but none of the class of sensor that teaches. 0 while that class
+/* Whether a person has rows, but none of the class of sensor that teaches. False while that class
  * is not known. */
-size_t iso_site_rows_count_other(const struct iso_site_rows *rows,
-                                 const struct iso_site_teaching *teaching);
+bool iso_site_rows_is_other(const struct iso_site_rows *rows,
+                            const struct iso_site_teaching *teaching, int64_t person);
 
 /* Wipes and frees all rows. */
 void iso_site_rows_free(struct iso_site_rows *rows);

@@ -37,15 +37,26 @@ static int advise_people(json_t *advice, const json_t *site)
                           : 0;
 }
 
+/* Names the people if this user may list them, and else only counts them. */
 static int advise_other_sensor(json_t *advice, const json_t *site)
 {
-    const json_int_t n = cli_state_number(site, "site-other-sensor", 0);
+    const json_t *names = json_object_get(site, "site-other-people");
+    const size_t all = (size_t)cli_state_number(site, "site-other-sensor", 0);
+    const size_t named = json_array_size(names) < NAMES_MAX ? json_array_size(names) : NAMES_MAX;
+    int error = 0;
 
-    return n == 0 ? 0
-                  : add_text(advice,
-                             json_sprintf("enrol %d %s again before this camera (isotherm enroll): "
-                                          "so far another model has seen them",
-                                          (int)n, iso_plural((uint64_t)n, "person", "people")));
+    for (size_t i = 0; !error && i < named; i++) {
+        error = add_text(advice, json_sprintf("enrol %s again before this camera: another model "
+                                              "has made all templates",
+                                              json_string_value(json_array_get(names, i))));
+    }
+    return error || named >= all
+               ? error
+               : add_text(advice, json_sprintf("enrol %d %s again before this camera (isotherm "
+                                               "enroll): another model has made all templates",
+                                               (int)(all - named),
+                                               named > 0 ? "more people"
+                                                         : iso_plural(all, "person", "people")));
 }
 
 static int advise_poses(json_t *advice, const json_t *single)

@@ -41,6 +41,7 @@ static const struct {
     {ISO_CONTRACT_GET_SETTINGS, {false, false, false, true, false}},
     {ISO_CONTRACT_GET_SITE, {true, true, true, true, false}},
     {ISO_CONTRACT_LIST_LOOK_ALIKES, {false, false, true, true, false}},
+    {ISO_CONTRACT_LIST_OTHER, {false, false, true, true, false}},
     {ISO_CONTRACT_RESET_SITE, {false, false, false, true, false}},
     {ISO_CONTRACT_ROLL_BACK_SITE, {false, false, false, true, false}},
     {ISO_CONTRACT_RECORD_ACT, {false, false, false, true, false}},
