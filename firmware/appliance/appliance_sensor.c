@@ -126,6 +126,7 @@ void iso__appliance_look_at_sensor(struct iso_appliance *appliance, int64_t now_
     follow_sight(appliance); /* before the news is handled */
     switch (news) {
     case ISO_SENSOR_FRAME:
+        iso_gallery_set_sensor(appliance->borrowed.gallery, appliance->sensor.supervisor.model);
         iso__appliance_frame(appliance, frame, now_ns);
         break;
     case ISO_SENSOR_QUIET:

@@ -29,7 +29,9 @@ int iso__bus_append_site(sd_bus_message *reply, const struct iso_bus *bus)
         return r;
     }
     const size_t excluded = iso_gallery_site_excluded(bus->borrowed->gallery);
-    r = sd_bus_message_append(reply, "{sv}{sv}{sv}{sv}", "site-excluded", "u", (uint32_t)excluded,
+    const size_t other = iso_gallery_site_other(bus->borrowed->gallery);
+    r = sd_bus_message_append(reply, "{sv}{sv}{sv}{sv}{sv}", "site-excluded", "u",
+                              (uint32_t)excluded, "site-other-sensor", "u", (uint32_t)other,
                               "site-people", "u", (uint32_t)summary->people, "site-taught", "u",
                               (uint32_t)summary->taught, "site-least", "u",
                               (uint32_t)ISO_SITE_PEOPLE_MIN);
@@ -162,6 +164,27 @@ static int append_pairs(sd_bus_message *reply, const struct iso_bus *bus)
 int iso__bus_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     return iso__bus_reply_list(call, context, append_pairs, out);
+}
+
+/* ---- people of another sensor ---- */
+
+static int append_others(sd_bus_message *reply, const struct iso_bus *bus)
+{
+    const struct iso_gallery *gallery = bus->borrowed->gallery;
+    size_t n = 0;
+    const struct iso_person *people = iso_gallery_people(gallery, &n);
+    int r = sd_bus_message_open_container(reply, 'a', "s");
+    for (size_t i = 0; r >= 0 && i < n; i++) {
+        if (iso_gallery_is_other(gallery, people[i].id)) {
+            r = sd_bus_message_append_basic(reply, 's', people[i].name);
+        }
+    }
+    return r < 0 ? r : sd_bus_message_close_container(reply);
+}
+
+int iso__bus_list_other(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    return iso__bus_reply_list(call, context, append_others, out);
 }
 
 /* ---- taking it back ---- */

@@ -45,11 +45,15 @@ void iso__bus_clean_text(char *to, size_t size, const char *from);
 /* Appends the a{sv} of GetStatus (bus_status.c). */
 int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus);
 
+/* The method that lists the configuration (bus_settings.c). */
+int iso__bus_get_settings(sd_bus_message *call, void *context, sd_bus_error *out);
+
 /* Appends what the people have taught the metric: entries of an a{sv} that is open; and the methods
  * about it (bus_site.c). */
 int iso__bus_append_site(sd_bus_message *reply, const struct iso_bus *bus);
 int iso__bus_get_site(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_list_other(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_reset_site(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_roll_back_site(sd_bus_message *call, void *context, sd_bus_error *out);
 

@@ -75,6 +75,59 @@ int iso__config_store(const struct iso_config_key *key, const char *value,
     return -EINVAL;
 }
 
+/* ---- as text ---- */
+
+/* Writes the shortest decimal number that reads back as the same. */
+static void print_number(double number, char *text, size_t size)
+{
+    double read = 0;
+    for (int digits = 9; digits <= 17; digits++) {
+        (void)snprintf(text, size, "%.*g", digits, number);
+        if (iso_text_number(text, &read) == 0 && read == number) {
+            return;
+        }
+    }
+}
+
+static void print_choice(const char *choices, int choice, char *text, size_t size)
+{
+    for (; choice > 0 && *choices; choice--) {
+        choices = strchrnul(choices, '|');
+        choices += *choices ? 1 : 0;
+    }
+    (void)snprintf(text, size, "%.*s", (int)strcspn(choices, "|"), choices);
+}
+
+void iso__config_print(const struct iso_config_key *key, const struct iso_config *config,
+                       char *text, size_t size)
+{
+    const void *field = (const char *)config + key->offset;
+    double number;
+    int count;
+    bool on;
+    switch (key->type) {
+    case ISO_CONFIG_TEXT:
+        (void)snprintf(text, size, "%s", (const char *)field);
+        break;
+    case ISO_CONFIG_NUMBER:
+        memcpy(&number, field, sizeof number);
+        print_number(number, text, size);
+        break;
+    case ISO_CONFIG_COUNT:
+        memcpy(&count, field, sizeof count);
+        (void)snprintf(text, size, "%d", count);
+        break;
+    case ISO_CONFIG_CHOICE:
+        memcpy(&count, field, sizeof count);
+        print_choice(key->choices, count, text, size);
+        break;
+    case ISO_CONFIG_SWITCH:
+        memcpy(&on, field, sizeof on);
+        (void)snprintf(text, size, "%s", on ? "yes" : "no");
+        break;
+    }
+}
+
 void iso__config_describe(const struct iso_config_key *key, char *text, size_t size)
 {
     switch (key->type) {

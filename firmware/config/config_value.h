@@ -8,6 +8,11 @@
 int iso__config_store(const struct iso_config_key *key, const char *value,
                       struct iso_config *config);
 
+/* Writes the value of a key in the form of the file: iso__config_store reads the same value back.
+ * `size`: ISO_CONFIG_TEXT_SIZE is enough. */
+void iso__config_print(const struct iso_config_key *key, const struct iso_config *config,
+                       char *text, size_t size);
+
 /* Describes the values that a key accepts. */
 void iso__config_describe(const struct iso_config_key *key, char *text, size_t size);
 

@@ -26,30 +26,30 @@
  *   RenamePerson(s person, s name) -> s remark
  *                                        gives a person another name; a remark for people, or ""
  *   GetStatus() -> a{sv}                 the keys below
- *   GetSettings() -> a(ssssss)           every setting: section, key, value, default, range, help
+ *   GetSettings() -> a(ssssss)           for administrators: each key of the configuration, with the
+ *                                        options of the chosen sensor and door: section, key, value in
+ *                                        force, default, allowed values, help (firmware/config/settings.h)
  *   GetSite() -> a{sv}                   what the people have taught the metric, and the error rates
  *                                        that their templates show: the keys below
  *   ListLookAlikes() -> a(ssd)           pairs of people who look alike, for clients that may call
- *                                        ListPeople: two names and the highest score of a template
- *                                        of one with the other, by falling score; at most 16 pairs.
- *                                        Empty while there is no estimate
+ *                                        ListPeople: two names and the highest score of a template of
+ *                                        one with the other, by falling score; at most 16, or none yet
+ *   ListOtherSensor() -> as              for the same clients: who does not teach the metric because no
+ *                                        template was made before the present class of sensor
  *   ResetSite() -> u                     for administrators: no template that is enrolled now teaches
- *                                        the metric any more. The templates go on to identify their
- *                                        people, and later enrolments teach. The reply is the number
- *                                        of templates that have taught until now. It is recorded
- *                                        with the user who asks. A second call changes nothing
- *   RollBackSite() -> u                  the same for the templates of the last enrolment or import
- *                                        from which the metric still learns. The daemon remembers
- *                                        the last 16 of them; 0: there is none
+ *                                        the metric any more. They still identify their people, and
+ *                                        later enrolments teach. The reply is how many have taught. It
+ *                                        is recorded with the user. A second call changes nothing
+ *   RollBackSite() -> u                  the same for the last enrolment or import from which the
+ *                                        metric still learns, of the last 16; 0: there is none
  *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each;
  *                                        at most 1000, and only records that are still kept
  *   VerifyLog(t sequence, s head) -> b sound, t first, t last, s head, t flaw_at, s flaw
  *                                        checks every record; sequence and head come from an
  *                                        earlier report; head is "" if there is none
  *   ExportPeople(h file, as people, a{sv} options) -> u people
- *                                        writes a sealed file; an empty list means all people.
- *                                        Options: "to" s, the address of an appliance; else "key"
- *                                        ay, "salt" ay
+ *                                        writes a sealed file; an empty list means all people. Options:
+ *                                        "to" s, the address of an appliance; else "key" ay, "salt" ay
  *   ImportPeople(h file, a{sv} options) -> u added, u known
  *                                        adds the people of such a file. A person who is known here
  *                                        stays as is, except with "replace" b. Options: "from" s,
@@ -60,11 +60,10 @@
  *   ClearLockout()                       ends a lock-out, clears the count of failures, and accepts
  *                                        the date of a clock that was set back
  *   SetLockdown(b on)                    lets nobody in until it is switched off
- *   TestDoor()                           unlocks the door for half a second; for administrators. It
- *                                        is recorded before it is done. It is refused while a
- *                                        client has the claim, under lockdown or lock-out, if the
- *                                        door is not locked, and if it has no relay or its lines
- *                                        do not work
+ *   TestDoor()                           unlocks the door for half a second; for administrators. It is
+ *                                        recorded before it is done. It is refused while a client has the
+ *                                        claim, under lockdown or lock-out, if the door is not locked, and
+ *                                        if it has no relay or its lines do not work
  *   RecordAct(s account, s act, s person)
  *                                        puts on record that a client does something for one of its
  *                                        own accounts, before the client does it: the event "act"
@@ -81,11 +80,10 @@
  * + WatchRelief() -> h stream            the same with records of the relief, for clients that may
  *                                        call EnrollStart. It is recorded, and goes on during an
  *                                        action. The daemon closes it at the end of the claim
- * + Picture() -> h file                  a PNG of the next depth frame as shaded relief, at most
- *                                        320x240 pixels: a sealed memory file, which the client
- *                                        reads from its beginning. It is recorded. It is refused
- *                                        while an action goes on, and fails if the camera shows
- *                                        nothing for three seconds
+ * + Picture() -> h file                  a PNG of the next depth frame as shaded relief, at most 320x240
+ *                                        pixels: a sealed memory file, which the client reads from its
+ *                                        beginning. It is recorded. It is refused while an action goes on,
+ *                                        and fails if the camera shows nothing for three seconds
  *
  * An action goes on until a status signal with `done` set. The Stop method ends it before that, and
  * is also legal after it. One client at a time has the claim. No call of a client opens the door,
@@ -171,6 +169,8 @@
  *                             two templates
  *   "site-least" u            people that it needs to adapt
  *   "site-excluded" u         templates that do not teach it, because of ResetSite or RollBackSite
+ *   "site-other-sensor" u     people who do not teach it, because no template of theirs was made
+ *                             before this class of sensor (its model); they are identified all the same
  *   "site-offset" d           length of what they have in common, in standard deviations of a
  *                             rendered person, where "site-expected" d is expected of rendered ones
  *   "site-growth" d           variance within a person as a multiple of the rendered one; 0: not
@@ -254,6 +254,7 @@
 #define ISO_CONTRACT_GET_SETTINGS     "GetSettings"
 #define ISO_CONTRACT_GET_SITE         "GetSite"
 #define ISO_CONTRACT_LIST_LOOK_ALIKES "ListLookAlikes"
+#define ISO_CONTRACT_LIST_OTHER       "ListOtherSensor"
 #define ISO_CONTRACT_RESET_SITE       "ResetSite"
 #define ISO_CONTRACT_ROLL_BACK_SITE   "RollBackSite"
 #define ISO_CONTRACT_READ_LOG         "ReadLog"

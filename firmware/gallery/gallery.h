@@ -223,6 +223,15 @@ const struct iso_person *iso_gallery_find_id(const struct iso_gallery *gallery, 
 struct iso_candidate_list iso_gallery_everybody(struct iso_gallery *gallery);
 struct iso_candidate_list iso_gallery_only(struct iso_gallery *gallery, int64_t person);
 
+/* Sets the model of the running sensor, "" if it is not known: only people who were enrolled before
+ * this class of sensor teach the metric (iso_site_index_set_sensor). */
+void iso_gallery_set_sensor(struct iso_gallery *gallery, const char *model);
+
+/* Whether a person does not teach the metric because no template of the person is of this class;
+ * and how many people do not. */
+bool iso_gallery_is_other(const struct iso_gallery *gallery, int64_t person);
+size_t iso_gallery_site_other(const struct iso_gallery *gallery);
+
 /* Takes a metric that was adapted to the people into use, if it is complete. Returns whether it
  * did. Never waits. */
 bool iso_gallery_follow_site(struct iso_gallery *gallery);

@@ -214,6 +214,7 @@ int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_ite
         iso_gallery_memory_done(&now);
         return error;
     }
+    iso_gallery_memory_set_sensor(&now, gallery->memory.sensor);
     iso_gallery_memory_done(&gallery->memory);
     gallery->memory = now;
     *added = count;

@@ -135,6 +135,26 @@ int iso_gallery_templates(struct iso_gallery *gallery, int64_t person, struct is
     return 0;
 }
 
+void iso_gallery_set_sensor(struct iso_gallery *gallery, const char *model)
+{
+    iso_gallery_memory_set_sensor(&gallery->memory, model);
+}
+
+bool iso_gallery_is_other(const struct iso_gallery *gallery, int64_t person)
+{
+    return gallery->memory.site && !iso__gallery_is_lost(gallery) &&
+           iso_site_index_is_other(gallery->memory.site, person);
+}
+
+size_t iso_gallery_site_other(const struct iso_gallery *gallery)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < gallery->memory.n_people; i++) {
+        n += iso_gallery_is_other(gallery, gallery->memory.people[i].id);
+    }
+    return n;
+}
+
 bool iso_gallery_follow_site(struct iso_gallery *gallery)
 {
     return gallery->memory.site && iso_site_index_follow(gallery->memory.site);

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <sodium.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,6 +31,14 @@ void iso_gallery_memory_done(struct iso_gallery_memory *memory)
     sodium_memzero(memory->people, memory->n_people * sizeof *memory->people);
     free(memory->people);
     *memory = (struct iso_gallery_memory){0};
+}
+
+void iso_gallery_memory_set_sensor(struct iso_gallery_memory *memory, const char *sensor)
+{
+    (void)snprintf(memory->sensor, sizeof memory->sensor, "%s", sensor);
+    if (memory->site) {
+        iso_site_index_set_sensor(memory->site, memory->sensor);
+    }
 }
 
 /* ---- room ---- */
@@ -97,6 +106,7 @@ static int read_template(const struct iso_gallery_memory *memory, const void *by
     if (!error && memory->metric) {
         error = keep_vector(memory->metric, kept->tmpl, kept);
     }
+    memcpy(kept->sensor, kept->tmpl->sensor, sizeof kept->sensor);
     if (error || memory->metric) {
         iso_template_wipe(kept->tmpl);
         free(kept->tmpl);
@@ -171,7 +181,8 @@ static int insert_vector(struct iso_gallery_memory *memory, int64_t person,
         insert_entry(memory, person, kept->tmpl);
         kept->tmpl = NULL;
     } else if (kept->vector.n > 0) {
-        error = iso_site_index_add(memory->site, person, (uint64_t)kept->number, &kept->vector);
+        error = iso_site_index_add(memory->site, person, (uint64_t)kept->number, kept->sensor,
+                                   &kept->vector);
     }
     iso_gallery_memory_discard(kept);
     return error;

@@ -19,8 +19,9 @@ struct iso_gallery_memory {
     size_t n_people, people_capacity;
     size_t same_names; /* how many names had the key of another person's name when loaded */
     bool adapt;        /* the metric adapts to the people (site_index.h) */
-    struct iso_site_index *site;      /* only with a metric */
-    struct iso_search_entry *entries; /* only without a metric, in the order of people */
+    struct iso_site_index *site;          /* only with a metric */
+    char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* class of the running sensor; "": not known */
+    struct iso_search_entry *entries;     /* only without a metric, in the order of people */
     size_t n_entries, entries_capacity;
 };
 
@@ -32,14 +33,18 @@ int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
                             struct iso_gallery_memory *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* Sets the class of the running sensor (iso_site_index_set_sensor). */
+void iso_gallery_memory_set_sensor(struct iso_gallery_memory *memory, const char *sensor);
+
 /* Wipes and frees everything. */
 void iso_gallery_memory_done(struct iso_gallery_memory *memory);
 
 /* A usable template in the form in which it is kept. */
 struct iso_gallery_kept {
-    struct iso_template *tmpl;       /* only without a metric */
-    struct iso_metric_vector vector; /* with a metric; empty if there are too few points */
-    int64_t number;                  /* of the template; the caller of prepare sets it */
+    struct iso_template *tmpl;            /* only without a metric */
+    struct iso_metric_vector vector;      /* with a metric; empty if there are too few points */
+    int64_t number;                       /* of the template; the caller of prepare sets it */
+    char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* that made the template */
 };
 
 /* Makes this form from a serialised template, and makes room for it and for one more person. Errors

@@ -26,6 +26,7 @@ int iso_gallery_recover(struct iso_gallery *gallery, struct iso_fault *fault)
                                 gallery->memory.adapt, NULL, &now, &why)) {
         return iso_gallery_db_give_up(gallery->db, &why, fault);
     }
+    iso_gallery_memory_set_sensor(&now, gallery->memory.sensor);
     iso_gallery_memory_done(&gallery->memory);
     gallery->memory = now;
     return 0;

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,13 +28,13 @@ struct iso_site_index {
     bool running;
     pthread_mutex_t mutex; /* protects all members below; held for microseconds */
     pthread_cond_t changed;
-    struct iso_site_rows rows;     /* the thread only reads them; see iso_site_index_person() */
-    struct iso_site_record record; /* which of them teach */
-    uint64_t version;              /* counts the changes of the rows and the record */
-    uint64_t computed;             /* the version that the thread has finished */
-    int error;                     /* of that version */
-    bool holds_removed;            /* `current` has learned from templates that teach no more */
-    bool is_ready;                 /* `ready` waits to become the current generation */
+    struct iso_site_rows rows;         /* the thread only reads them; see iso_site_index_person() */
+    struct iso_site_teaching teaching; /* which of them teach */
+    uint64_t version;                  /* counts the changes of the rows and of `teaching` */
+    uint64_t computed;                 /* the version that the thread has finished */
+    int error;                         /* of that version */
+    bool holds_removed;                /* `current` has learned from templates that teach no more */
+    bool is_ready;                     /* `ready` waits to become the current generation */
     struct iso_site_generation ready;
     bool is_estimated; /* `estimate` is that of the present people */
     struct iso_site_estimate estimate;
@@ -54,7 +55,7 @@ static int read_person(void *context, bool teaching, size_t *at, struct iso_site
     }
     while (more == 0 && *at < site->rows.n) {
         out->number = site->rows.person[*at];
-        out->n = iso_site_rows_copy(&site->rows, teaching ? &site->record : NULL, *at,
+        out->n = iso_site_rows_copy(&site->rows, teaching ? &site->teaching : NULL, *at,
                                     out->captures, ISO_INDEX_TEMPLATES_MAX, at);
         more = out->n > 0;
     }
@@ -219,12 +220,12 @@ static void end_change(struct iso_site_index *site, struct iso_site_generation *
 }
 
 int iso_site_index_add(struct iso_site_index *site, int64_t person, uint64_t number,
-                       const struct iso_metric_vector *vector)
+                       const char *sensor, const struct iso_metric_vector *vector)
 {
     const int error = iso_index_add(site->index, person, vector);
     if (!error && site->adapt) {
         struct iso_site_generation outdated = begin_change(site);
-        iso_site_rows_insert(&site->rows, person, number, vector);
+        iso_site_rows_insert(&site->rows, person, number, sensor, vector);
         end_change(site, &outdated);
     }
     return error;
@@ -245,9 +246,33 @@ void iso_site_index_remove(struct iso_site_index *site, int64_t person)
 void iso_site_index_set_record(struct iso_site_index *site, const struct iso_site_record *record)
 {
     struct iso_site_generation outdated = begin_change(site);
-    site->record = *record;
+    site->teaching.record = *record;
     site->holds_removed = true;
     end_change(site, &outdated);
+}
+
+/* Only this thread changes the rows and `teaching`, so it reads them without the mutex. */
+void iso_site_index_set_sensor(struct iso_site_index *site, const char *sensor)
+{
+    struct iso_site_teaching now = site->teaching;
+    (void)snprintf(now.sensor, sizeof now.sensor, "%s", sensor);
+    if (strcmp(now.sensor, site->teaching.sensor) == 0) {
+        return;
+    }
+    const bool same = iso_site_rows_are_same(&site->rows, &site->teaching, &now);
+    (void)pthread_mutex_lock(&site->mutex);
+    site->teaching = now;
+    (void)pthread_mutex_unlock(&site->mutex);
+    if (!same) {
+        struct iso_site_generation outdated = begin_change(site);
+        end_change(site, &outdated);
+        iso_site_generation_free(&site->current);
+    }
+}
+
+bool iso_site_index_is_other(const struct iso_site_index *site, int64_t person)
+{
+    return iso_site_rows_is_other(&site->rows, &site->teaching, person);
 }
 
 size_t iso_site_index_count(struct iso_site_index *site, uint64_t first, bool teaching)
@@ -256,7 +281,7 @@ size_t iso_site_index_count(struct iso_site_index *site, uint64_t first, bool te
     (void)pthread_mutex_lock(&site->mutex);
     for (size_t i = 0; i < site->rows.n; i++) {
         const uint64_t number = site->rows.number[i];
-        n += number >= first && iso_site_record_teaches(&site->record, number) == teaching;
+        n += number >= first && iso_site_record_teaches(&site->teaching.record, number) == teaching;
     }
     (void)pthread_mutex_unlock(&site->mutex);
     return n;

@@ -9,6 +9,10 @@
  * metric. Until it is complete, searches use the metric before. iso_site_index_follow() takes the
  * new metric into use. So a search never waits for the thread.
  *
+ * Only templates that were made before the running class of sensor teach the metric
+ * (iso_site_index_set_sensor), because what people have in common before one sensor is wrong before
+ * another (sim/results/site.md). All others identify their people just the same.
+ *
  * The result depends only on the templates that are enrolled now, and on which of them may teach.
  * It does not depend on the order in which people were added and removed, and contains nothing of
  * removed people. If it cannot be computed, searches go on with the metric of before; but if that
@@ -63,12 +67,13 @@ void iso_site_index_free(struct iso_site_index *site);
 int iso_site_index_reserve(struct iso_site_index *site, size_t n)
     __attribute__((warn_unused_result));
 
-/* Adds the vector of one template of a person; the vector is by the shipped metric, and `number` is
- * that of the template (site_record.h). Before, the
- * caller has made room with iso_site_index_reserve(). -EINVAL if the person already has
+/* Adds the vector of one template of a person; the vector is by the shipped metric, `number` is
+ * that of the template (site_record.h), and `sensor` is what the template stores of its sensor.
+ * Before, the caller has made room with iso_site_index_reserve(). -EINVAL if the person already has
  * ISO_INDEX_TEMPLATES_MAX templates; then nothing has changed. */
 int iso_site_index_add(struct iso_site_index *site, int64_t person, uint64_t number,
-                       const struct iso_metric_vector *vector) __attribute__((warn_unused_result));
+                       const char *sensor, const struct iso_metric_vector *vector)
+    __attribute__((warn_unused_result));
 
 /* Removes a person with all vectors. Nothing happens for a person who has none. */
 void iso_site_index_remove(struct iso_site_index *site, int64_t person);
@@ -77,8 +82,17 @@ void iso_site_index_remove(struct iso_site_index *site, int64_t person);
  * their person as before, and change no number of the statistics. */
 void iso_site_index_set_record(struct iso_site_index *site, const struct iso_site_record *record);
 
-/* Counts the templates with at least this number that teach, or (`teaching` false) those that do
- * not. 0 without `adapt`. */
+/* Sets the class of the running sensor (struct iso_site_teaching): its model; "" and before the
+ * first call: not known, and templates of every class teach. If other templates teach now, searches
+ * use the shipped metric until the new one is complete. Costs nothing if the class is the same. */
+void iso_site_index_set_sensor(struct iso_site_index *site, const char *sensor);
+
+/* Whether a person does not teach because none of the person's templates is of the running
+ * class. */
+bool iso_site_index_is_other(const struct iso_site_index *site, int64_t person);
+
+/* Counts the templates with at least this number that teach by the record, or (`teaching` false)
+ * those that do not. 0 without `adapt`. */
 size_t iso_site_index_count(struct iso_site_index *site, uint64_t first, bool teaching);
 
 /* Takes a new metric into use, if it is complete. Returns whether it did. Never waits. */

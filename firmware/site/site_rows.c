@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,6 +30,12 @@ int iso_site_rows_reserve(struct iso_site_rows *rows, size_t n)
         return -ENOMEM;
     }
     rows->number = number;
+    char(*sensor)[ISO_TEMPLATE_SENSOR_MAX] = iso_wipe_grow(rows->sensor, rows->n, capacity,
+                                                           sizeof *sensor);
+    if (!sensor) {
+        return -ENOMEM;
+    }
+    rows->sensor = sensor;
     float *unit = iso_wipe_grow(rows->unit, rows->n, capacity, sizeof *unit);
     if (!unit) {
         return -ENOMEM;
@@ -79,6 +86,7 @@ static void move_rows(struct iso_site_rows *rows, size_t from, size_t to)
     const size_t n = rows->n - from;
     memmove(&rows->person[to], &rows->person[from], n * sizeof *rows->person);
     memmove(&rows->number[to], &rows->number[from], n * sizeof *rows->number);
+    memmove(&rows->sensor[to], &rows->sensor[from], n * sizeof *rows->sensor);
     memmove(&rows->unit[to], &rows->unit[from], n * sizeof *rows->unit);
     memmove(mean_at(rows, to), mean_at(rows, from), n * rows->width * sizeof *rows->mean);
 }
@@ -110,13 +118,14 @@ static void set_row(struct iso_site_rows *rows, size_t at, const float *mean)
 }
 
 void iso_site_rows_insert(struct iso_site_rows *rows, int64_t person, uint64_t number,
-                          const struct iso_metric_vector *vector)
+                          const char *sensor, const struct iso_metric_vector *vector)
 {
     const size_t at = end_of(rows, person);
     move_rows(rows, at, at + 1);
     rows->n++;
     rows->person[at] = person;
     rows->number[at] = number;
+    (void)snprintf(rows->sensor[at], sizeof *rows->sensor, "%s", sensor);
     set_row(rows, at, vector->mean);
 }
 
@@ -129,6 +138,7 @@ void iso_site_rows_remove(struct iso_site_rows *rows, int64_t person)
         rows->n -= gone;
         explicit_bzero(&rows->person[rows->n], gone * sizeof *rows->person);
         explicit_bzero(&rows->number[rows->n], gone * sizeof *rows->number);
+        explicit_bzero(&rows->sensor[rows->n], gone * sizeof *rows->sensor);
         explicit_bzero(&rows->unit[rows->n], gone * sizeof *rows->unit);
         explicit_bzero(mean_at(rows, rows->n), gone * rows->width * sizeof *rows->mean);
     }
@@ -143,13 +153,21 @@ void iso_site_rows_get(const struct iso_site_rows *rows, size_t at, struct iso_m
     }
 }
 
-int iso_site_rows_copy(const struct iso_site_rows *rows, const struct iso_site_record *teaching,
+static bool is_of_class(const struct iso_site_rows *rows, const struct iso_site_teaching *teaching,
+                        size_t at)
+{
+    return !*teaching->sensor || strcmp(rows->sensor[at], teaching->sensor) == 0;
+}
+
+int iso_site_rows_copy(const struct iso_site_rows *rows, const struct iso_site_teaching *teaching,
                        size_t first, struct iso_metric_vector *out, int capacity, size_t *next)
 {
     int n = 0;
     size_t at = first;
     for (; at < rows->n && rows->person[at] == rows->person[first]; at++) {
-        if (n < capacity && (!teaching || iso_site_record_teaches(teaching, rows->number[at]))) {
+        if (n < capacity &&
+            (!teaching || (is_of_class(rows, teaching, at) &&
+                           iso_site_record_teaches(&teaching->record, rows->number[at])))) {
             iso_site_rows_get(rows, at, &out[n++]);
         }
     }
@@ -157,10 +175,33 @@ int iso_site_rows_copy(const struct iso_site_rows *rows, const struct iso_site_r
     return n;
 }
 
+bool iso_site_rows_are_same(const struct iso_site_rows *rows, const struct iso_site_teaching *one,
+                            const struct iso_site_teaching *other)
+{
+    size_t at = 0;
+    while (at < rows->n && is_of_class(rows, one, at) == is_of_class(rows, other, at)) {
+        at++;
+    }
+    return at == rows->n;
+}
+
+bool iso_site_rows_is_other(const struct iso_site_rows *rows,
+                            const struct iso_site_teaching *teaching, int64_t person)
+{
+    size_t at = lower_bound(rows, person);
+    const size_t end = end_of(rows, person);
+    const bool has_rows = at < end;
+    while (at < end && !is_of_class(rows, teaching, at)) {
+        at++;
+    }
+    return has_rows && at == end;
+}
+
 void iso_site_rows_free(struct iso_site_rows *rows)
 {
     iso_wipe_free(rows->person);
     iso_wipe_free(rows->number);
+    iso_wipe_free(rows->sensor);
     iso_wipe_free(rows->unit);
     iso_wipe_free(rows->mean);
     *rows = (struct iso_site_rows){.width = rows->width};

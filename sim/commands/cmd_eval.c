@@ -45,9 +45,10 @@ static const struct sim_option own_options[] = {
      FIELD(choice)},
     {"train", "DIR", "corpus of other people that methods learn from", sim_option_text,
      FIELD(train)},
-    {"site", "none|gallery|split",
-     "adapt the metric to the enrolled people; or learn from half of the people and judge the "
-     "others",
+    {"site", "none|gallery|sensor|split",
+     "adapt the metric to the enrolled people; to those enrolled before the sensor of the "
+     "searches; "
+     "or learn from half of the people and judge the others",
      sim_option_site, FIELD(eval.site)},
     {"fuse", "N", "fuse N frames of a row to one template (0: all)", sim_option_count,
      FIELD(eval.fuse)},

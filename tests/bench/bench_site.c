@@ -23,7 +23,7 @@ static int fill_site(struct iso_site_index *site, const struct iso_metric *metri
         for (uint64_t take = 0; !error && take < TEMPLATES; take++) {
             const struct iso_metric_vector vector = bench_vector(metric, p, take);
             error = iso_site_index_reserve(site, 1);
-            error = error ? error : iso_site_index_add(site, (int64_t)p, 1, &vector);
+            error = error ? error : iso_site_index_add(site, (int64_t)p, 1, "astra", &vector);
         }
     }
     return error;

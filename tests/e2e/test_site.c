@@ -8,11 +8,14 @@
 #include <cmocka.h>
 
 #include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "tests/e2e/answers.h"
 #include "tests/e2e/appliance.h"
+#include "tests/support/scratch.h"
 
 enum { WAIT_MS = 10000, LOOK_MS = 50 };
 
@@ -136,6 +139,53 @@ static void it_adapts_again_after_a_start(void **state)
     expect_state(appliance, "adapted", 3, 3);
 }
 
+/* Makes a copy of the recording p01-v1 as if another model of camera had made it. */
+static void copy_before_another_sensor(const char *people)
+{
+    char recording[600];
+    (void)snprintf(recording, sizeof recording, "%s/p01-v1", people);
+    scratch_mkdir(people);
+    const char *const argv[] = {"/bin/cp", "-r", APPLIANCE_CORPUS "/p01-v1", recording, NULL};
+    struct run copy;
+    run_start(&copy, argv);
+    run_finish(&copy);
+    run_expect(&copy, 0);
+    run_free(&copy);
+    char *text = scratch_read_text(scratch_path(recording, "recording.ini"));
+    char *at = strstr(text, "sensor = astra");
+    assert_non_null(at);
+    memcpy(at, "sensor = other", strlen("sensor = other"));
+    scratch_write_text(scratch_path(recording, "recording.ini"), text);
+    free(text);
+}
+
+/* Nobody was enrolled before the other model. So the metric is the shipped one, which needs a
+ * higher score, and people are still identified. Before the first model all is as it was. */
+static void another_camera_learns_from_its_own_people(void **state)
+{
+    struct appliance *appliance = *state;
+    char before[sizeof appliance->people];
+    memcpy(before, appliance->people, sizeof before);
+    (void)snprintf(appliance->people, sizeof appliance->people, "%s/other", appliance->directory);
+    copy_before_another_sensor(appliance->people);
+    json_t *document = appliance_run_json(appliance, "identify", "p01-v1", 0);
+    assert_string_equal(answer_text(document, "person"), "p01");
+    json_decref(document);
+    expect_state(appliance, "provisional", 0, 4);
+    json_t *status = appliance_run_json(appliance, "status", NULL, 0);
+    assert_string_equal(answer_text(status, "sensor-model"), "other");
+    assert_int_equal(answer_number(status, "site-other-sensor"), 3);
+    json_decref(status);
+    const struct appliance_result *text = appliance_run(appliance, "site", NULL);
+    assert_non_null(strstr(text->out, "enrol p02 again before this camera"));
+    memcpy(appliance->people, before, sizeof before);
+    document = appliance_run_json(appliance, "identify", "p01-v1", 0);
+    json_decref(document);
+    status = expect_site(appliance, "adapted", 3);
+    assert_int_equal(answer_number(status, "site-other-sensor"), 0);
+    json_decref(status);
+}
+
 static void it_forgets_people_who_are_removed(void **state)
 {
     struct appliance *appliance = *state;
@@ -210,6 +260,7 @@ int main(void)
         cmocka_unit_test(it_shows_what_the_templates_say),
         cmocka_unit_test(it_recognises_them),
         cmocka_unit_test(it_adapts_again_after_a_start),
+        cmocka_unit_test(another_camera_learns_from_its_own_people),
         cmocka_unit_test(it_forgets_people_who_are_removed),
         cmocka_unit_test(it_rolls_back),
         cmocka_unit_test(it_stays_rolled_back_over_a_start),

@@ -107,6 +107,42 @@ static void it_says_what_is_missing(void **state)
     assert_null(strstr(result.out, "Error rates"));
 }
 
+static void people_of_another_sensor_are_to_be_enrolled_again(void **state)
+{
+    struct fake_script script = script_of("adapted", 4, false);
+    (void)state;
+    struct cli_result result = cli_run(&script, "site");
+    assert_null(strstr(result.out, "another model"));
+    assert_null(strstr(result.calls, "ListOtherSensor")); /* an older daemon does not have it */
+    script.site_other = 1;
+    result = cli_run(&script, "site");
+    expect_text(&result, "\n  do not teach it        1 person: enrolled before another model of "
+                         "camera\n");
+    expect_text(&result, "\n  enrol anna again before this camera: another model has made all "
+                         "templates\n");
+    assert_null(strstr(result.out, "more people again"));
+    script.site_other = 12;
+    result = cli_run(&script, "site");
+    expect_text(&result, "\n  do not teach it        12 people: enrolled before another model of "
+                         "camera\n");
+    expect_text(&result, "\n  enrol carl 4 again before this camera");
+    expect_text(&result, "\n  enrol 7 more people again before this camera");
+}
+
+/* The bus refuses the names; the number is shown. */
+static void people_of_another_sensor_are_counted_for_all(void **state)
+{
+    struct fake_script script = script_of("adapted", 4, false);
+    (void)state;
+    script.site_other = 12;
+    script.fail_method = "ListOtherSensor";
+    script.fail_error = "org.freedesktop.DBus.Error.AccessDenied";
+    const struct cli_result result = cli_run(&script, "site");
+    cli_expect_exit(&result, 0);
+    expect_text(&result, "\n  enrol 12 people again before this camera");
+    assert_null(strstr(result.out, "carl"));
+}
+
 static void it_takes_back(void **state)
 {
     const struct fake_script some = script_of("adapted", 4, false);
@@ -149,6 +185,8 @@ int main(void)
         cmocka_unit_test(without_the_list_of_people_nobody_is_named),
         cmocka_unit_test(a_document_has_all_of_it),
         cmocka_unit_test(it_says_what_is_missing),
+        cmocka_unit_test(people_of_another_sensor_are_to_be_enrolled_again),
+        cmocka_unit_test(people_of_another_sensor_are_counted_for_all),
         cmocka_unit_test(it_takes_back),
         cmocka_unit_test(faults_are_faults),
     };

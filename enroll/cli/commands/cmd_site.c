@@ -52,6 +52,19 @@ static int read_single(sd_bus_message *reply, json_t *list)
     return r;
 }
 
+static int read_names(sd_bus_message *reply, json_t *list)
+{
+    const char *person;
+    int r = sd_bus_message_enter_container(reply, 'a', "s");
+
+    while (r >= 0 && (r = sd_bus_message_read(reply, "s", &person)) > 0) {
+        if (json_array_append_new(list, json_string(person))) {
+            return -ENOMEM;
+        }
+    }
+    return r;
+}
+
 /* Asks for a list. *out becomes NULL if this user may not read it. */
 static enum cli_exit fetch_list(struct cli_daemon *daemon, const char *method,
                                 int (*read)(sd_bus_message *reply, json_t *list), json_t **out,
@@ -92,6 +105,24 @@ static enum cli_exit fetch_site(struct cli_daemon *daemon, json_t **out, struct 
     return r < 0 ? cli_daemon_bad_reply(r, ISO_CONTRACT_GET_SITE, fault) : CLI_EXIT_OK;
 }
 
+/* Adds the names of the people of another sensor, if there are any. */
+static enum cli_exit add_others(struct cli_daemon *daemon, json_t *site, struct cli_fault *fault)
+{
+    json_t *names = NULL;
+
+    if (cli_state_number(site, "site-other-sensor", 0) == 0) {
+        return CLI_EXIT_OK;
+    }
+    const enum cli_exit exit = fetch_list(daemon, ISO_CONTRACT_LIST_OTHER, read_names, &names,
+                                          fault);
+    if (exit) {
+        return exit;
+    }
+    return json_object_set_new(site, "site-other-people", names ? names : json_null())
+               ? no_memory(fault)
+               : CLI_EXIT_OK;
+}
+
 /* Adds the pairs who look alike, and what would help, to the reply of the daemon. */
 static enum cli_exit complete(struct cli_daemon *daemon, json_t *site, struct cli_fault *fault)
 {
@@ -116,6 +147,9 @@ static enum cli_exit show(struct cli_daemon *daemon, bool json, struct cli_fault
     json_t *site = NULL;
     enum cli_exit exit = fetch_site(daemon, &site, fault);
 
+    if (!exit) {
+        exit = add_others(daemon, site, fault);
+    }
     if (!exit) {
         exit = complete(daemon, site, fault);
     }

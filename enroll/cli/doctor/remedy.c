@@ -98,7 +98,7 @@ static const char *const remedies[ISO_FAULT_CODES] = {
     [ISO_FAULT_GALLERY_EMPTY] = "enrol somebody: isotherm enroll NAME",
     [ISO_FAULT_NOBODY_VALID] = "isotherm list shows the limits of each person, and isotherm validity NAME changes them; check the clock, too",
     [ISO_FAULT_TEMPLATES_OLD] = "enrol these people again: isotherm list shows who has no usable template",
-    [ISO_FAULT_SITE_PROVISIONAL] = "enrol at least three people (isotherm site says what is missing); until then the next stricter level applies",
+    [ISO_FAULT_SITE_PROVISIONAL] = "enrol at least three people before this camera (isotherm site says what is missing); until then the next stricter level applies",
 };
 /* clang-format on */
 

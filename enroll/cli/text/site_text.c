@@ -37,6 +37,28 @@ static int advise_people(json_t *advice, const json_t *site)
                           : 0;
 }
 
+/* Names the people if this user may list them, and else only counts them. */
+static int advise_other_sensor(json_t *advice, const json_t *site)
+{
+    const json_t *names = json_object_get(site, "site-other-people");
+    const size_t all = (size_t)cli_state_number(site, "site-other-sensor", 0);
+    const size_t named = json_array_size(names) < NAMES_MAX ? json_array_size(names) : NAMES_MAX;
+    int error = 0;
+
+    for (size_t i = 0; !error && i < named; i++) {
+        error = add_text(advice, json_sprintf("enrol %s again before this camera: another model "
+                                              "has made all templates",
+                                              json_string_value(json_array_get(names, i))));
+    }
+    return error || named >= all
+               ? error
+               : add_text(advice, json_sprintf("enrol %d %s again before this camera (isotherm "
+                                               "enroll): another model has made all templates",
+                                               (int)(all - named),
+                                               named > 0 ? "more people"
+                                                         : iso_plural(all, "person", "people")));
+}
+
 static int advise_poses(json_t *advice, const json_t *single)
 {
     const size_t n = json_array_size(single);
@@ -92,6 +114,7 @@ json_t *cli_site_advise(const json_t *site, const json_t *single)
                                              "section match of isotherm.conf(5)"));
     } else {
         error = advise_people(advice, site);
+        error = error ? error : advise_other_sensor(advice, site);
         error = error ? error : advise_poses(advice, single);
         error = error ? error : advise_look_alikes(advice, site);
     }
@@ -116,6 +139,7 @@ static void print_metric(const json_t *site, FILE *out)
     const json_int_t people = cli_state_number(site, "site-people", 0);
     const json_int_t taught = cli_state_number(site, "site-taught", 0);
     const json_int_t excluded = cli_state_number(site, "site-excluded", 0);
+    const json_int_t other = cli_state_number(site, "site-other-sensor", 0);
     const double growth = cli_state_real(site, "site-growth");
     const char *state = cli_state_text(site, "site");
 
@@ -126,6 +150,10 @@ static void print_metric(const json_t *site, FILE *out)
     }
     fprintf(out, "  %-22s %d %s, %d of them with two templates or more\n", "learned from",
             (int)people, iso_plural((uint64_t)people, "person", "people"), (int)taught);
+    if (other > 0) {
+        fprintf(out, "  %-22s %d %s: enrolled before another model of camera\n", "do not teach it",
+                (int)other, iso_plural((uint64_t)other, "person", "people"));
+    }
     if (excluded > 0) {
         fprintf(out, "  %-22s %d %s not teach it any more\n", "taken back", (int)excluded,
                 iso_plural((uint64_t)excluded, "template does", "templates do"));

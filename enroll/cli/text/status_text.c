@@ -58,6 +58,7 @@ static const struct row {
     {"People", "image check", "image-check", UNIT_TEXT},
     {"People", "metric of the site", "site", UNIT_TEXT},
     {"People", "learned from", "site-people", UNIT_COUNT},
+    {"People", "by another sensor", "site-other-sensor", UNIT_COUNT},
     {"People", "with two templates", "site-taught", UNIT_COUNT},
     {"People", "have in common", "site-offset", UNIT_SCORE},
     {"People", "rendered ones have", "site-expected", UNIT_SCORE},

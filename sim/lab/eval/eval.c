@@ -156,7 +156,11 @@ static int compare_methods(struct sim_eval *eval, struct iso_fault *fault)
 {
     int error = sim_gallery_new(eval->corpus, eval->acquisition, eval->options.gallery_limit,
                                 &eval->gallery);
-    if (!error && eval->metric && eval->options.site == SIM_SITE_GALLERY) {
+    if (!error && eval->options.site == SIM_SITE_SENSOR) {
+        eval->gallery->teaching = sim_site_searching_sensor(eval->corpus, eval->acquisition);
+    }
+    if (!error && eval->metric &&
+        (eval->options.site == SIM_SITE_GALLERY || eval->options.site == SIM_SITE_SENSOR)) {
         error = sim_site_adapt(eval->gallery, eval->metric, &eval->adapted);
     }
     error = out_of_range(error, fault);

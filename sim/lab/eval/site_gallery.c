@@ -7,7 +7,7 @@
 
 int sim_option_site(const char *text, void *field)
 {
-    static const char *const names[] = {"none", "gallery", "split"};
+    static const char *const names[] = {"none", "gallery", "sensor", "split"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         if (strcmp(text, names[i]) == 0) {
             *(enum sim_site *)field = (enum sim_site)i;
@@ -25,10 +25,12 @@ static int collect_captures(const struct sim_gallery *gallery, size_t person,
     int error = 0;
     *n = 0;
     for (size_t i = 0; i < gallery->n_templates && *n < ISO_SITE_CAPTURES && !error; i++) {
-        if (gallery->person[i] != person) {
+        const struct iso_template *tmpl = gallery->templates[i];
+        if (gallery->person[i] != person ||
+            (gallery->teaching && strcmp(tmpl->sensor, gallery->teaching) != 0)) {
             continue;
         }
-        error = iso_metric_project(metric, gallery->templates[i], &captures[*n]);
+        error = iso_metric_project(metric, tmpl, &captures[*n]);
         *n += error == 0;
         error = error == -ENODATA ? 0 : error;
     }
@@ -48,6 +50,18 @@ static int pass_people(const struct sim_gallery *gallery, const struct iso_metri
         }
     }
     return error;
+}
+
+const char *sim_site_searching_sensor(const struct sim_corpus *corpus,
+                                      const struct sim_acquisition *acquisition)
+{
+    for (size_t i = 0; i < acquisition->n_samples; i++) {
+        const struct sim_sample *sample = &acquisition->samples[i];
+        if (sample->acquired && corpus->rows[sample->row].role != SIM_ROLE_GALLERY) {
+            return sample->tmpl.sensor;
+        }
+    }
+    return NULL;
 }
 
 int sim_site_adapt(const struct sim_gallery *gallery, const struct iso_metric *metric,

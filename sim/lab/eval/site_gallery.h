@@ -6,16 +6,23 @@
 #include "sim/lab/match/gallery.h"
 #include "sim/lab/match/match.h"
 
-/* Where the site statistics of an evaluation come from: there are none; the enrolled templates; or
- * half of the people, while the others are judged (site_split.h). */
-enum sim_site { SIM_SITE_NONE, SIM_SITE_GALLERY, SIM_SITE_SPLIT };
+/* Where the site statistics of an evaluation come from: there are none; the enrolled templates; of
+ * these only the ones of the sensor that sees the visitors; or half of the people, while the others
+ * are judged (site_split.h). */
+enum sim_site { SIM_SITE_NONE, SIM_SITE_GALLERY, SIM_SITE_SENSOR, SIM_SITE_SPLIT };
 
-/* A sim_option_parser of enum sim_site: "none", "gallery" or "split". */
+/* A sim_option_parser of enum sim_site: "none", "gallery", "sensor" or "split". */
 int sim_option_site(const char *text, void *field);
 
+/* The kind of sensor of the first search; NULL if there is no search. It belongs to the
+ * acquisition. */
+const char *sim_site_searching_sensor(const struct sim_corpus *corpus,
+                                      const struct sim_acquisition *acquisition);
+
 /* Makes the metric that is adapted to the enrolled templates, all of a person as captures of this
- * person. The caller frees it with iso_site_metric_free(). -ENOMEM, and the errors of
- * iso_metric_project and iso_site_adapt. */
+ * person; if the gallery names a teaching sensor, to the templates of that sensor alone. The caller
+ * frees it with iso_site_metric_free(). -ENOMEM, and the errors of iso_metric_project and
+ * iso_site_adapt. */
 int sim_site_adapt(const struct sim_gallery *gallery, const struct iso_metric *metric,
                    struct iso_site_metric *out) __attribute__((warn_unused_result));
 

@@ -64,6 +64,8 @@ static int capture_frame(const struct capturing *work, int worker, struct iso_re
     const int error = iso_extractor_run(work->extractors[worker], frame, &capture->extraction);
     capture->cpu_ns = sim_thread_cpu_ns(NULL) - cpu_ns;
     capture->wall_ns = sim_wall_ns(NULL) - wall_ns;
+    (void)snprintf(capture->extraction.tmpl.sensor, sizeof capture->extraction.tmpl.sensor, "%.*s",
+                   ISO_TEMPLATE_SENSOR_MAX - 1, iso_recording_meta(recording)->sensor);
     return error ? iso_fault_set(&work->faults[worker], error, "frame %zu: %s", capture->frame,
                                  strerror(-error))
                  : 0;
@@ -115,7 +117,6 @@ static int new_extractors(struct capturing *work, const struct sim_capture_optio
     if (error) {
         return error;
     }
-    /* Templates of one run are compared with each other, even from different sensors. */
     (void)snprintf(origin->sensor, sizeof origin->sensor, "%.*s", ISO_TEMPLATE_SENSOR_MAX - 1,
                    iso_recording_meta(recording)->sensor);
     memcpy(extract.sensor, origin->sensor, sizeof extract.sensor);

@@ -84,6 +84,7 @@ int sim_gallery_part(const struct sim_gallery *gallery, const bool *keep, struct
     if (!g) {
         return -ENOMEM;
     }
+    g->teaching = gallery->teaching;
     for (size_t p = 0; p < gallery->n_people; p++) {
         if (keep[p]) {
             g->names[g->n_people++] = gallery->names[p];

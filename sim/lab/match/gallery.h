@@ -14,7 +14,8 @@ struct sim_gallery {
     size_t *n_templates_of;                /* [n_people]; 0: failed to enrol */
     const struct iso_template **templates; /* [n_templates]; they belong to the samples */
     size_t *person;                        /* [n_templates] */
-    size_t *sample; /* [n_templates]: index of the sample in the acquisition */
+    size_t *sample;       /* [n_templates]: index of the sample in the acquisition */
+    const char *teaching; /* kind of sensor whose templates teach the metric; NULL: every kind */
 };
 
 /* Enrols the first `limit` people (0: all). The gallery refers to the corpus and the acquisition.

@@ -99,10 +99,13 @@ static void add_split(const struct sim_site_split *site, json_t *object)
 
 json_t *sim_json_site(const struct sim_eval *eval)
 {
-    static const char *const modes[] = {
-        [SIM_SITE_NONE] = "none", [SIM_SITE_GALLERY] = "gallery", [SIM_SITE_SPLIT] = "split"};
+    static const char *const modes[] = {[SIM_SITE_NONE] = "none",
+                                        [SIM_SITE_GALLERY] = "gallery",
+                                        [SIM_SITE_SENSOR] = "sensor",
+                                        [SIM_SITE_SPLIT] = "split"};
     json_t *object = json_pack("{s:s}", "mode", modes[eval->options.site]);
-    if (object && eval->options.site == SIM_SITE_GALLERY) {
+    if (object &&
+        (eval->options.site == SIM_SITE_GALLERY || eval->options.site == SIM_SITE_SENSOR)) {
         json_object_set_new(object, "people", json_integer(eval->adapted.people));
     }
     if (object && eval->options.site == SIM_SITE_SPLIT) {

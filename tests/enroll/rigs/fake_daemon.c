@@ -111,6 +111,7 @@ static const sd_bus_vtable vtable[] = {
     SD_BUS_METHOD("GetSite", "", "a{sv}", fake_on_get_site, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("ListLookAlikes", "", "a(ssd)", fake_on_list_look_alikes,
                   SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("ListOtherSensor", "", "as", fake_on_list_other, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("ResetSite", "", "u", fake_on_take_back, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("RollBackSite", "", "u", fake_on_take_back, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("AimStart", "", "", fake_on_aim_start, SD_BUS_VTABLE_UNPRIVILEGED),

@@ -77,6 +77,7 @@ struct fake_script {
     size_t picture_size;  /* its length in bytes; 0: up to the NUL */
     const char *site;     /* the word of "site"; NULL: "off" */
     uint32_t site_people; /* people that the metric of the site has learned from */
+    uint32_t site_other;  /* people who were enrolled before another class of sensor */
     bool site_estimated;  /* GetSite has error rates, and anna and Bo Ek look alike */
     unsigned refused;     /* the first calls of ReadLog, so many, fail with TooManyCalls */
 };

@@ -53,6 +53,7 @@ int fake_on_set_validity(sd_bus_message *call, void *context, sd_bus_error *erro
 int fake_on_rename(sd_bus_message *call, void *context, sd_bus_error *error);
 int fake_on_get_site(sd_bus_message *call, void *context, sd_bus_error *error);
 int fake_on_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error *error);
+int fake_on_list_other(sd_bus_message *call, void *context, sd_bus_error *error);
 int fake_on_take_back(sd_bus_message *call, void *context, sd_bus_error *error);
 int fake_on_read_log(sd_bus_message *call, void *context, sd_bus_error *error);
 

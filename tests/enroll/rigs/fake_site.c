@@ -1,5 +1,6 @@
 /* The metric of the site of the script. */
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "firmware/contract/contract.h"
@@ -13,10 +14,10 @@ int fake_site_append(sd_bus_message *reply, const struct fake_script *script)
     if (r < 0 || strcmp(site, ISO_CONTRACT_SITE_OFF) == 0) {
         return r;
     }
-    return sd_bus_message_append(reply, "{sv}{sv}{sv}{sv}{sv}{sv}", "site-people", "u",
-                                 script->site_people, "site-taught", "u", (uint32_t)1, "site-least",
-                                 "u", (uint32_t)3, "site-offset", "d", 6.314, "site-expected", "d",
-                                 5.1, "site-growth", "d", 1.1);
+    return sd_bus_message_append(
+        reply, "{sv}{sv}{sv}{sv}{sv}{sv}{sv}", "site-other-sensor", "u", script->site_other,
+        "site-people", "u", script->site_people, "site-taught", "u", (uint32_t)1, "site-least", "u",
+        (uint32_t)3, "site-offset", "d", 6.314, "site-expected", "d", 5.1, "site-growth", "d", 1.1);
 }
 
 static int append_estimate(sd_bus_message *reply)
@@ -79,6 +80,26 @@ int fake_on_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error *
 {
     const struct fake_service *service = context;
     return fake_fails(service, call, error) ? -EIO : answer(call, append_pairs, service->script);
+}
+
+/* As many people as the script says: anna, and others. */
+static int append_others(sd_bus_message *reply, const struct fake_script *script)
+{
+    int r = sd_bus_message_open_container(reply, 'a', "s");
+    for (uint32_t i = 0; r >= 0 && i < script->site_other; i++) {
+        char name[16] = "anna";
+        if (i > 0) {
+            (void)snprintf(name, sizeof name, "carl %u", (unsigned)i);
+        }
+        r = sd_bus_message_append_basic(reply, 's', name);
+    }
+    return r < 0 ? r : sd_bus_message_close_container(reply);
+}
+
+int fake_on_list_other(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    const struct fake_service *service = context;
+    return fake_fails(service, call, error) ? -EIO : answer(call, append_others, service->script);
 }
 
 /* ResetSite and RollBackSite: the number of people stands for that of their templates. */

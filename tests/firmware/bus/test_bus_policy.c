@@ -52,6 +52,7 @@ static const struct {
     {ISO_CONTRACT_GET_STATUS, {true, true, true, true, false, true}},
     {ISO_CONTRACT_GET_SITE, {true, true, true, true, false, true}},
     {ISO_CONTRACT_LIST_LOOK_ALIKES, {false, false, true, true, false, false}},
+    {ISO_CONTRACT_LIST_OTHER, {false, false, true, true, false, false}},
     {ISO_CONTRACT_RESET_SITE, {false, false, false, true, false, false}},
     {ISO_CONTRACT_ROLL_BACK_SITE, {false, false, false, true, false, false}},
     {ISO_CONTRACT_RECORD_ACT, {false, false, false, true, false, true}},
@@ -81,7 +82,7 @@ static const struct {
     {ISO_CONTRACT_IMPORT_PEOPLE, {false, false, false, true, false, false}},
     {ISO_CONTRACT_ROTATE_KEYS, {false, false, false, true, false, false}},
     {ISO_CONTRACT_GET_ADDRESS, {false, false, false, true, false, false}},
-    {"GetSettings", {false, false, false, true, false, true}},
+    {ISO_CONTRACT_GET_SETTINGS, {false, false, false, true, false, true}},
 };
 
 enum { RULES = sizeof rules / sizeof *rules };

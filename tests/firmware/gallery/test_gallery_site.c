@@ -2,6 +2,7 @@
  * rotation of keys and new numbers. */
 #include <errno.h>
 #include <sqlite3.h>
+#include <stdio.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
@@ -95,6 +96,44 @@ static void people_with_new_numbers_stay_excluded(void **state)
     iso_metric_free(metric);
 }
 
+/* Adds a person whose template was made before this sensor. */
+static void add_before(struct iso_gallery *gallery, const char *name, int face, const char *sensor)
+{
+    struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
+    struct iso_person person = {.enrolled_s = 1};
+    (void)snprintf(person.name, sizeof person.name, "%s", name);
+    (void)snprintf(tmpl.sensor, sizeof tmpl.sensor, "%s", sensor);
+    assert_int_equal(iso_gallery_add(gallery, &person, &tmpl, NULL), 0);
+}
+
+/* Ada and Cam were enrolled before one sensor, Ben before another. Deleting learned templates
+ * reads the people anew from the database, as an import does. */
+static void the_sensor_of_each_template_is_kept(void **state)
+{
+    struct iso_metric *metric = gallery_rig_new_metric();
+    struct iso_gallery *gallery = open_gallery(*state, metric, true);
+    struct iso_template learned = puppet_template(22, PUPPET_ALGORITHM);
+    size_t n = 0;
+    learned.learned = true;
+    add_before(gallery, "ada", 20, "puppet");
+    add_before(gallery, "ben", 40, "sock");
+    add_before(gallery, "cam", 60, "puppet");
+    assert_int_equal(iso_gallery_site_other(gallery), 0); /* not known yet */
+    iso_gallery_set_sensor(gallery, "puppet");
+    assert_int_equal(iso_gallery_site_other(gallery), 1);
+    const struct iso_person ada = *iso_gallery_find(gallery, "ada");
+    assert_int_equal(iso_gallery_add(gallery, &ada, &learned, NULL), 0);
+    assert_int_equal(iso_gallery_forget_learned(gallery, &n, NULL), 0);
+    assert_int_equal(n, 1);
+    assert_int_equal(iso_gallery_site_other(gallery), 1);
+    iso_gallery_close(gallery);
+    gallery = open_gallery(*state, metric, true);
+    iso_gallery_set_sensor(gallery, "sock");
+    assert_int_equal(iso_gallery_site_other(gallery), 2);
+    iso_gallery_close(gallery);
+    iso_metric_free(metric);
+}
+
 static void a_gallery_that_does_not_adapt_keeps_its_version(void **state)
 {
     struct iso_metric *metric = gallery_rig_new_metric();
@@ -115,6 +154,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(it_rolls_back_enrolment_by_enrolment),
         TEST(people_with_new_numbers_stay_excluded),
+        TEST(the_sensor_of_each_template_is_kept),
         TEST(a_gallery_that_does_not_adapt_keeps_its_version),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -61,12 +61,19 @@ uint64_t site_rig_number_of(int64_t person, int i)
     return 100 * (uint64_t)person + (uint64_t)i;
 }
 
+void site_rig_add_template_of(struct iso_site_index *site, const struct iso_metric *metric,
+                              int64_t person, int i, const char *sensor)
+{
+    const struct iso_metric_vector vector = site_rig_vector_of(metric, person, i);
+    const uint64_t number = site_rig_number_of(person, i);
+    assert_int_equal(iso_site_index_reserve(site, 1), 0);
+    assert_int_equal(iso_site_index_add(site, person, number, sensor, &vector), 0);
+}
+
 void site_rig_add_template(struct iso_site_index *site, const struct iso_metric *metric,
                            int64_t person, int i)
 {
-    const struct iso_metric_vector vector = site_rig_vector_of(metric, person, i);
-    assert_int_equal(iso_site_index_reserve(site, 1), 0);
-    assert_int_equal(iso_site_index_add(site, person, site_rig_number_of(person, i), &vector), 0);
+    site_rig_add_template_of(site, metric, person, i, SITE_RIG_SENSOR);
 }
 
 void site_rig_add_person(struct iso_site_index *site, const struct iso_metric *metric,

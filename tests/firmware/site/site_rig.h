@@ -23,7 +23,11 @@ uint64_t site_rig_number_of(int64_t person, int i);
 /* Makes an index of nobody and starts it. */
 struct iso_site_index *site_rig_new_index(const struct iso_metric *metric, bool adapt);
 
-/* Adds template i of a person to the index. */
+/* Adds template i of a person to the index, as if it was made before this sensor, or before
+ * SITE_RIG_SENSOR. */
+#define SITE_RIG_SENSOR "astra"
+void site_rig_add_template_of(struct iso_site_index *site, const struct iso_metric *metric,
+                              int64_t person, int i, const char *sensor);
 void site_rig_add_template(struct iso_site_index *site, const struct iso_metric *metric,
                            int64_t person, int i);
 

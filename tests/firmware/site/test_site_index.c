@@ -236,7 +236,9 @@ static void add_unusable_person(struct iso_site_index *site, const struct iso_me
     struct iso_metric_vector vector = site_rig_vector_of(metric, PEOPLE, 0);
     vector.mean[0] = NAN;
     assert_int_equal(iso_site_index_reserve(site, 1), 0);
-    assert_int_equal(iso_site_index_add(site, PEOPLE, site_rig_number_of(PEOPLE, 0), &vector), 0);
+    assert_int_equal(
+        iso_site_index_add(site, PEOPLE, site_rig_number_of(PEOPLE, 0), SITE_RIG_SENSOR, &vector),
+        0);
     assert_int_equal(iso_site_index_settle(site), -EINVAL);
 }
 
@@ -284,7 +286,8 @@ static void too_many_templates_change_nothing(void **state)
     assert_int_equal(iso_site_index_settle(site), 0);
     const struct iso_metric_vector more = site_rig_vector_of(metric, 1, 99);
     assert_int_equal(iso_site_index_reserve(site, 1), 0);
-    assert_int_equal(iso_site_index_add(site, 1, site_rig_number_of(1, 99), &more), -EINVAL);
+    assert_int_equal(iso_site_index_add(site, 1, site_rig_number_of(1, 99), SITE_RIG_SENSOR, &more),
+                     -EINVAL);
     assert_false(iso_site_index_state(site).due);
     assert_false(iso_site_index_follow(site));
     iso_site_index_free(site);

@@ -13,7 +13,7 @@ static void insert(struct iso_site_rows *rows, int64_t person, uint64_t number, 
 {
     struct iso_metric_vector vector = {.n = 1, .mean = {first, -0.3f, 0.0f, 0.01f, 2.0f}};
     assert_int_equal(iso_site_rows_reserve(rows, 1), 0);
-    iso_site_rows_insert(rows, person, number, &vector);
+    iso_site_rows_insert(rows, person, number, "astra", &vector);
 }
 
 static void rows_are_sorted_by_person(void **state)
@@ -50,14 +50,14 @@ static void vectors_are_rounded_to_the_unit(void **state)
             vector.mean[d] = largest[i] * cosf((float)d);
         }
         assert_int_equal(iso_site_rows_reserve(&rows, 2), 0);
-        iso_site_rows_insert(&rows, 1, 1, &vector);
+        iso_site_rows_insert(&rows, 1, 1, "astra", &vector);
         iso_site_rows_get(&rows, 0, &once);
         assert_int_equal(once.n, 1);
         assert_true(127.0f * rows.unit[0] >= largest[i] && 63.5f * rows.unit[0] < largest[i]);
         for (int d = 0; d < WIDTH; d++) {
             assert_true(fabsf(once.mean[d] - vector.mean[d]) <= 0.5f * rows.unit[0]);
         }
-        iso_site_rows_insert(&rows, 1, 2, &once);
+        iso_site_rows_insert(&rows, 1, 2, "astra", &once);
         iso_site_rows_get(&rows, 1, &twice);
         assert_memory_equal(twice.mean, once.mean, sizeof once.mean);
         iso_site_rows_free(&rows);
@@ -70,13 +70,13 @@ static void a_vector_that_is_not_finite_stays_so(void **state)
     struct iso_metric_vector vector = {.n = 1, .mean = {0.0f, -INFINITY, 3.0f}}, got;
     (void)state;
     assert_int_equal(iso_site_rows_reserve(&rows, 2), 0);
-    iso_site_rows_insert(&rows, 1, 1, &vector);
+    iso_site_rows_insert(&rows, 1, 1, "astra", &vector);
     iso_site_rows_get(&rows, 0, &got);
     for (int d = 0; d < WIDTH; d++) {
         assert_true(isnan(got.mean[d]));
     }
     memset(&vector.mean, 0, sizeof vector.mean);
-    iso_site_rows_insert(&rows, 2, 2, &vector);
+    iso_site_rows_insert(&rows, 2, 2, "astra", &vector);
     iso_site_rows_get(&rows, 1, &got);
     assert_memory_equal(got.mean, vector.mean, WIDTH * sizeof(float));
     iso_site_rows_free(&rows);

@@ -199,6 +199,39 @@ static void the_gallery_adapts_the_metric(void **state)
     sim_eval_free(site);
 }
 
+/* The searches are of the sensor that has enrolled everybody. As if p04 had been enrolled before
+ * another sensor, the metric is that of the other three, to the bit. */
+static void only_people_of_the_searching_sensor_teach(void **state)
+{
+    struct sim_eval *eval = evaluated(state, SIM_SITE_SENSOR);
+    struct sim_gallery *gallery = eval->gallery, *three = NULL;
+    struct iso_site_metric own = {.n = 0}, expected = {.n = 0};
+    const bool keep[] = {true, true, true, false};
+    assert_string_equal(gallery->teaching, "astra");
+    assert_int_equal(eval->adapted.people, 4);
+    for (size_t i = 0; i < gallery->n_templates; i++) {
+        if (gallery->person[i] == 3) {
+            struct iso_template *tmpl = &eval->acquisition->samples[gallery->sample[i]].tmpl;
+            (void)snprintf(tmpl->sensor, sizeof tmpl->sensor, "other");
+        }
+    }
+    assert_int_equal(sim_gallery_part(gallery, keep, &three), 0);
+    assert_int_equal(sim_site_adapt(gallery, eval->metric, &own), 0);
+    assert_int_equal(sim_site_adapt(three, eval->metric, &expected), 0);
+    assert_int_equal(own.people, 3);
+    assert_int_equal(own.n, expected.n);
+    assert_memory_equal(own.offset, expected.offset, (size_t)own.n * sizeof *own.offset);
+    assert_memory_equal(own.turn, expected.turn, (size_t)own.n * (size_t)own.n * sizeof *own.turn);
+    gallery->teaching = NULL; /* everybody */
+    iso_site_metric_free(&own);
+    assert_int_equal(sim_site_adapt(gallery, eval->metric, &own), 0);
+    assert_int_equal(own.people, 4);
+    iso_site_metric_free(&own);
+    iso_site_metric_free(&expected);
+    sim_gallery_free(three);
+    sim_eval_free(eval);
+}
+
 static void options_name_the_source(void **state)
 {
     enum sim_site site = SIM_SITE_NONE;
@@ -207,6 +240,8 @@ static void options_name_the_source(void **state)
     assert_int_equal(site, SIM_SITE_GALLERY);
     assert_int_equal(sim_option_site("split", &site), 0);
     assert_int_equal(site, SIM_SITE_SPLIT);
+    assert_int_equal(sim_option_site("sensor", &site), 0);
+    assert_int_equal(site, SIM_SITE_SENSOR);
     assert_int_equal(sim_option_site("none", &site), 0);
     assert_int_equal(site, SIM_SITE_NONE);
     assert_int_equal(sim_option_site("halves", &site), -EINVAL);
@@ -236,6 +271,8 @@ static void rates_are_counted_at_each_score(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(only_people_of_the_searching_sensor_teach, scratch_setup,
+                                        scratch_teardown),
         cmocka_unit_test_setup_teardown(every_split_counts_both_ways, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(fewer_than_four_people_are_not_split, scratch_setup,
