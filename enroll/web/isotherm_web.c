@@ -14,8 +14,12 @@
 #include "enroll/web/account/setup_code.h"
 #include "enroll/web/api/api.h"
 #include "enroll/web/api/document.h"
+#include "enroll/web/daemon/enrolment.h"
+#include "enroll/web/daemon/feed.h"
+#include "enroll/web/daemon/last_seen.h"
 #include "enroll/web/listener.h"
 #include "enroll/web/options.h"
+#include "enroll/web/published.h"
 
 /* As in enroll/cli/client/fault.h. */
 enum { EXIT_USAGE = 2, EXIT_NOT_FOUND = 3, EXIT_FAULT = 4 };
@@ -97,8 +101,17 @@ static int open_daemon(struct program *program, const struct web_options *option
                        struct iso_fault *fault)
 {
     struct web_api *api = &program->api;
-    const int r = web_daemon_new(program->event, options->bus, &api->daemon);
+    int r = web_daemon_new(program->event, options->bus, &api->daemon);
 
+    r = r < 0 ? r : web_feed_new(program->event, api->daemon, &api->feed);
+    r = r < 0 ? r : web_last_seen_new(program->event, api->daemon, &api->last_seen);
+    if (r >= 0) {
+        const struct web_enrolment_setup setup = {.event = program->event,
+                                                  .daemon = api->daemon,
+                                                  .feed = api->feed,
+                                                  .sessions = &program->sessions};
+        r = web_enrolment_new(&setup, &api->enrolment);
+    }
     return r < 0 ? iso_fault_set(fault, r, "--bus %s: %s", options->bus, strerror(-r)) : 0;
 }
 
@@ -116,13 +129,22 @@ static int open_server(struct program *program, const struct web_options *option
     return r < 0 ? r : web_server_new(&setup, &program->api.server, fault);
 }
 
-/* The daemon's calls that still wait are answered last, when no client is there any more. */
+/* First the calls of the daemon that still wait are answered, for exchanges that have to end before
+ * the server does; then the streams end, and last those who send into them. */
 static void close_all(struct program *program)
 {
-    web_server_free(program->api.server);
-    program->api.server = NULL;
-    web_daemon_free(program->api.daemon);
-    web_accounts_close(program->api.accounts);
+    struct web_api *api = &program->api;
+
+    if (api->daemon) {
+        web_daemon_close(api->daemon);
+    }
+    web_server_free(api->server);
+    api->server = NULL;
+    web_enrolment_free(api->enrolment);
+    web_last_seen_free(api->last_seen);
+    web_feed_free(api->feed);
+    web_daemon_free(api->daemon);
+    web_accounts_close(api->accounts);
     web_certificate_free(&program->certificate);
     sd_event_unref(program->event);
     sodium_memzero(&program->sessions, sizeof program->sessions);
@@ -138,6 +160,7 @@ static int serve(const struct web_options *options)
     r = r < 0 ? r : open_daemon(&program, options, &fault);
     r = r < 0 ? r : open_server(&program, options, &fault);
     if (r == 0) {
+        web_published_write(program.certificate.fingerprint);
         (void)sd_notify(0, "READY=1");
         r = sd_event_loop(program.event);
         (void)sd_notify(0, "STOPPING=1");

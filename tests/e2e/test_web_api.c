@@ -13,7 +13,7 @@
 #include <time.h>
 
 #include "tests/e2e/appliance.h"
-#include "tests/enroll/web/rig_api.h"
+#include "tests/enroll/web/rigs/handler_rig.h"
 
 static struct rig rig;
 static struct appliance *appliance;

@@ -43,20 +43,26 @@ static struct MHD_Response *complete(struct MHD_Response *response, const char *
     return response;
 }
 
-struct MHD_Response *web__answer_json(unsigned status, json_t *json)
+struct MHD_Response *web__answer_text(unsigned status, char *text, size_t size)
 {
-    char *text = json ? json_dumps(json, JSON_COMPACT) : NULL;
     struct MHD_Response *response;
 
-    json_decref(json);
     if (!text) {
         return NULL;
     }
-    response = MHD_create_response_from_buffer(strlen(text), text, MHD_RESPMEM_MUST_FREE);
+    response = MHD_create_response_from_buffer(size, text, MHD_RESPMEM_MUST_FREE);
     if (!response) {
         free(text);
     }
     return complete(response, status >= 400 ? "application/problem+json" : "application/json");
+}
+
+struct MHD_Response *web__answer_json(unsigned status, json_t *json)
+{
+    char *text = json ? json_dumps(json, JSON_COMPACT) : NULL;
+
+    json_decref(json);
+    return web__answer_text(status, text, text ? strlen(text) : 0);
 }
 
 struct MHD_Response *web__answer_empty(void)

@@ -10,7 +10,11 @@
 bool web__answer_add_headers(struct MHD_Response *response, const char *content_type,
                              const char *cache_control) __attribute__((warn_unused_result));
 
-/* A response with a JSON text, which is taken over. A status of 400 and more makes it a problem.
+/* A response with a JSON text, which is taken over and freed with free(). A status of 400 and more
+ * makes it a problem. NULL: there is no memory, or `text` is NULL. */
+struct MHD_Response *web__answer_text(unsigned status, char *text, size_t size);
+
+/* The same with a JSON value, which is taken over. A status of 400 and more makes it a problem.
  * NULL: there is no memory, or `json` is NULL. */
 struct MHD_Response *web__answer_json(unsigned status, json_t *json);
 

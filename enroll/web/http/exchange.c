@@ -177,16 +177,26 @@ const struct sockaddr *web_exchange_address(const struct web_exchange *exchange)
     return (const struct sockaddr *)&exchange->address;
 }
 
-void web_exchange_json(struct web_exchange *exchange, unsigned status, json_t *json)
+/* Answers with this response, or with 500 without one. */
+static void answer_or_fail(struct web_exchange *exchange, unsigned status,
+                           struct MHD_Response *response)
 {
-    struct MHD_Response *response = web__answer_json(status, json);
-
     if (!response) {
         status = 500;
         response = web__answer_json(
             500, web_problem_json(500, "internal", "there is no memory for the answer"));
     }
     web__exchange_answer(exchange, status, response);
+}
+
+void web_exchange_json(struct web_exchange *exchange, unsigned status, json_t *json)
+{
+    answer_or_fail(exchange, status, web__answer_json(status, json));
+}
+
+void web_exchange_text(struct web_exchange *exchange, unsigned status, char *text, size_t size)
+{
+    answer_or_fail(exchange, status, web__answer_text(status, text, size));
 }
 
 void web_exchange_done(struct web_exchange *exchange)

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "firmware/contract/contract.h"
-#include "tests/enroll/web/rig_story.h"
+#include "tests/enroll/web/rigs/story_rig.h"
 
 /* ---- stories ---- */
 

@@ -13,7 +13,7 @@
 
 #include "firmware/contract/contract.h"
 #include "firmware/contract/stream_record.h"
-#include "tests/enroll/web/rig_api.h"
+#include "tests/enroll/web/rigs/handler_rig.h"
 
 /* ---- the connection ---- */
 

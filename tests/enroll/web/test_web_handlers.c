@@ -13,7 +13,7 @@
 #include <time.h>
 
 #include "firmware/contract/contract.h"
-#include "tests/enroll/web/rig_api.h"
+#include "tests/enroll/web/rigs/handler_rig.h"
 
 typedef void handler(void *api, struct web_exchange *exchange);
 

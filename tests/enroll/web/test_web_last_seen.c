@@ -14,7 +14,7 @@
 #include "enroll/web/daemon/history.h"
 #include "enroll/web/daemon/seen_table.h"
 #include "firmware/contract/contract.h"
-#include "tests/enroll/web/rig_api.h"
+#include "tests/enroll/web/rigs/handler_rig.h"
 
 static void send_visit(struct rig *rig, const char *verdict, const char *person, const char *door)
 {

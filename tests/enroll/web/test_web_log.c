@@ -8,7 +8,7 @@
 
 #include <stdio.h>
 
-#include "tests/enroll/web/rig_api.h"
+#include "tests/enroll/web/rigs/handler_rig.h"
 
 static void write_record(int i, char *line, size_t size)
 {

@@ -10,7 +10,7 @@
 #include <zlib.h>
 
 #include "firmware/contract/stream_record.h"
-#include "tests/enroll/web/rig_story.h"
+#include "tests/enroll/web/rigs/story_rig.h"
 
 enum { COLUMNS = 5, ROWS = 3, DATA_AT = 4 + 20 };
 

@@ -1,4 +1,4 @@
-#include "tests/enroll/web/rig_service.h"
+#include "tests/enroll/web/rigs/service_rig.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-#include "tests/enroll/web/rig_api.h"
+#include "tests/enroll/web/rigs/handler_rig.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-#include "tests/enroll/web/rig_story.h"
+#include "tests/enroll/web/rigs/story_rig.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

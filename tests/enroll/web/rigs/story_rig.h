@@ -2,7 +2,7 @@
 #ifndef TEST_WEB_RIG_STORY_H
 #define TEST_WEB_RIG_STORY_H
 
-#include "tests/enroll/web/rig_api.h"
+#include "tests/enroll/web/rigs/handler_rig.h"
 
 /* The body of the request, and the calls of the daemon that it causes. */
 #define RIG_REQUEST "{'person': 'Bo', 'consent': true}"

@@ -1,4 +1,4 @@
-#include "tests/enroll/web/rig_exchange.h"
+#include "tests/enroll/web/rigs/exchange_rig.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -6,8 +6,8 @@
 #include "enroll/web/daemon/enrolment.h"
 #include "enroll/web/daemon/feed.h"
 #include "enroll/web/daemon/last_seen.h"
-#include "tests/enroll/web/rig_exchange.h"
-#include "tests/enroll/web/rig_service.h"
+#include "tests/enroll/web/rigs/exchange_rig.h"
+#include "tests/enroll/web/rigs/service_rig.h"
 #include "tests/support/programs/private_bus.h"
 
 enum { RIG_LEFT_MS = 700 }; /* how long an enrolment goes on that nobody watches */
