@@ -15,6 +15,10 @@
 
 enum { STREAMS_MOST = 16, FRAME_BYTES = 20000, RESIDENT_MOST_KB = 12 << 10 };
 
+/* Sanitizers need memory of their own. */
+extern void __asan_init(void) __attribute__((weak));
+extern void __tsan_init(void) __attribute__((weak));
+
 static struct web_rig rig;
 static struct web_stream *streams[STREAMS_MOST]; /* in the order in which they were opened */
 static int n_opened, n_closed;
@@ -235,7 +239,11 @@ static void a_client_that_is_gone_is_noticed(void **state)
     begin(&stays, "/events", headers, false);
     begin(&polite, "/events", headers, false);
     begin(&rude, "/frames", headers, false);
-    /* None of them has anything to send. */
+    /* None of them has anything to send, so the server has nothing to do. */
+    for (int i = 0; sd_event_run(rig.event, 0) > 0; i++) {
+        assert_true(i < 100);
+    }
+    assert_int_equal(sd_event_run(rig.event, 100000), 0);
     https_close(&polite);
     wait_until_closed(1);
     assert_null(streams[1]);
@@ -361,11 +369,9 @@ static void sixteen_streams_need_little_memory(void **state)
     assert_int_equal(waitpid(child, NULL, 0), child);
     wait_until_closed(STREAMS_MOST);
     print_message("resident with %d streams: %ld kB\n", STREAMS_MOST, kb);
-#ifndef __SANITIZE_ADDRESS__
-    if (!getenv("VALGRIND_LAUNCHER") && !getenv("GLIBCPP_FORCE_NEW")) {
+    if (!__asan_init && !__tsan_init && !getenv("VALGRIND_LAUNCHER")) {
         assert_true(kb < RESIDENT_MOST_KB);
     }
-#endif
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, setup, teardown)
