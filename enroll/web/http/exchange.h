@@ -32,8 +32,9 @@ bool web_exchange_number(struct web_exchange *exchange, const char *name, int64_
                          int64_t most, int64_t otherwise, int64_t *out)
     __attribute__((warn_unused_result));
 
-/* The object in the body of a POST, PUT or PATCH. It is never NULL; a body that is no JSON object
- * has been refused before the handler is called. It is valid until the answer. */
+/* The object in the body of a POST, PUT or PATCH. It is never NULL: a request without a body has an
+ * empty object, and a body that is no JSON object has been refused before the handler is called. It
+ * is valid until the answer. */
 json_t *web_exchange_body(const struct web_exchange *exchange);
 
 /* The account that asks, and its role; "" and WEB_ROLE_NONE without a session. */
