@@ -1,24 +1,24 @@
 /* The frame of the pages: navigation by the part of the address after "#", banner, account menu,
  * and the login. A page is a module with {id, title, least, make(context) -> {element, leave}}. */
 
-import { LANGUAGES, N_, _, _f, language, loadLanguage, storeLanguage } from './base/i18n.js';
-import { fill, h } from './base/dom.js';
-import { ROLES, word } from './base/words.js';
-import { makeHub } from './hub.js';
-import { choice } from './view/fields.js';
-import { notice, noticeFault, noticePlace } from './view/notice.js';
-import { openDialog } from './view/dialog.js';
-import { faultText } from './transport/fault.js';
-import { loginForm } from './pages/login.js';
-import { changePassword } from './pages/password.js';
-import { banner } from './pages/banner.js';
-import { door } from './pages/door.js';
-import { people } from './pages/people.js';
-import { enrol } from './pages/enrol.js';
-import { events } from './pages/events.js';
-import { health } from './pages/health.js';
-import { settings } from './pages/settings.js';
-import { accounts } from './pages/accounts.js';
+import {LANGUAGES, N_, _, _f, language, loadLanguage, storeLanguage} from './base/i18n.js';
+import {fill, h} from './base/dom.js';
+import {ROLES, word} from './base/words.js';
+import {makeHub} from './hub.js';
+import {choice} from './view/fields.js';
+import {notice, noticeFault, noticePlace} from './view/notice.js';
+import {openDialog} from './view/dialog.js';
+import {faultText} from './transport/fault.js';
+import {loginForm} from './pages/login.js';
+import {changePassword} from './pages/password.js';
+import {banner} from './pages/banner.js';
+import {door} from './pages/door.js';
+import {people} from './pages/people.js';
+import {enrol} from './pages/enrol.js';
+import {events} from './pages/events.js';
+import {health} from './pages/health.js';
+import {settings} from './pages/settings.js';
+import {accounts} from './pages/accounts.js';
 
 const PAGES = [door, people, enrol, events, health, settings, accounts];
 const RANKS = ['observer', 'enroller', 'administrator'];
@@ -41,7 +41,7 @@ export function makeApp(api, root) {
         const { id, query } = route();
         const next = pages().find((one) => one.id === id) ?? pages()[0];
         page?.leave?.();
-        page = next.make({ ...context, query });
+        page = next.make({...context, query });
         document.title = `${_(next.title)} – ${_(PRODUCT)}`;
         for (const link of root.querySelectorAll('nav a')) {
             const here = link.hash === `#${next.id}`;
@@ -87,12 +87,15 @@ export function makeApp(api, root) {
     function accountMenu() {
         const { session } = context;
         if (!api.can.login) {
-            return h('p', { class: 'account' }, _f('{account}, {role}', { account: session.account, role: word(ROLES, session.role) }));
+            return h(
+                'p', { class: 'account' },
+                _f('{account}, {role}', { account: session.account, role: word(ROLES, session.role) }));
         }
-        const menu = h('details', { class: 'account' }, h('summary', {}, session.account),
+        const menu = h(
+            'details', { class: 'account' }, h('summary', {}, session.account),
             h('div', { class: 'menu' }, h('p', { class: 'quiet' }, word(ROLES, session.role)),
-                h('button', { type: 'button', class: 'plain', onclick: () => changePassword(api) }, _('Change password')),
-                h('button', { type: 'button', class: 'plain', onclick: logout }, _('Log out'))));
+              h('button', { type: 'button', class: 'plain', onclick: () => changePassword(api) }, _('Change password')),
+              h('button', { type: 'button', class: 'plain', onclick: logout }, _('Log out'))));
         menu.addEventListener('keydown', (event) => {
             if (event.key === 'Escape') {
                 menu.open = false;
@@ -108,15 +111,17 @@ export function makeApp(api, root) {
     }
 
     function frame() {
-        fill(root,
-            h('button', { type: 'button', class: 'skip', onclick: () => root.querySelector('h1').focus() }, _('Skip to the content')),
+        fill(
+            root,
+            h('button', { type: 'button', class: 'skip', onclick: () => root.querySelector('h1').focus() },
+              _('Skip to the content')),
             h('header', { class: 'top' },
-                h('a', { class: 'brand', href: '#door' }, h('img', { src: 'icon.svg', alt: '', width: 28, height: 28 }), _(PRODUCT)),
-                h('nav', { 'aria-label': _('Pages') }, h('ul', {}, pages().map((one) =>
-                    h('li', {}, h('a', { href: `#${one.id}` }, _(one.title)))))),
-                h('div', { class: 'tools' }, languageChoice(), accountMenu())),
-            banner(context),
-            h('main', {}), noticePlace());
+              h('a', { class: 'brand', href: '#door' }, h('img', { src: 'icon.svg', alt: '', width: 28, height: 28 }),
+                _(PRODUCT)),
+              h('nav', { 'aria-label': _('Pages') },
+                h('ul', {}, pages().map((one) => h('li', {}, h('a', { href: `#${one.id}` }, _(one.title)))))),
+              h('div', { class: 'tools' }, languageChoice(), accountMenu())),
+            banner(context), h('main', {}), noticePlace());
     }
 
     function redraw() {
@@ -146,9 +151,13 @@ export function makeApp(api, root) {
     /* The login as the whole page. */
     function login(setup = false) {
         document.title = `${_('Log in')} – ${_(PRODUCT)}`;
-        fill(root, h('main', { class: 'login' },
-            h('div', { class: 'brand' }, h('img', { src: 'icon.svg', alt: '', width: 48, height: 48 }), h('h1', {}, _(PRODUCT))),
-            loginForm(api, setup, open), languageChoice()), noticePlace());
+        fill(
+            root,
+            h('main', { class: 'login' },
+              h('div', { class: 'brand' }, h('img', { src: 'icon.svg', alt: '', width: 48, height: 48 }),
+                h('h1', {}, _(PRODUCT))),
+              loginForm(api, setup, open), languageChoice()),
+            noticePlace());
         root.querySelector('input')?.focus();
     }
 
@@ -160,9 +169,12 @@ export function makeApp(api, root) {
         loggingIn = true;
         const { session } = context;
         context.hub.stop();
-        const fresh = await openDialog(_('Please log in again'), (done) => [
-            h('p', {}, _('Your session has ended. What you typed is still there.')),
-            loginForm(api, false, done, session.account)], { firm: true });
+        const fresh = await openDialog(
+            _('Please log in again'),
+            (done) =>
+                [h('p', {}, _('Your session has ended. What you typed is still there.')),
+                 loginForm(api, false, done, session.account)],
+            { firm: true });
         loggingIn = false;
         if (!fresh || fresh.account !== session.account || fresh.role !== session.role) {
             close();
@@ -177,7 +189,7 @@ export function makeApp(api, root) {
     return async function start() {
         api.onLoginRequired(loginAgain);
         addEventListener('hashchange', () => context && show(true));
-        for (let wait = 1000; ; wait = Math.min(15000, wait * 2)) {
+        for (let wait = 1000;; wait = Math.min(15000, wait * 2)) {
             try {
                 open(await api.session());
                 return;
@@ -186,10 +198,14 @@ export function makeApp(api, root) {
                     login(fault.setup);
                     return;
                 }
-                fill(root, h('main', { class: 'login' }, h('h1', {}, _(PRODUCT)), h('p', { role: 'alert' }, faultText(fault)),
-                    h('p', { class: 'quiet' }, _('Trying again…'))));
+                fill(
+                    root,
+                    h('main', { class: 'login' }, h('h1', {}, _(PRODUCT)), h('p', { role: 'alert' }, faultText(fault)),
+                      h('p', { class: 'quiet' }, _('Trying again…'))));
             }
-            await new Promise((resolve) => { setTimeout(resolve, wait); });
+            await new Promise((resolve) => {
+                setTimeout(resolve, wait);
+            });
         }
     };
 }

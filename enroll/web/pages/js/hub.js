@@ -57,11 +57,11 @@ export function makeHub(api) {
         } else if (name === 'visit') {
             hub.visits = [value, ...hub.visits].slice(0, VISITS_MOST);
         } else if (name === 'door') {
-            hub.status = { ...hub.status, 'door-state': value?.state };
+            hub.status = {...hub.status, 'door-state': value?.state };
         } else if (name === 'enrolment') {
             /* Events do not say whose enrolment it is; the page asked for that before. */
             const own = hub.enrolment?.own && hub.enrolment.person === value?.person;
-            hub.enrolment = { ...value, own: value?.own ?? own ?? false };
+            hub.enrolment = {...value, own: value?.own ?? own ?? false };
         }
         hub.tell(name, name === 'enrolment' ? hub.enrolment : value);
         hub.tell('changed');

@@ -5,13 +5,9 @@
  * more, so that every text comes back as it was. */
 const FORMULA = /^'*[=+\-@\t\r]/;
 
-function guard(text) {
-    return FORMULA.test(text) ? `'${text}` : text;
-}
+function guard(text) { return FORMULA.test(text) ? `'${text}` : text; }
 
-function unguard(text) {
-    return text.startsWith("'") && FORMULA.test(text) ? text.slice(1) : text;
-}
+function unguard(text) { return text.startsWith("'") && FORMULA.test(text) ? text.slice(1) : text; }
 
 function field(value) {
     const text = guard(value === null || value === undefined ? '' : String(value));
@@ -19,9 +15,7 @@ function field(value) {
 }
 
 /* Rows of values as CSV: UTF-8 with a byte order mark (spreadsheets need it), CR LF at each end. */
-export function writeCsv(rows) {
-    return `\ufeff${rows.map((row) => `${row.map(field).join(',')}\r\n`).join('')}`;
-}
+export function writeCsv(rows) { return `\ufeff${rows.map((row) => `${row.map(field).join(',')}\r\n`).join('')}`; }
 
 function separator(text) {
     const first = text.slice(0, text.search(/[\r\n]|$/));

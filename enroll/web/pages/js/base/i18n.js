@@ -1,23 +1,29 @@
 /* The language of the pages: texts are English in the sources and have a translation in a catalogue
  * of gettext, which is loaded from locale/LANG.mo. */
 
-import { parseCatalogue } from './mo.js';
+import {parseCatalogue} from './mo.js';
 
 /* The languages, each by its own name. */
 export const LANGUAGES = {
-    en: 'English', de: 'Deutsch', es: 'Español', fr: 'Français', ar: 'العربية', zh_CN: '简体中文',
+    en: 'English',
+    de: 'Deutsch',
+    es: 'Español',
+    fr: 'Français',
+    ar: 'العربية',
+    zh_CN: '简体中文',
 };
 
 const STORED = 'isotherm-language';
-const state = { language: 'en', catalogue: new Map() };
+const state = {
+    language: 'en',
+    catalogue: new Map()
+};
 
 /* Marks a text for the catalogues and leaves it as it is. */
 export const N_ = (text) => text;
 
 /* The translation of a text. */
-export function _(text) {
-    return state.catalogue.get(text) || text;
-}
+export function _(text) { return state.catalogue.get(text) || text; }
 
 /* Puts values into the places of a text: "{name}". A place without a value stays as it is. */
 export function place(text, values) {
@@ -25,9 +31,7 @@ export function place(text, values) {
 }
 
 /* The translation of a text with values in its places. */
-export function _f(text, values) {
-    return place(_(text), values);
-}
+export function _f(text, values) { return place(_(text), values); }
 
 /* The first language of a list of BCP 47 tags that has a catalogue; "en" if none has. Traditional
  * Chinese is not simplified Chinese. */
@@ -46,13 +50,9 @@ export function chooseLanguage(tags) {
 }
 
 /* The tag of the language for `lang` and Intl. */
-export function languageTag() {
-    return state.language.replace('_', '-');
-}
+export function languageTag() { return state.language.replace('_', '-'); }
 
-export function language() {
-    return state.language;
-}
+export function language() { return state.language; }
 
 function stored() {
     try {

@@ -1,22 +1,24 @@
 /* The list of people as CSV, and what a CSV file would change. The file has all that is known of a
  * person except the templates: those never leave the appliance this way. Pure. */
 
-import { readCsv, writeCsv } from './csv.js';
-import { nameKey } from './fold.js';
+import {readCsv, writeCsv} from './csv.js';
+import {nameKey} from './fold.js';
 
 export const COLUMNS = ['name', 'valid_from', 'valid_until', 'enrolled', 'templates', 'last_seen'];
 
 const LAST_S = 253402300799; /* the end of the year 9999 */
 
-function time(seconds) {
-    return seconds ? new Date(seconds * 1000).toISOString().replace('.000Z', 'Z') : '';
-}
+function time(seconds) { return seconds ? new Date(seconds * 1000).toISOString().replace('.000Z', 'Z') : ''; }
 
 /* The people as CSV; times are RFC 3339 in UTC, an empty one means no limit, or never. */
 export function peopleToCsv(people) {
-    return writeCsv([COLUMNS, ...people.map((person) => [
-        person.name, time(person.valid_from_s), time(person.valid_until_s), time(person.enrolled_s),
-        person.templates, time(person.last_seen_s)])]);
+    return writeCsv([
+        COLUMNS,
+        ...people.map(
+            (person) =>
+                [person.name, time(person.valid_from_s), time(person.valid_until_s), time(person.enrolled_s),
+                 person.templates, time(person.last_seen_s)])
+    ]);
 }
 
 /* Seconds since 1970 of a time in a file; 0 for an empty one; NaN for what is no time. A time
@@ -26,8 +28,8 @@ export function readTime(text) {
     if (trimmed === '') {
         return 0;
     }
-    const parts = /^(\d{4})-(\d\d)-(\d\d)(?:[T ](\d\d):(\d\d)(?::(\d\d)(?:\.\d+)?)?)?\s*(Z|[+-]\d\d:?\d\d)?$/i
-        .exec(trimmed);
+    const parts =
+        /^(\d{4})-(\d\d)-(\d\d)(?:[T ](\d\d):(\d\d)(?::(\d\d)(?:\.\d+)?)?)?\s*(Z|[+-]\d\d:?\d\d)?$/i.exec(trimmed);
     if (!parts) {
         return NaN;
     }
@@ -81,7 +83,7 @@ function planRow(row, at, known, seen) {
     }
     const same = change.valid_from_s === person.valid_from_s && change.valid_until_s === person.valid_until_s;
     return same ? { name: person.name, kind: 'unchanged', person } :
-        { name: person.name, kind: 'change', person, change };
+                  { name: person.name, kind: 'change', person, change };
 }
 
 /* What a file would change, row by row. Throws a SyntaxError with a word of the table in words.js

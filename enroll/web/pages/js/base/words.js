@@ -2,7 +2,7 @@
  * does not know is shown as it is: a newer daemon may have further ones. The terms are those of the
  * screen for visitors (enroll/screen/scene/words.c) where both say the same. */
 
-import { N_, _ } from './i18n.js';
+import {N_, _} from './i18n.js';
 
 const OWN_FACE = N_('Show your own face');
 
@@ -69,7 +69,10 @@ export const CUES = {
     'no-face-in-image': N_('no face in the picture of the camera'),
 };
 
-export const VERDICTS = { allow: N_('Let in'), deny: N_('Refused') };
+export const VERDICTS = {
+    allow: N_('Let in'),
+    deny: N_('Refused')
+};
 
 /* firmware/door/door.h. */
 export const DOOR_STATES = {

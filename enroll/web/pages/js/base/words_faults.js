@@ -1,6 +1,6 @@
 /* What went wrong, by the codes of the web server (enroll/web/api/openapi.json). */
 
-import { N_ } from './i18n.js';
+import {N_} from './i18n.js';
 
 export const FAULTS = {
     'account-exists': N_('There is an account of this name already.'),

@@ -1,7 +1,7 @@
 /* The events of the audit log (ISO_CONTRACT_EVENTS in firmware/contract/contract.h) in the language
  * of the page. */
 
-import { N_ } from './i18n.js';
+import {N_} from './i18n.js';
 
 export const EVENTS = {
     act: N_('Act of an account'),

@@ -1,14 +1,24 @@
 /* The page Door: what the camera sees, the state of the door, and who came. */
 
-import { N_, _, _f } from '../base/i18n.js';
-import { fill, h, say } from '../base/dom.js';
-import { centimetres, dateTime, timeOfDay } from '../base/format.js';
-import { DOOR_ACTS, DOOR_CAUSES, DOOR_STATES, HINTS, MODES, REASONS, SENSOR_STATES, VERDICTS, word } from '../base/words.js';
-import { badge } from '../view/badge.js';
-import { holdHint } from '../view/hint_hold.js';
-import { outlineView } from '../view/outline_view.js';
-import { stack } from '../view/stack.js';
-import { lockControls } from './lock_controls.js';
+import {N_, _, _f} from '../base/i18n.js';
+import {fill, h, say} from '../base/dom.js';
+import {centimetres, dateTime, timeOfDay} from '../base/format.js';
+import {
+    DOOR_ACTS,
+    DOOR_CAUSES,
+    DOOR_STATES,
+    HINTS,
+    MODES,
+    REASONS,
+    SENSOR_STATES,
+    VERDICTS,
+    word
+} from '../base/words.js';
+import {badge} from '../view/badge.js';
+import {holdHint} from '../view/hint_hold.js';
+import {outlineView} from '../view/outline_view.js';
+import {stack} from '../view/stack.js';
+import {lockControls} from './lock_controls.js';
 
 const QUIET_MS = 3000; /* without a frame the picture is old */
 
@@ -24,7 +34,8 @@ function live(api) {
         last = performance.now();
         view.draw(record);
         hold(record.hint === 'nobody' || record.hint === '' ? _('Nobody is there') : word(HINTS, record.hint));
-        say(distance, record.distanceMm ? _f('Distance: {length}', { length: centimetres(record.distanceMm) }) : '\u00a0');
+        say(distance,
+            record.distanceMm ? _f('Distance: {length}', { length: centimetres(record.distanceMm) }) : '\u00a0');
     };
     const follow = () => {
         stream?.close();
@@ -40,8 +51,8 @@ function live(api) {
     document.addEventListener('visibilitychange', follow);
     follow();
     return {
-        element: h('section', { class: 'panel live', 'aria-label': _('At the door now') },
-            view.element, hint, distance),
+        element:
+            h('section', { class: 'panel live', 'aria-label': _('At the door now') }, view.element, hint, distance),
         resume: follow,
         leave() {
             stream?.close();
@@ -62,22 +73,34 @@ function stateList({ hub }) {
     const draw = () => {
         const s = hub.status;
         if (hub.daemon !== true) {
-            fill(list, row(_('State'), badge('plain', hub.daemon === false ? _('The door service does not run.') : _('One moment, please'))));
+            fill(
+                list,
+                row(_('State'),
+                    badge(
+                        'plain',
+                        hub.daemon === false ? _('The door service does not run.') : _('One moment, please'))));
             return;
         }
         const sensor = s['sensor-state'];
-        fill(list,
-            row(_('Door'), badge(doorKind(s['door-state']), word(DOOR_STATES, s['door-state']) || '–'), cause && h('span', { class: 'quiet' }, ` ${cause}`)),
+        fill(
+            list,
+            row(_('Door'), badge(doorKind(s['door-state']), word(DOOR_STATES, s['door-state']) || '–'),
+                cause && h('span', { class: 'quiet' }, ` ${cause}`)),
             row(_('Camera'), badge(sensor === 'started' ? 'good' : 'bad', word(SENSOR_STATES, sensor) || '–')),
             row(_('Doing'), word(MODES, s.mode) || '–'),
             row(_('Lockdown'), s.lockdown ? badge('bad', _('On')) : _('Off')),
             row(_('Lock-out'), s['lockout-ms'] > 0 ? badge('bad', _('On')) : _('Off')),
             row(_('Lines'), s['door'] === 'null' ? _('none: the door is simulated') : s['door-lines'] || '–'));
     };
-    const ends = [hub.on('changed', draw), hub.on('door', (event) => {
-        cause = word(DOOR_CAUSES, event?.cause);
-        draw();
-    })];
+    const ends = [
+        hub.on('changed', draw),
+        hub.on(
+            'door',
+            (event) => {
+                cause = word(DOOR_CAUSES, event?.cause);
+                draw();
+            })
+    ];
     draw();
     return { element: list, leave: () => ends.forEach((end) => end()) };
 }
@@ -87,12 +110,17 @@ export function visitWords(visit) {
     const allowed = visit.verdict === 'allow';
     const reason = allowed ? '' : word(REASONS, visit.reason);
     const act = allowed ? word(DOOR_ACTS, visit.door) : '';
-    return { allowed, verdict: word(VERDICTS, visit.verdict), more: [reason, act, visit.door_fault].filter(Boolean).join(' · ') };
+    return {
+        allowed,
+        verdict: word(VERDICTS, visit.verdict),
+        more: [reason, act, visit.door_fault].filter(Boolean).join(' · ')
+    };
 }
 
 function visitRow(visit) {
     const { allowed, verdict, more } = visitWords(visit);
-    return h('tr', {},
+    return h(
+        'tr', {},
         h('td', {}, h('time', { datetime: visit.time, title: dateTime(visit.time, true) }, timeOfDay(visit.time))),
         h('td', {}, badge(allowed ? 'good' : 'bad', verdict)),
         h('td', {}, visit.person ? h('bdi', {}, visit.person) : h('span', { class: 'quiet' }, _('unknown'))),
@@ -113,17 +141,26 @@ function visits({ api, hub, may }) {
     const end = hub.on('visit', add);
     if (may('administrator') && !hub.visits.length) {
         /* Those before this page was opened are in the log. */
-        api.log({ max: 200 }).then(({ records = [] }) => {
-            const earlier = records.filter((record) => record.event === 'visit').slice(-20);
-            hub.visits = [...hub.visits, ...earlier.toReversed()];
-            body.append(...earlier.toReversed().map(visitRow));
-            empty.hidden = body.children.length > 0;
-        }).catch(() => {});
+        api.log({ max: 200 })
+            .then(({ records = [] }) => {
+                const earlier = records.filter((record) => record.event === 'visit').slice(-20);
+                hub.visits = [...hub.visits, ...earlier.toReversed()];
+                body.append(...earlier.toReversed().map(visitRow));
+                empty.hidden = body.children.length > 0;
+            })
+            .catch(() => {});
     }
     const head = (text) => h('th', { scope: 'col' }, text);
     return {
-        element: h('section', { class: 'panel' }, h('h2', {}, _('Last visits')), h('div', { class: 'scroll' },
-            stack(h('table', {}, h('thead', {}, h('tr', {}, head(_('Time')), head(_('Verdict')), head(_('Person')), head(_('Reason')))), body))), empty),
+        element:
+            h('section', { class: 'panel' }, h('h2', {}, _('Last visits')),
+              h('div', { class: 'scroll' },
+                stack(
+                    h('table', {},
+                      h('thead', {},
+                        h('tr', {}, head(_('Time')), head(_('Verdict')), head(_('Person')), head(_('Reason')))),
+                      body))),
+              empty),
         leave: end,
     };
 }
@@ -138,8 +175,10 @@ export const door = {
         const controls = lockControls(context);
         const last = visits(context);
         return {
-            element: h('div', { class: 'columns' }, picture.element,
-                h('section', { class: 'panel' }, h('h2', {}, _('State')), state.element, controls.element), last.element),
+            element:
+                h('div', { class: 'columns' }, picture.element,
+                  h('section', { class: 'panel' }, h('h2', {}, _('State')), state.element, controls.element),
+                  last.element),
             resume: picture.resume,
             leave() {
                 picture.leave();

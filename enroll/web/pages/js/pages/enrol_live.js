@@ -1,16 +1,16 @@
 /* The enrolment while it goes on: the relief, the steps with their pictures, the hint, and the
  * quality of each frame. It ends by its result, or by the button; Esc does not end it. */
 
-import { _, _f } from '../base/i18n.js';
-import { fill, h, say } from '../base/dom.js';
-import { number, percent } from '../base/format.js';
-import { HINTS, POSES, STEP_STATES, word } from '../base/words.js';
-import { confirm } from '../view/dialog.js';
-import { checkbox } from '../view/fields.js';
-import { headPicture } from '../view/head_picture.js';
-import { holdHint } from '../view/hint_hold.js';
-import { noticeFault } from '../view/notice.js';
-import { reliefView } from '../view/relief_view.js';
+import {_, _f} from '../base/i18n.js';
+import {fill, h, say} from '../base/dom.js';
+import {number, percent} from '../base/format.js';
+import {HINTS, POSES, STEP_STATES, word} from '../base/words.js';
+import {confirm} from '../view/dialog.js';
+import {checkbox} from '../view/fields.js';
+import {headPicture} from '../view/head_picture.js';
+import {holdHint} from '../view/hint_hold.js';
+import {noticeFault} from '../view/notice.js';
+import {reliefView} from '../view/relief_view.js';
 
 const ORDER = ['frontal', 'left', 'right', 'down', 'up'];
 
@@ -22,10 +22,19 @@ function stepsOf(enrolment) {
 }
 
 function stepList(steps, now) {
-    return h('ol', { class: 'steps' }, steps.map((step) => h('li', {
-        class: step === now ? 'now' : step.state ?? 'ahead', 'aria-current': step === now ? 'step' : undefined },
-    headPicture(step.pose), h('span', {}, word(POSES, step.pose)),
-    h('span', { class: 'quiet' }, step === now ? _('now') : step.state === 'passed' || step.state === 'left-out' ? word(STEP_STATES, step.state) : '\u00a0'))));
+    return h(
+        'ol', { class: 'steps' },
+        steps.map(
+            (step) =>
+                h('li', {
+                    class: step === now ? 'now' : step.state ?? 'ahead',
+                    'aria-current': step === now ? 'step' : undefined
+                },
+                  headPicture(step.pose), h('span', {}, word(POSES, step.pose)),
+                  h('span', { class: 'quiet' },
+                    step === now                                             ? _('now') :
+                        step.state === 'passed' || step.state === 'left-out' ? word(STEP_STATES, step.state) :
+                                                                               '\u00a0'))));
 }
 
 function bars(captures) {
@@ -33,14 +42,19 @@ function bars(captures) {
         const share = Math.max(0, Math.min(1, Number(quality) || 0));
         const bar = h('span', { class: 'bar' });
         bar.style.blockSize = `${8 + 40 * share}px`;
-        return h('li', { title: percent(share) }, bar, h('span', { class: 'unseen' }, _f('Frame {n}: {quality}', { n: number(i + 1), quality: percent(share) })));
+        return h(
+            'li', { title: percent(share) }, bar,
+            h('span', { class: 'unseen' }, _f('Frame {n}: {quality}', { n: number(i + 1), quality: percent(share) })));
     });
 }
 
-export function enrolLive({ api, hub }, ended) {
+export function enrolLive({api, hub}, ended) {
     const view = reliefView(_('Relief of the face'));
-    const mirror = checkbox(_('As in a mirror'), { checked: true, onchange: () => element.classList.toggle('mirror', mirror.box.checked) });
-    const picture = h('div', { class: 'picture' }, api.can.relief ? view.element : h('p', { class: 'quiet' }, _('The relief is not shown here.')));
+    const mirror = checkbox(
+        _('As in a mirror'), { checked: true, onchange: () => element.classList.toggle('mirror', mirror.box.checked) });
+    const picture =
+        h('div', { class: 'picture' },
+          api.can.relief ? view.element : h('p', { class: 'quiet' }, _('The relief is not shown here.')));
     const hint = h('p', { class: 'hint', role: 'status', 'aria-live': 'polite' });
     const hold = holdHint((text) => say(hint, text));
     const progress = h('progress', { 'aria-label': _('Progress') });
@@ -53,7 +67,8 @@ export function enrolLive({ api, hub }, ended) {
     function hintOf(enrolment, now) {
         const text = word(HINTS, enrolment.hint) || word(POSES, now?.pose) || _('Look straight at the camera');
         return enrolment.hint && now?.state === 'turn' && now.turn_deg > 0 ?
-            _f('{hint}, by about {degrees}°', { hint: text, degrees: number(now.turn_deg) }) : text;
+            _f('{hint}, by about {degrees}°', { hint: text, degrees: number(now.turn_deg) }) :
+            text;
     }
 
     function draw(enrolment) {
@@ -66,8 +81,8 @@ export function enrolLive({ api, hub }, ended) {
             return;
         }
         const all = stepsOf(enrolment);
-        const now = all.find((step) => step.state === 'begun' || step.state === 'turn') ??
-            all.find((step) => !step.state);
+        const now =
+            all.find((step) => step.state === 'begun' || step.state === 'turn') ?? all.find((step) => !step.state);
         hold(hintOf(enrolment, now));
         progress.max = enrolment.stages || 1;
         progress.value = Math.min(progress.max, enrolment.stage ?? 0);
@@ -80,7 +95,8 @@ export function enrolLive({ api, hub }, ended) {
     }
 
     stop.addEventListener('click', async () => {
-        if (!await confirm(_('Stop the enrolment?'), _('Nobody is enrolled then.'), _('Stop the enrolment'), { danger: true })) {
+        if (!await confirm(
+                _('Stop the enrolment?'), _('Nobody is enrolled then.'), _('Stop the enrolment'), { danger: true })) {
             return;
         }
         try {
@@ -93,19 +109,27 @@ export function enrolLive({ api, hub }, ended) {
     });
     const warn = (event) => event.preventDefault();
     addEventListener('beforeunload', warn);
-    const ends = [hub.on('enrolment', draw),
+    const ends = [
+        hub.on('enrolment', draw),
         /* What was missed while there was no connection. */
-        hub.on('connection', (up) => up && api.enrolment().then((now) => {
-            hub.enrolment = now;
-            draw(now);
-        }).catch(() => {}))];
+        hub.on(
+            'connection',
+            (up) => up &&
+                api.enrolment()
+                    .then((now) => {
+                        hub.enrolment = now;
+                        draw(now);
+                    })
+                    .catch(() => {}))
+    ];
     const follow = () => api.relief((record) => view.draw(record, mirror.box.checked), () => {});
     let stream = follow();
     /* A short enrolment may be over before this page listens. */
     setTimeout(() => draw(hub.enrolment), 0);
-    const element = h('div', { class: 'enrol mirror panel' }, h('h2', {}, h('bdi', {}, hub.enrolment?.person ?? '')),
-        h('div', { class: 'columns' }, h('div', {}, picture, mirror.element), h('div', {}, hint, progress, quality)),
-        steps, h('div', { class: 'buttons start' }, stop));
+    const element =
+        h('div', { class: 'enrol mirror panel' }, h('h2', {}, h('bdi', {}, hub.enrolment?.person ?? '')),
+          h('div', { class: 'columns' }, h('div', {}, picture, mirror.element), h('div', {}, hint, progress, quality)),
+          steps, h('div', { class: 'buttons start' }, stop));
     return {
         element,
         resume() {

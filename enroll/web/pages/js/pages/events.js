@@ -1,27 +1,25 @@
 /* The page Events: the records of the log, the newest first. */
 
-import { N_, _, _f } from '../base/i18n.js';
-import { fill, h, say } from '../base/dom.js';
-import { fromLocalInput, number } from '../base/format.js';
-import { writeCsv } from '../base/csv.js';
-import { fold, matcher } from '../base/fold.js';
-import { firstFrom } from '../base/log_search.js';
-import { word } from '../base/words.js';
-import { EVENTS } from '../base/words_log.js';
-import { faultText } from '../transport/fault.js';
-import { datedName, download } from '../view/download.js';
-import { choice, field, input } from '../view/fields.js';
-import { stack } from '../view/stack.js';
-import { recordCells, recordRow, recordHeads } from './record_row.js';
-import { verifyButton } from './verify_log.js';
+import {N_, _, _f} from '../base/i18n.js';
+import {fill, h, say} from '../base/dom.js';
+import {fromLocalInput, number} from '../base/format.js';
+import {writeCsv} from '../base/csv.js';
+import {fold, matcher} from '../base/fold.js';
+import {firstFrom} from '../base/log_search.js';
+import {word} from '../base/words.js';
+import {EVENTS} from '../base/words_log.js';
+import {faultText} from '../transport/fault.js';
+import {datedName, download} from '../view/download.js';
+import {choice, field, input} from '../view/fields.js';
+import {stack} from '../view/stack.js';
+import {recordCells, recordRow, recordHeads} from './record_row.js';
+import {verifyButton} from './verify_log.js';
 
-const PAGE = 200;  /* records of one request */
-const WANTED = 50; /* rows that "load older" tries to add */
+const PAGE = 200;         /* records of one request */
+const WANTED = 50;        /* rows that "load older" tries to add */
 const REQUESTS_MOST = 25; /* without a row that fits, before the user is asked again */
 
-function plain(record) {
-    return typeof record === 'string' ? JSON.parse(record) : record;
-}
+function plain(record) { return typeof record === 'string' ? JSON.parse(record) : record; }
 
 function filters(changed) {
     const kind = choice([['', _('All events')], ...Object.keys(EVENTS).map((key) => [key, word(EVENTS, key)])], '');
@@ -36,10 +34,13 @@ function filters(changed) {
         });
     }
     return {
-        element: h('div', { class: 'bar fields' }, field(_('Event'), kind), field(_('Person'), person), field(_('From'), from), field(_('Until'), until)),
+        element:
+            h('div', { class: 'bar fields' }, field(_('Event'), kind), field(_('Person'), person),
+              field(_('From'), from), field(_('Until'), until)),
         fits() {
             const takes = matcher(person.value);
-            return (record) => (!kind.value || record.event === kind.value) && (!person.value.trim() || takes(fold(record.person ?? '')));
+            return (record) => (!kind.value || record.event === kind.value) &&
+                (!person.value.trim() || takes(fold(record.person ?? '')));
         },
         fromMs: () => fromLocalInput(from.value) * 1000 || 0,
         untilMs: () => fromLocalInput(until.value) * 1000 || 0,
@@ -66,7 +67,9 @@ function make({ api, hub }) {
 
     function note() {
         older.hidden = state.first <= state.least;
-        say(status, _f('Shown: {n}', { n: number(state.rows.length) }) + (older.hidden ? ` · ${_('This is the beginning.')}` : ''));
+        say(status,
+            _f('Shown: {n}', { n: number(state.rows.length) }) +
+                (older.hidden ? ` · ${_('This is the beginning.')}` : ''));
     }
 
     async function load() {
@@ -75,7 +78,8 @@ function make({ api, hub }) {
         older.disabled = true;
         fill(fault);
         try {
-            for (let added = 0, requests = 0; state.first > state.least && added < WANTED && requests < REQUESTS_MOST; requests += 1) {
+            for (let added = 0, requests = 0; state.first > state.least && added < WANTED && requests < REQUESTS_MOST;
+                 requests += 1) {
                 say(status, _f('Reading from record {n}…', { n: number(state.first) }));
                 const { records } = await read({ before: state.first, max: PAGE }, turn);
                 const fresh = records.filter((record) => record.sequence >= state.least);
@@ -148,12 +152,29 @@ function make({ api, hub }) {
     const ends = ['visit', 'door', 'enrolment', 'connection', 'status'].map((name) => hub.on(name, soon));
     restart();
     return {
-        element: h('div', {}, range.element,
-            h('div', { class: 'bar' }, h('button', { type: 'button', class: 'plain', onclick: () => download(datedName('events'), writeCsv(
-                [[_('Number'), _('Time'), _('Event'), _('Person'), _('Verdict'), _('Details')], ...state.rows.map((record) => recordCells(record, true))])) }, _('Download CSV')),
-            verifyButton(api)),
-            fault, h('div', { class: 'panel scroll' }, stack(h('table', { class: 'log' }, h('caption', { class: 'unseen' }, _('Events')), recordHeads(), body))),
-            status, h('div', { class: 'buttons start' }, older)),
+        element:
+            h(
+                'div', {}, range.element,
+                h('div', { class: 'bar' },
+                  h(
+                      'button', {
+                          type: 'button',
+                          class: 'plain',
+                          onclick:
+                              () =>
+                                  download(
+                                      datedName('events'), writeCsv([
+                                          [_('Number'), _('Time'), _('Event'), _('Person'), _('Verdict'), _('Details')],
+                                          ...state.rows.map((record) => recordCells(record, true))
+                                      ]))
+                      },
+                      _('Download CSV')),
+                  verifyButton(api)),
+                fault,
+                h('div', { class: 'panel scroll' },
+                  stack(h(
+                      'table', { class: 'log' }, h('caption', { class: 'unseen' }, _('Events')), recordHeads(), body))),
+                status, h('div', { class: 'buttons start' }, older)),
         resume: newer,
         leave() {
             state.turn += 1;
@@ -164,4 +185,9 @@ function make({ api, hub }) {
     };
 }
 
-export const events = { id: 'events', title: N_('Events'), least: 'administrator', make };
+export const events = {
+    id: 'events',
+    title: N_('Events'),
+    least: 'administrator',
+    make
+};

@@ -1,10 +1,10 @@
 /* Lockdown and lock-out: their state, and for administrators the buttons that change it. The pages
  * Door and Settings show them. */
 
-import { _ } from '../base/i18n.js';
-import { fill, h } from '../base/dom.js';
-import { confirm } from '../view/dialog.js';
-import { notice, noticeFault } from '../view/notice.js';
+import {_} from '../base/i18n.js';
+import {fill, h} from '../base/dom.js';
+import {confirm} from '../view/dialog.js';
+import {notice, noticeFault} from '../view/notice.js';
 
 async function act(button, work, done) {
     button.disabled = true;
@@ -20,7 +20,9 @@ async function act(button, work, done) {
 
 async function lockdown(api, button, on) {
     const sure = on ?
-        await confirm(_('Begin lockdown?'), _('Nobody is let in until you end it. People can still leave.'), _('Begin lockdown'), { danger: true }) :
+        await confirm(
+            _('Begin lockdown?'), _('Nobody is let in until you end it. People can still leave.'), _('Begin lockdown'),
+            { danger: true }) :
         await confirm(_('End lockdown?'), _('People who are enrolled are let in again.'), _('End lockdown'));
     if (sure) {
         await act(button, () => api.setLockdown(on), on ? _('Lockdown has begun.') : _('Lockdown has ended.'));
@@ -28,13 +30,15 @@ async function lockdown(api, button, on) {
 }
 
 async function lockout(api, button) {
-    if (await confirm(_('End the lock-out?'), _('The attempts so far are forgotten, and people are let in again.'), _('End the lock-out'))) {
+    if (await confirm(
+            _('End the lock-out?'), _('The attempts so far are forgotten, and people are let in again.'),
+            _('End the lock-out'))) {
         await act(button, () => api.clearLockout(), _('The lock-out has ended.'));
     }
 }
 
 /* Buttons that fit the state; nothing for others than administrators. Returns {element, stop}. */
-export function lockControls({ api, hub, may }) {
+export function lockControls({api, hub, may}) {
     const element = h('div', { class: 'buttons start' });
     let drawn = '';
     const draw = () => {
@@ -45,10 +49,14 @@ export function lockControls({ api, hub, may }) {
             return;
         }
         drawn = state;
-        fill(element,
-            h('button', { type: 'button', class: on ? '' : 'danger', onclick: (event) => lockdown(api, event.target, !on) },
-                on ? _('End lockdown…') : _('Begin lockdown…')),
-            out && h('button', { type: 'button', onclick: (event) => lockout(api, event.target) }, _('End the lock-out…')));
+        fill(
+            element,
+            h('button',
+              { type: 'button', class: on ? '' : 'danger', onclick: (event) => lockdown(api, event.target, !on) },
+              on ? _('End lockdown…') : _('Begin lockdown…')),
+            out &&
+                h('button', { type: 'button', onclick: (event) => lockout(api, event.target) },
+                  _('End the lock-out…')));
     };
     const stop = hub.on('changed', draw);
     draw();

@@ -1,16 +1,16 @@
 /* The page People: who is enrolled, and until when. */
 
-import { N_, _, _f, languageTag } from '../base/i18n.js';
-import { fill, h, say } from '../base/dom.js';
-import { dateTime, limit, number } from '../base/format.js';
-import { fold, matcher } from '../base/fold.js';
-import { peopleToCsv } from '../base/people_csv.js';
-import { faultText } from '../transport/fault.js';
-import { datedName, download } from '../view/download.js';
-import { choice, input } from '../view/fields.js';
-import { virtualTable } from '../view/rows.js';
-import { importPeople } from './people_import.js';
-import { openPerson } from './person.js';
+import {N_, _, _f, languageTag} from '../base/i18n.js';
+import {fill, h, say} from '../base/dom.js';
+import {dateTime, limit, number} from '../base/format.js';
+import {fold, matcher} from '../base/fold.js';
+import {peopleToCsv} from '../base/people_csv.js';
+import {faultText} from '../transport/fault.js';
+import {datedName, download} from '../view/download.js';
+import {choice, input} from '../view/fields.js';
+import {virtualTable} from '../view/rows.js';
+import {importPeople} from './people_import.js';
+import {openPerson} from './person.js';
 
 const ORDERS = {
     name: N_('Name'),
@@ -45,37 +45,43 @@ const SHORT = {
 
 function makeRow(person, open) {
     const state = validity(person);
-    return h('tr', { class: state === 'now' ? '' : 'resting' },
+    return h(
+        'tr', { class: state === 'now' ? '' : 'resting' },
         h('th', { scope: 'row' },
-            h('button', { type: 'button', class: 'link', onclick: () => open(person) }, h('bdi', {}, person.name)),
-            h('span', { class: 'narrow' }, SHORT[state](person))),
+          h('button', { type: 'button', class: 'link', onclick: () => open(person) }, h('bdi', {}, person.name)),
+          h('span', { class: 'narrow' }, SHORT[state](person))),
         h('td', {}, limit(person.valid_from_s)),
-        h('td', {}, limit(person.valid_until_s), state === 'ended' && h('span', { class: 'sign', title: _('ended') }, ' ⏱')),
-        h('td', { class: 'number' }, person.templates),
-        h('td', {}, dateTime(person.enrolled_s * 1000)),
+        h('td', {}, limit(person.valid_until_s),
+          state === 'ended' && h('span', { class: 'sign', title: _('ended') }, ' ⏱')),
+        h('td', { class: 'number' }, person.templates), h('td', {}, dateTime(person.enrolled_s * 1000)),
         h('td', {}, person.last_seen_s ? dateTime(person.last_seen_s * 1000) : '–'));
 }
 
 function heads() {
-    return [_('Name'), _('Valid from'), _('Valid until'), _('Templates'), _('Enrolled'), _('Last seen')]
-        .map((text, i) => h('th', { scope: 'col', class: i === 3 ? 'number' : '' }, text));
+    return [_('Name'), _('Valid from'), _('Valid until'), _('Templates'), _('Enrolled'), _('Last seen')].map(
+        (text, i) => h('th', { scope: 'col', class: i === 3 ? 'number' : '' }, text));
 }
 
 function make(context) {
     const { api, may } = context;
     const state = { all: [], shown: [], order: 'name', query: '' };
-    const table = virtualTable(_('People'), heads(), (person) => makeRow(person, (one) => openPerson(context, one, load)));
+    const table =
+        virtualTable(_('People'), heads(), (person) => makeRow(person, (one) => openPerson(context, one, load)));
     const count = h('p', { class: 'quiet', role: 'status' }, _('Loading…'));
-    const search = input({ type: 'search', placeholder: _('Search by name'), 'aria-label': _('Search by name'), spellcheck: 'false' });
-    const order = choice(Object.entries(ORDERS).map(([key, text]) => [key, _(text)]), 'name', { 'aria-label': _('Sort by') });
+    const search = input(
+        { type: 'search', placeholder: _('Search by name'), 'aria-label': _('Search by name'), spellcheck: 'false' });
+    const order =
+        choice(Object.entries(ORDERS).map(([key, text]) => [key, _(text)]), 'name', { 'aria-label': _('Sort by') });
     const remark = h('p', { class: 'fault', role: 'alert' });
 
     function filter() {
         const takes = matcher(search.value);
         state.shown = state.all.filter((person) => takes(person.folded));
         table.set(state.shown);
-        say(count, search.value.trim() ? _f('{shown} of {all} people', { shown: number(state.shown.length), all: number(state.all.length) }) :
-            _f('People: {all}', { all: number(state.all.length) }));
+        say(count,
+            search.value.trim() ?
+                _f('{shown} of {all} people', { shown: number(state.shown.length), all: number(state.all.length) }) :
+                _f('People: {all}', { all: number(state.all.length) }));
     }
 
     function sort() {
@@ -87,7 +93,7 @@ function make(context) {
     async function load() {
         try {
             const { people = [], log_read } = await api.people();
-            state.all = people.map((person) => ({ ...person, folded: fold(person.name) }));
+            state.all = people.map((person) => ({...person, folded: fold(person.name) }));
             fill(remark, log_read === false ? _('The log is still being read: "Last seen" may be missing.') : '');
             sort();
         } catch (error) {
@@ -104,11 +110,18 @@ function make(context) {
     load();
     const end = context.hub.on('connection', (up) => up && load());
     return {
-        element: h('div', { class: 'list' },
-            h('div', { class: 'bar' }, search, order,
-                h('a', { class: 'button', href: '#enrol' }, _('Enrol a person')),
-                h('button', { type: 'button', class: 'plain', onclick: () => download(datedName('people'), peopleToCsv(state.shown)) }, _('Export CSV')),
-                may('administrator') && h('button', { type: 'button', class: 'plain', onclick: () => importPeople(api, state.all, load) }, _('Import CSV…'))),
+        element: h(
+            'div', { class: 'list' },
+            h('div', { class: 'bar' }, search, order, h('a', { class: 'button', href: '#enrol' }, _('Enrol a person')),
+              h('button', {
+                  type: 'button',
+                  class: 'plain',
+                  onclick: () => download(datedName('people'), peopleToCsv(state.shown))
+              },
+                _('Export CSV')),
+              may('administrator') &&
+                  h('button', { type: 'button', class: 'plain', onclick: () => importPeople(api, state.all, load) },
+                    _('Import CSV…'))),
             remark, count, table.element),
         resume: load,
         leave() {
@@ -118,4 +131,9 @@ function make(context) {
     };
 }
 
-export const people = { id: 'people', title: N_('People'), least: 'enroller', make };
+export const people = {
+    id: 'people',
+    title: N_('People'),
+    least: 'enroller',
+    make
+};

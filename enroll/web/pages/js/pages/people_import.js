@@ -1,13 +1,13 @@
 /* The import of a CSV file: it shows first what would change, then changes person by person. */
 
-import { _, _f } from '../base/i18n.js';
-import { fill, h, say } from '../base/dom.js';
-import { limit, number } from '../base/format.js';
-import { planImport } from '../base/people_csv.js';
-import { IMPORT_FLAWS, word } from '../base/words.js';
-import { faultText } from '../transport/fault.js';
-import { badge } from '../view/badge.js';
-import { openDialog } from '../view/dialog.js';
+import {_, _f} from '../base/i18n.js';
+import {fill, h, say} from '../base/dom.js';
+import {limit, number} from '../base/format.js';
+import {planImport} from '../base/people_csv.js';
+import {IMPORT_FLAWS, word} from '../base/words.js';
+import {faultText} from '../transport/fault.js';
+import {badge} from '../view/badge.js';
+import {openDialog} from '../view/dialog.js';
 
 const MOST_BYTES = 16 << 20;
 const ROWS_MOST = 500; /* shown; all are counted */
@@ -42,13 +42,21 @@ function changeText({ person, change }) {
 function planTable(plan) {
     const texts = kinds();
     const order = ['invalid', 'change', 'missing', 'unchanged'];
-    const rows = plan.toSorted((a, b) => order.indexOf(a.kind) - order.indexOf(b.kind) || a.line - b.line).slice(0, ROWS_MOST);
+    const rows =
+        plan.toSorted((a, b) => order.indexOf(a.kind) - order.indexOf(b.kind) || a.line - b.line).slice(0, ROWS_MOST);
     const head = (text) => h('th', { scope: 'col' }, text);
-    return h('div', { class: 'scroll tall', tabindex: 0 }, h('table', {},
-        h('thead', {}, h('tr', {}, head(_('Line')), head(_('Name')), head(_('What happens')), head(_('Details')))),
-        h('tbody', {}, rows.map((row) => h('tr', {}, h('td', { class: 'number' }, row.line), h('td', {}, h('bdi', {}, row.name)),
-            h('td', {}, badge(...texts[row.kind])),
-            h('td', {}, row.kind === 'invalid' ? word(IMPORT_FLAWS, row.why) : row.kind === 'change' && changeText(row)))))));
+    return h(
+        'div', { class: 'scroll tall', tabindex: 0 },
+        h('table', {},
+          h('thead', {}, h('tr', {}, head(_('Line')), head(_('Name')), head(_('What happens')), head(_('Details')))),
+          h('tbody', {},
+            rows.map(
+                (row) =>
+                    h('tr', {}, h('td', { class: 'number' }, row.line), h('td', {}, h('bdi', {}, row.name)),
+                      h('td', {}, badge(...texts[row.kind])),
+                      h('td', {},
+                        row.kind === 'invalid' ? word(IMPORT_FLAWS, row.why) :
+                                                 row.kind === 'change' && changeText(row)))))));
 }
 
 /* Changes one person after the other; a failure stops nobody else. */
@@ -60,7 +68,7 @@ async function apply(api, changes, progress, stopped) {
             break;
         }
         try {
-            await api.changePerson(name, { ...change, ...(change.valid_until_s ? { expired: true } : {}) });
+            await api.changePerson(name, {...change, ...(change.valid_until_s ? { expired: true } : {}) });
         } catch (error) {
             failed.push([name, faultText(error)]);
             if (['login-required', 'no-connection', 'no-daemon', 'not-allowed'].includes(error.code)) {
@@ -79,25 +87,44 @@ function work(api, plan, close, after) {
     const result = h('div', { role: 'status' });
     let running = false;
     let stop = false;
-    const cancel = h('button', { type: 'button', class: 'plain', onclick: () => {
-        stop = true;
-        if (!running) {
-            close();
-        }
-    } }, _('Close'));
-    const begin = h('button', { type: 'button', disabled: changes.length === 0, onclick: async () => {
-        running = true;
-        begin.disabled = true;
-        bar.hidden = false;
-        say(cancel, _('Stop the import'));
-        const end = await apply(api, changes, (done) => { bar.value = done; }, () => stop);
-        running = false;
-        say(cancel, _('Close'));
-        fill(result, h('p', {}, _f('Changed: {changed}. Failed: {failed}. Not tried: {left}.',
-            { changed: number(end.changed), failed: number(end.failed.length), left: number(end.left) })),
-        end.failed.length > 0 && h('ul', { class: 'fault' }, end.failed.map(([name, why]) => h('li', {}, h('bdi', {}, name), `: ${why}`))));
-        after();
-    } }, _f('Change people: {n}', { n: number(changes.length) }));
+    const cancel =
+        h('button', {
+            type: 'button',
+            class: 'plain',
+            onclick: () => {
+                stop = true;
+                if (!running) {
+                    close();
+                }
+            }
+        },
+          _('Close'));
+    const begin =
+        h('button', {
+            type: 'button',
+            disabled: changes.length === 0,
+            onclick: async () => {
+                running = true;
+                begin.disabled = true;
+                bar.hidden = false;
+                say(cancel, _('Stop the import'));
+                const end = await apply(api, changes, (done) => {
+                    bar.value = done;
+                }, () => stop);
+                running = false;
+                say(cancel, _('Close'));
+                fill(
+                    result,
+                    h('p', {},
+                      _f('Changed: {changed}. Failed: {failed}. Not tried: {left}.',
+                         { changed: number(end.changed), failed: number(end.failed.length), left: number(end.left) })),
+                    end.failed.length > 0 &&
+                        h('ul', { class: 'fault' },
+                          end.failed.map(([name, why]) => h('li', {}, h('bdi', {}, name), `: ${why}`))));
+                after();
+            }
+        },
+          _f('Change people: {n}', { n: number(changes.length) }));
     return [bar, result, h('div', { class: 'buttons' }, cancel, begin)];
 }
 
@@ -116,14 +143,22 @@ export async function importPeople(api, people, after) {
     }
     await openDialog(_f('Import {file}', { file: file.name }), (close) => {
         if (flaw) {
-            return [h('p', { class: 'fault', role: 'alert' }, flaw),
-                h('div', { class: 'buttons' }, h('button', { type: 'button', onclick: () => close() }, _('Close')))];
+            return [
+                h('p', { class: 'fault', role: 'alert' }, flaw),
+                h('div', { class: 'buttons' }, h('button', { type: 'button', onclick: () => close() }, _('Close')))
+            ];
         }
         const texts = kinds();
         const counts = Object.keys(texts).map((kind) => [kind, plan.filter((row) => row.kind === kind).length]);
-        return [h('p', {}, _('An import changes only the limits of people who are enrolled here. It enrols and removes nobody.')),
-            h('ul', { class: 'counts' }, counts.map(([kind, n]) => h('li', {}, badge(...texts[kind]), ` ${number(n)}`))),
-            planTable(plan), plan.length > ROWS_MOST && h('p', { class: 'quiet' }, _f('The first {n} rows are shown.', { n: number(ROWS_MOST) })),
-            ...work(api, plan, close, after)];
+        return [
+            h('p', {},
+              _('An import changes only the limits of people who are enrolled here. It enrols and removes nobody.')),
+            h('ul', { class: 'counts' },
+              counts.map(([kind, n]) => h('li', {}, badge(...texts[kind]), ` ${number(n)}`))),
+            planTable(plan),
+            plan.length > ROWS_MOST &&
+                h('p', { class: 'quiet' }, _f('The first {n} rows are shown.', { n: number(ROWS_MOST) })),
+            ...work(api, plan, close, after)
+        ];
     }, { wide: true });
 }

@@ -1,16 +1,18 @@
 /* The dialog of one person: what is known, and for administrators rename, limits and remove. */
 
-import { _, _f } from '../base/i18n.js';
-import { h } from '../base/dom.js';
-import { dateTime, limit } from '../base/format.js';
-import { checkbox, field, input, limits } from '../view/fields.js';
-import { confirm, form, openDialog } from '../view/dialog.js';
-import { notice, noticeFault } from '../view/notice.js';
+import {_, _f} from '../base/i18n.js';
+import {h} from '../base/dom.js';
+import {dateTime, limit} from '../base/format.js';
+import {checkbox, field, input, limits} from '../view/fields.js';
+import {confirm, form, openDialog} from '../view/dialog.js';
+import {notice, noticeFault} from '../view/notice.js';
 
 function facts(person, withLimits) {
     const row = (name, value) => [h('dt', {}, name), h('dd', {}, value)];
-    return h('dl', { class: 'facts' },
-        withLimits && [row(_('Valid from'), limit(person.valid_from_s)), row(_('Valid until'), limit(person.valid_until_s))],
+    return h(
+        'dl', { class: 'facts' },
+        withLimits &&
+            [row(_('Valid from'), limit(person.valid_from_s)), row(_('Valid until'), limit(person.valid_until_s))],
         row(_('Templates'), person.templates), row(_('Enrolled'), dateTime(person.enrolled_s * 1000)),
         row(_('Last seen'), person.last_seen_s ? dateTime(person.last_seen_s * 1000) : '–'));
 }
@@ -39,16 +41,22 @@ function editor({ api }, person, close) {
         }
     };
     return [
-        form([field(_('Name'), name), times.element, expired.element], _('Save'), send, () => close('saved'), { cancel: () => close() }),
+        form(
+            [field(_('Name'), name), times.element, expired.element], _('Save'), send, () => close('saved'),
+            { cancel: () => close() }),
         h('div', { class: 'buttons start' },
-            h('a', { class: 'button plain', href: `#enrol?name=${encodeURIComponent(person.name)}`, onclick: () => close() }, _('Enrol again')),
-            h('button', { type: 'button', class: 'danger', onclick: () => close('remove') }, _('Remove…'))),
+          h('a',
+            { class: 'button plain', href: `#enrol?name=${encodeURIComponent(person.name)}`, onclick: () => close() },
+            _('Enrol again')),
+          h('button', { type: 'button', class: 'danger', onclick: () => close('remove') }, _('Remove…'))),
     ];
 }
 
 async function remove({ api }, person) {
-    const sure = await confirm(_f('Remove {name}?', { name: person.name }),
-        _f('All templates of {name} are erased. The door will not open to this person any more. This cannot be undone.', { name: person.name }),
+    const sure = await confirm(
+        _f('Remove {name}?', { name: person.name }),
+        _f('All templates of {name} are erased. The door will not open to this person any more. This cannot be undone.',
+           { name: person.name }),
         _f('Remove {name}', { name: person.name }), { danger: true });
     if (sure) {
         await api.removePerson(person.name);
@@ -60,10 +68,13 @@ async function remove({ api }, person) {
 /* Shows a person; changed() is called after a change. */
 export async function openPerson(context, person, changed) {
     const admin = context.may('administrator');
-    const result = await openDialog(person.name, (close) => [
-        facts(person, !admin),
-        admin ? editor(context, person, close) :
-            h('div', { class: 'buttons' }, h('button', { type: 'button', onclick: () => close() }, _('Close')))]);
+    const result = await openDialog(
+        person.name,
+        (close) =>
+            [facts(person, !admin),
+             admin ?
+                 editor(context, person, close) :
+                 h('div', { class: 'buttons' }, h('button', { type: 'button', onclick: () => close() }, _('Close')))]);
     try {
         if (result === 'saved') {
             notice(_('Saved.'));

@@ -1,21 +1,24 @@
 /* The page Settings: lockdown and lock-out, and the values with which the daemon runs. */
 
-import { N_, _, _f } from '../base/i18n.js';
-import { fill, h, say } from '../base/dom.js';
-import { duration, number } from '../base/format.js';
-import { fold, matcher } from '../base/fold.js';
-import { faultText } from '../transport/fault.js';
-import { badge } from '../view/badge.js';
-import { input } from '../view/fields.js';
-import { stack } from '../view/stack.js';
-import { lockControls } from './lock_controls.js';
+import {N_, _, _f} from '../base/i18n.js';
+import {fill, h, say} from '../base/dom.js';
+import {duration, number} from '../base/format.js';
+import {fold, matcher} from '../base/fold.js';
+import {faultText} from '../transport/fault.js';
+import {badge} from '../view/badge.js';
+import {input} from '../view/fields.js';
+import {stack} from '../view/stack.js';
+import {lockControls} from './lock_controls.js';
 
 function lockState({ hub }) {
     const list = h('dl', { class: 'facts' });
     const row = (name, value) => [h('dt', {}, name), h('dd', {}, value)];
-    const draw = () => fill(list,
-        row(_('Lockdown'), hub.status.lockdown ? badge('bad', _('On')) : _('Off')),
-        row(_('Lock-out'), hub.status['lockout-ms'] > 0 ? badge('bad', _f('On, for another {time}', { time: duration(hub.status['lockout-ms']) })) : _('Off')));
+    const draw = () => fill(
+        list, row(_('Lockdown'), hub.status.lockdown ? badge('bad', _('On')) : _('Off')),
+        row(_('Lock-out'),
+            hub.status['lockout-ms'] > 0 ?
+                badge('bad', _f('On, for another {time}', { time: duration(hub.status['lockout-ms']) })) :
+                _('Off')));
     const stop = hub.on('changed', draw);
     draw();
     return { element: list, stop };
@@ -23,13 +26,24 @@ function lockState({ hub }) {
 
 function sectionTable(section, list) {
     const head = (text) => h('th', { scope: 'col' }, text);
-    return h('section', { class: 'panel' }, h('h3', { dir: 'ltr' }, h('code', {}, `[${section}]`)), h('div', { class: 'scroll' }, stack(h('table', { class: 'settings' },
-        h('thead', {}, h('tr', {}, head(_('Setting')), head(_('Value')), head(_('Default')), head(_('Allowed')), head(_('Meaning')))),
-        h('tbody', {}, list.map((one) => h('tr', { class: one.value === one.default ? '' : 'own' },
-            h('th', { scope: 'row' }, h('code', {}, one.key)),
-            h('td', {}, h('code', {}, one.value === '' ? '–' : one.value), one.value !== one.default && h('span', { class: 'unseen' }, ` ${_('changed')}`)),
-            h('td', {}, h('code', {}, one.default === '' ? '–' : one.default)),
-            h('td', { lang: 'en', dir: 'ltr' }, one.range), h('td', { lang: 'en', dir: 'ltr' }, one.help))))))));
+    return h(
+        'section', { class: 'panel' }, h('h3', { dir: 'ltr' }, h('code', {}, `[${section}]`)),
+        h('div', { class: 'scroll' },
+          stack(
+              h('table', { class: 'settings' },
+                h('thead', {},
+                  h('tr', {}, head(_('Setting')), head(_('Value')), head(_('Default')), head(_('Allowed')),
+                    head(_('Meaning')))),
+                h('tbody', {},
+                  list.map(
+                      (one) =>
+                          h('tr', { class: one.value === one.default ? '' : 'own' },
+                            h('th', { scope: 'row' }, h('code', {}, one.key)),
+                            h('td', {}, h('code', {}, one.value === '' ? '–' : one.value),
+                              one.value !== one.default && h('span', { class: 'unseen' }, ` ${_('changed')}`)),
+                            h('td', {}, h('code', {}, one.default === '' ? '–' : one.default)),
+                            h('td', { lang: 'en', dir: 'ltr' }, one.range),
+                            h('td', { lang: 'en', dir: 'ltr' }, one.help))))))));
 }
 
 function make(context) {
@@ -60,11 +74,13 @@ function make(context) {
         load();
     }
     return {
-        element: h('div', {},
+        element: h(
+            'div', {},
             h('section', { class: 'panel' }, h('h2', {}, _('Lockdown and lock-out')), state.element, controls.element),
             h('section', {}, h('h2', {}, _('Settings of the door service')),
-                h('p', { class: 'quiet' }, _('They are in the file /etc/isotherm/isotherm.conf on the appliance and hold from its next start on. Values that differ from the default are bold.')),
-                api.can.settings && [h('div', { class: 'bar' }, search), count, place])),
+              h('p', { class: 'quiet' },
+                _('They are in the file /etc/isotherm/isotherm.conf on the appliance and hold from its next start on. Values that differ from the default are bold.')),
+              api.can.settings && [h('div', { class: 'bar' }, search), count, place])),
         resume: load,
         leave() {
             state.stop();
@@ -73,4 +89,9 @@ function make(context) {
     };
 }
 
-export const settings = { id: 'settings', title: N_('Settings'), least: 'administrator', make };
+export const settings = {
+    id: 'settings',
+    title: N_('Settings'),
+    least: 'administrator',
+    make
+};

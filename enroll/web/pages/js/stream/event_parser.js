@@ -15,17 +15,19 @@ export class EventParser {
         }
         const blocks = this.#rest.split('\n\n');
         this.#rest = blocks.pop();
-        return blocks.map((block) => {
-            const event = { name: 'message', data: [] };
-            for (const line of block.split('\n')) {
-                const [, key, value] = /^([^:]*)(?:: ?(.*))?$/.exec(line) ?? [];
-                if (key === 'event') {
-                    event.name = value ?? '';
-                } else if (key === 'data') {
-                    event.data.push(value ?? '');
+        return blocks
+            .map((block) => {
+                const event = { name: 'message', data: [] };
+                for (const line of block.split('\n')) {
+                    const [, key, value] = /^([^:]*)(?:: ?(.*))?$/.exec(line) ?? [];
+                    if (key === 'event') {
+                        event.name = value ?? '';
+                    } else if (key === 'data') {
+                        event.data.push(value ?? '');
+                    }
                 }
-            }
-            return { name: event.name, data: event.data.join('\n') };
-        }).filter((event) => event.data !== '');
+                return { name: event.name, data: event.data.join('\n') };
+            })
+            .filter((event) => event.data !== '');
     }
 }

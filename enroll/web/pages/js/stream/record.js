@@ -9,7 +9,10 @@ const UNITS = 32; /* of a coordinate in one silhouette point */
 const OUTLINE_BYTES = 676 + 4 * POINTS;
 const RELIEF_COLUMNS = 160;
 const RELIEF_ROWS = 120;
-const KIND = { outline: 1, relief: 2 };
+const KIND = {
+    outline: 1,
+    relief: 2
+};
 
 function head(view, kind) {
     if (view.byteLength < HEAD_BYTES + 4 || view.getUint8(0) !== 1 || view.getUint8(1) !== kind) {
@@ -43,11 +46,16 @@ export function decodeOutline(bytes) {
     if (words.includes(null)) {
         return null;
     }
-    const outline = Array.from({ length: n }, (_, i) =>
-        [data.getInt16(676 + 4 * i, true) / UNITS, data.getInt16(678 + 4 * i, true) / UNITS]);
+    const outline = Array.from(
+        { length: n }, (_, i) => [data.getInt16(676 + 4 * i, true) / UNITS, data.getInt16(678 + 4 * i, true) / UNITS]);
     const [mode, hint, verdict, reason] = words;
     return {
-        ...begin, mode, hint, verdict, reason, outline,
+        ...begin,
+        mode,
+        hint,
+        verdict,
+        reason,
+        outline,
         distanceMm: data.getUint16(16, true),
         lockdown: (bytes[18] & 1) !== 0,
         lockedOut: (bytes[18] & 2) !== 0,
@@ -67,7 +75,7 @@ async function inflate(bytes, most) {
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
     const out = new Uint8Array(most);
     let size = 0;
-    for (const reader = stream.getReader(); ;) {
+    for (const reader = stream.getReader();;) {
         const { done, value } = await reader.read();
         if (done) {
             return out.subarray(0, size);
@@ -110,7 +118,7 @@ export async function decodeRelief(bytes) {
         if (!plain || plain.length !== 2 * columns * rows) {
             return null;
         }
-        return { ...begin, columns, rows, depth: undoDifferences(plain, columns, rows) };
+        return {...begin, columns, rows, depth: undoDifferences(plain, columns, rows) };
     } catch {
         return null; /* no zlib data */
     }

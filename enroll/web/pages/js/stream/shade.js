@@ -22,7 +22,7 @@ function nearest(depth) {
 /* Brightness of each point, 0..255; 0 where nothing was measured, or where it is more than `deep_mm`
  * behind the nearest surface. `mirrored`: the picture will be turned, so that light has to come from
  * the other side. */
-export function shade(depth, columns, rows, { mirrored = false, deepMm = 400 } = {}) {
+export function shade(depth, columns, rows, {mirrored = false, deepMm = 400} = {}) {
     const side = mirrored ? -1 : 1;
     const out = new Uint8Array(columns * rows);
     const far = nearest(depth) + deepMm;

@@ -3,19 +3,36 @@
  * no accounts. Streams of descriptors do not get through Cockpit: instead of the outline there are
  * the words of the signal View. */
 
-import { CockpitEnrolment } from './cockpit_enrolment.js';
-import { DoorBus } from './door_bus.js';
+import {CockpitEnrolment} from './cockpit_enrolment.js';
+import {DoorBus} from './door_bus.js';
 
 const SILENT_MS = 10000;
 const seconds = (value) => Number(value) || 0;
 
 function toPerson([name, enrolled, from, until, templates]) {
-    return { name, enrolled_s: seconds(enrolled), valid_from_s: seconds(from), valid_until_s: seconds(until),
-        templates, last_seen_s: null };
+    return {
+        name,
+        enrolled_s: seconds(enrolled),
+        valid_from_s: seconds(from),
+        valid_until_s: seconds(until),
+        templates,
+        last_seen_s: null
+    };
 }
 
 function toVisit([verdict, person, score, threshold, frames, latency_us, reason, door, door_fault]) {
-    return { time: new Date().toISOString(), verdict, person, score, threshold, frames, latency_us, reason, door, door_fault };
+    return {
+        time: new Date().toISOString(),
+        verdict,
+        person,
+        score,
+        threshold,
+        frames,
+        latency_us,
+        reason,
+        door,
+        door_fault
+    };
 }
 
 /* The role that the bus gives this user: it refuses the calls of higher ones. */
@@ -78,8 +95,13 @@ export function makeCockpitApi(cockpit) {
         const subscription = bus.subscribe((name, [view] = []) => {
             if (name === 'View') {
                 const seen = bus.plain(view);
-                onRecord({ hint: seen.capture ?? '', distanceMm: seen['distance-mm'] ?? 0, verdict: '', outline: [],
-                    silhouette: new Uint8Array(600) });
+                onRecord({
+                    hint: seen.capture ?? '',
+                    distanceMm: seen['distance-mm'] ?? 0,
+                    verdict: '',
+                    outline: [],
+                    silhouette: new Uint8Array(600)
+                });
             }
         });
         bus.call('AimStart', []).catch(() => {});
@@ -108,7 +130,11 @@ export function makeCockpitApi(cockpit) {
         const begin = from ?? Math.max(1, (before ?? last + 1) - max);
         const count = before === undefined ? max : Math.min(max, before - begin);
         const [lines] = count > 0 ? await bus.call('ReadLog', [begin, count], 'tu') : [[]];
-        return { last, records: lines.map((line) => JSON.parse(line)).filter((record) => before === undefined || record.sequence < before) };
+        return {
+            last,
+            records: lines.map((line) => JSON.parse(line))
+                         .filter((record) => before === undefined || record.sequence < before)
+        };
     }
 
     async function verifyLog() {
@@ -154,6 +180,7 @@ export function makeCockpitApi(cockpit) {
         enrolment: async () => enrolment.state,
         beginEnrolment: (wish) => enrolment.begin(wish, role === 'administrator'),
         endEnrolment: () => enrolment.end(),
+        abandon: () => enrolment.abandon(),
         log,
         verifyLog,
         events,

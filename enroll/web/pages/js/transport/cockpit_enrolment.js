@@ -1,7 +1,7 @@
 /* An enrolment over the bus: claim, start, signals, stop, release; and its state as the API
  * describes it (Enrolment in enroll/web/api/openapi.json). */
 
-import { Fault } from './fault.js';
+import {Fault} from './fault.js';
 
 export class CockpitEnrolment {
     state = { state: 'none' };
@@ -10,16 +10,12 @@ export class CockpitEnrolment {
     #listener = () => {};
     #signals = null;
 
-    constructor(bus) {
-        this.#bus = bus;
-    }
+    constructor(bus) { this.#bus = bus; }
 
-    listen(listener) {
-        this.#listener = listener;
-    }
+    listen(listener) { this.#listener = listener; }
 
     #change(change) {
-        this.state = { ...this.state, ...change };
+        this.state = {...this.state, ...change };
         this.#listener(this.state);
     }
 
@@ -30,8 +26,9 @@ export class CockpitEnrolment {
         this.#signals?.remove();
         this.#signals = null;
         this.#change({ state: 'ended', hint: '', ...change });
-        await this.#bus.call('EnrollStop', []).catch(() => {});
-        await this.#bus.call('Release', []).catch(() => {});
+        /* Both at once: a page that is being closed cannot wait for the first answer. */
+        const calls = ['EnrollStop', 'Release'].map((method) => this.#bus.call(method, []).catch(() => {}));
+        await Promise.all(calls);
     }
 
     #receive(name, args) {
@@ -43,8 +40,13 @@ export class CockpitEnrolment {
             const [result, done, stage, stages, quality, person] = args;
             const word = result.replace(/^enroll-/, '');
             if (done) {
-                this.#finish({ result: word, stage, stages,
-                    ...(word === 'duplicate' && { known_as: person }), ...(word === 'not-stored' && { detail: person }) });
+                this.#finish({
+                    result: word,
+                    stage,
+                    stages,
+                    ...(word === 'duplicate' && { known_as: person }),
+                    ...(word === 'not-stored' && { detail: person })
+                });
             } else if (word.startsWith('retry-')) {
                 this.#change({ hint: word.slice('retry-'.length) });
             } else {
@@ -63,11 +65,23 @@ export class CockpitEnrolment {
         }
         if (record) {
             /* Only administrators may call this; the record of the enrolment names everybody. */
-            await this.#bus.call('RecordAct', [this.account.toLowerCase().replace(/[^a-z0-9._-]/g, '-').slice(0, 32), 'consent', wish.person], 'sss');
+            await this.#bus.call(
+                'RecordAct',
+                [this.account.toLowerCase().replace(/[^a-z0-9._-]/g, '-').slice(0, 32), 'consent', wish.person], 'sss');
         }
         await this.#bus.call('Claim', []);
-        this.state = { state: 'running', person: wish.person, own: true, account: this.account, poses: wish.poses !== false,
-            hint: '', stage: 0, stages: 0, captures: [], steps: [] };
+        this.state = {
+            state: 'running',
+            person: wish.person,
+            own: true,
+            account: this.account,
+            poses: wish.poses !== false,
+            hint: '',
+            stage: 0,
+            stages: 0,
+            captures: [],
+            steps: []
+        };
         this.#signals = this.#bus.subscribe((name, args) => this.#receive(name, args));
         try {
             await this.#bus.call('EnrollStart', [wish.person, this.#bus.options({ poses: true, ...wish })], 'sa{sv}');
@@ -79,6 +93,14 @@ export class CockpitEnrolment {
         }
         this.#listener(this.state);
         return this.state;
+    }
+
+    /* Gives the camera back when the page goes away. Cockpit keeps its connection to the bus open, so
+     * that the daemon would not notice it. */
+    abandon() {
+        if (this.state.state === 'running') {
+            this.#finish({ result: 'left' });
+        }
     }
 
     async end() {

@@ -1,6 +1,6 @@
 /* The daemon on the system bus, by cockpit.dbus: firmware/contract/contract.h. */
 
-import { Fault } from './fault.js';
+import {Fault} from './fault.js';
 
 const NAME = 'org.isotherm.Isotherm';
 const PATH = '/org/isotherm/Door0';
@@ -24,8 +24,13 @@ const CODES = {
     'org.freedesktop.DBus.Error.NoReply': 'no-daemon',
 };
 
-const LIMITS = { valid_from_s: ['valid-from', 'x'], valid_until_s: ['valid-until', 'x'], expired: ['expired', 'b'],
-    poses: ['poses', 'b'], allow_duplicate: ['allow-duplicate', 'b'] };
+const LIMITS = {
+    valid_from_s: ['valid-from', 'x'],
+    valid_until_s: ['valid-until', 'x'],
+    expired: ['expired', 'b'],
+    poses: ['poses', 'b'],
+    allow_duplicate: ['allow-duplicate', 'b']
+};
 
 export class DoorBus {
     #cockpit;
@@ -39,7 +44,7 @@ export class DoorBus {
     /* Calls a method; resolves to its results. Throws a Fault. */
     async call(method, args, type, timeout = 10000) {
         try {
-            return await this.#client.call(PATH, INTERFACE, method, args, { ...(type && { type }), timeout });
+            return await this.#client.call(PATH, INTERFACE, method, args, {...(type && { type }), timeout });
         } catch (error) {
             const code = CODES[error?.name] ?? (error?.problem === 'access-denied' ? 'not-allowed' : 'no-connection');
             throw new Fault(error?.name && !CODES[error.name] ? error.name : code, { detail: error?.message ?? '' });
@@ -61,19 +66,20 @@ export class DoorBus {
         return Object.fromEntries(Object.entries(dictionary ?? {}).map(([key, value]) => [key, value?.v ?? value]));
     }
 
-    async values(method) {
-        return this.plain((await this.call(method, []))[0]);
-    }
+    async values(method) { return this.plain((await this.call(method, []))[0]); }
 
     /* Options of the contract from members of the API. */
     options(wish) {
-        return Object.fromEntries(Object.entries(LIMITS).filter(([member]) => wish[member] !== undefined)
-            .map(([member, [key, type]]) => [key, this.#cockpit.variant(type, wish[member])]));
+        return Object.fromEntries(
+            Object.entries(LIMITS)
+                .filter(([member]) => wish[member] !== undefined)
+                .map(([member, [key, type]]) => [key, this.#cockpit.variant(type, wish[member])]));
     }
 
     /* Calls listener(name, args) for each signal; the result has remove(). */
     subscribe(listener) {
-        return this.#client.subscribe({ interface: INTERFACE, path: PATH }, (path, iface, name, args) => listener(name, args));
+        return this.#client.subscribe(
+            { interface: INTERFACE, path: PATH }, (path, iface, name, args) => listener(name, args));
     }
 
     /* The document that `isotherm doctor --json` prints. */

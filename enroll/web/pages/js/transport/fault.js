@@ -1,9 +1,9 @@
 /* A request that failed. `code` is a word of the API that keeps its meaning; `detail` is a sentence
  * of the server, in English. */
 
-import { _, _f } from '../base/i18n.js';
-import { duration } from '../base/format.js';
-import { FAULTS } from '../base/words_faults.js';
+import {_, _f} from '../base/i18n.js';
+import {duration} from '../base/format.js';
+import {FAULTS} from '../base/words_faults.js';
 
 export class Fault extends Error {
     constructor(code, { status = 0, detail = '', setup = false, retryAfterS = 0 } = {}) {
@@ -19,8 +19,7 @@ const SPECIFIC = /^invalid-(account|limits|name|password)$|^(internal|storage)$/
 export function faultText(fault) {
     const known = Object.hasOwn(FAULTS, fault.code ?? '') ? _(FAULTS[fault.code]) : '';
     if (fault.code === 'too-many-attempts' && fault.retryAfterS > 0) {
-        return _f('Too many attempts. Please try again in {time}.',
-            { time: duration(fault.retryAfterS * 1000) });
+        return _f('Too many attempts. Please try again in {time}.', { time: duration(fault.retryAfterS * 1000) });
     }
     if (!known) {
         return fault.detail || String(fault.message ?? fault);

@@ -3,11 +3,11 @@
  * Streams: events(on, onState), outline(onRecord, onState) and relief(onRecord, onState) stay open
  * until close() is called, and are opened again after a break; onState(up, fault) says so. */
 
-import { EventParser } from '../stream/event_parser.js';
-import { decodeOutline, decodeRelief } from '../stream/record.js';
-import { Splitter } from '../stream/splitter.js';
-import { steady } from '../stream/steady.js';
-import { Fault } from './fault.js';
+import {EventParser} from '../stream/event_parser.js';
+import {decodeOutline, decodeRelief} from '../stream/record.js';
+import {Splitter} from '../stream/splitter.js';
+import {steady} from '../stream/steady.js';
+import {Fault} from './fault.js';
 
 const BASE = '/api/v1';
 const SILENT_MS = 30000; /* the server sends a status every ten seconds */
@@ -69,7 +69,7 @@ async function pump(path, signal, silentMs, onBytes) {
     let timer = setTimeout(abort, silentMs ?? SILENT_MS);
     try {
         const response = await open('GET', path, undefined, own.signal);
-        for (const reader = response.body.getReader(); ;) {
+        for (const reader = response.body.getReader();;) {
             const { done, value } = await reader.read();
             if (done) {
                 return;
@@ -130,24 +130,26 @@ function records(path, decode, onRecord, onState, endsWith = () => undefined) {
 
 export const http = {
     kind: 'http',
-    can: { accounts: true, outline: true, relief: true, settings: true, login: true },
-    onLoginRequired: (handler) => { loginRequired = handler; },
+    can: {accounts: true, outline: true, relief: true, settings: true, login: true},
+    onLoginRequired: (handler) => {
+        loginRequired = handler;
+    },
 
     session: () => ask('GET', '/session'),
-    login: (account, password) => ask('POST', '/session', { account, password }),
+    login: (account, password) => ask('POST', '/session', {account, password}),
     logout: () => ask('DELETE', '/session'),
-    changePassword: (old, fresh) => ask('PUT', '/session/password', { old, new: fresh }),
-    setup: (code, account, password) => ask('POST', '/setup', { code, account, password }),
+    changePassword: (old, fresh) => ask('PUT', '/session/password', {old, new: fresh}),
+    setup: (code, account, password) => ask('POST', '/setup', {code, account, password}),
 
     accounts: async () => (await ask('GET', '/accounts')).accounts ?? [],
-    addAccount: (name, password, role) => ask('POST', '/accounts', { name, password, role }),
+    addAccount: (name, password, role) => ask('POST', '/accounts', {name, password, role}),
     changeAccount: (name, change) => ask('PATCH', `/accounts/${part(name)}`, change),
     removeAccount: (name) => ask('DELETE', `/accounts/${part(name)}`),
 
     status: () => ask('GET', '/status'),
     health: () => ask('GET', '/health'),
     settings: async () => (await ask('GET', '/settings')).settings ?? [],
-    setLockdown: (on) => ask('PUT', '/lockdown', { on }),
+    setLockdown: (on) => ask('PUT', '/lockdown', {on}),
     clearLockout: () => ask('DELETE', '/lockout'),
 
     people: () => ask('GET', '/people'),
@@ -158,12 +160,13 @@ export const http = {
     beginEnrolment: (wish) => ask('POST', '/enrolment', wish),
     endEnrolment: () => ask('DELETE', '/enrolment'),
 
-    log: (query) => ask('GET', `/log?${new URLSearchParams(
-        Object.entries(query).filter(([, value]) => value !== undefined))}`),
+    log: (query) =>
+        ask('GET', `/log?${new URLSearchParams(Object.entries(query).filter(([, value]) => value !== undefined))}`),
     verifyLog: () => ask('POST', '/log/verification', {}),
 
     events,
     outline: (onRecord, onState) => records('/outline', decodeOutline, onRecord, onState),
-    relief: (onRecord, onState) => records('/relief', decodeRelief, onRecord, onState,
+    relief: (onRecord, onState) => records(
+        '/relief', decodeRelief, onRecord, onState,
         (up, fault) => (!up && fault?.code === 'no-enrolment' ? 'stop' : undefined)),
 };

@@ -1,6 +1,6 @@
 /* Gives the user a file that was made in the page. */
 
-import { h } from '../base/dom.js';
+import {h} from '../base/dom.js';
 
 export function download(name, text, type = 'text/csv;charset=utf-8') {
     const url = URL.createObjectURL(new Blob([text], { type }));
@@ -12,6 +12,4 @@ export function download(name, text, type = 'text/csv;charset=utf-8') {
 }
 
 /* A name with today's date: "isotherm-people-2026-03-01.csv". */
-export function datedName(stem) {
-    return `isotherm-${stem}-${new Date().toISOString().slice(0, 10)}.csv`;
-}
+export function datedName(stem) { return `isotherm-${stem}-${new Date().toISOString().slice(0, 10)}.csv`; }

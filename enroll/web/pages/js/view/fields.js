@@ -1,8 +1,8 @@
 /* Fields of forms: a label, an input, and a line of help that screen readers connect with it. */
 
-import { h, newId } from '../base/dom.js';
-import { _ } from '../base/i18n.js';
-import { fromLocalInput, toLocalInput } from '../base/format.js';
+import {h, newId} from '../base/dom.js';
+import {_} from '../base/i18n.js';
+import {fromLocalInput, toLocalInput} from '../base/format.js';
 
 /* A field around an input. */
 export function field(label, input, help) {
@@ -11,17 +11,16 @@ export function field(label, input, help) {
     if (note) {
         input.setAttribute('aria-describedby', note.id);
     }
-    return h('div', { class: 'field' }, h('label', { for: input.id }, label), input, note);
+    return h('div', { class: 'field' }, h('label', { for: input.id
+             }, label), input, note);
 }
 
-export function input(attributes) {
-    return h('input', { type: 'text', autocomplete: 'off', ...attributes });
-}
+export function input(attributes) { return h('input', { type: 'text', autocomplete: 'off', ...attributes }); }
 
 /* A choice: options are [value, text] pairs. */
 export function choice(options, value, attributes) {
-    const element = h('select', attributes, options.map(([key, text]) =>
-        h('option', { value: key, selected: key === value }, text)));
+    const element = h(
+        'select', attributes, options.map(([key, text]) => h('option', { value: key, selected: key === value }, text)));
     element.value = value;
     return element;
 }
@@ -40,8 +39,9 @@ export function limits(fromS = 0, untilS = 0) {
     const value = (element, before) =>
         (element.value === toLocalInput(before) ? before : fromLocalInput(element.value));
     return {
-        element: h('div', { class: 'pair' },
-            field(_('Valid from'), from, _('Empty: no limit')), field(_('Valid until'), until)),
+        element:
+            h('div', { class: 'pair' }, field(_('Valid from'), from, _('Empty: no limit')),
+              field(_('Valid until'), until)),
         read() {
             const valid_from_s = value(from, fromS);
             const valid_until_s = value(until, untilS);
@@ -58,7 +58,8 @@ export function limits(fromS = 0, untilS = 0) {
 
 /* A new password, typed twice. read() throws an Error with a sentence. */
 export function newPassword(label) {
-    const attributes = { type: 'password', autocomplete: 'new-password', required: true, minlength: 12, maxlength: 128 };
+    const
+        attributes = { type: 'password', autocomplete: 'new-password', required: true, minlength: 12, maxlength: 128 };
     const first = input(attributes);
     const second = input(attributes);
     return {

@@ -1,7 +1,7 @@
 /* A drawn head with an arrow: how to hold the head in a step of the enrolment. Left and right are
  * the subject's; the picture is a mirror, as the subject sees it. */
 
-import { svg } from '../base/dom.js';
+import {svg} from '../base/dom.js';
 
 /* How far nose and eyes move from the middle, and where the arrow goes: from, to. */
 const POSES = {
@@ -16,12 +16,24 @@ const POSES = {
 export function headPicture(pose, label) {
     const { x, y, arrow } = POSES[pose] ?? POSES.frontal;
     const at = (cx, cy) => ({ cx: cx + x, cy: cy + y });
-    return svg('svg', { viewBox: '0 0 100 100', class: 'head', role: label ? 'img' : undefined,
-        'aria-label': label, 'aria-hidden': label ? undefined : 'true' },
-    svg('path', { class: 'skin', d: 'M50 16 C72 16 78 34 76 52 C74 72 62 88 50 88 C38 88 26 72 24 52 C22 34 28 16 50 16 Z' }),
-    svg('circle', { class: 'mark', r: 3.4, ...at(40, 46) }),
-    svg('circle', { class: 'mark', r: 3.4, ...at(60, 46) }),
-    svg('path', { class: 'line', d: `M${50 + x} ${48 + y} L${50 + 1.35 * x} ${60 + 1.2 * y} L${46 + 1.2 * x} ${61 + 1.1 * y}` }),
-    svg('path', { class: 'line', d: `M${42 + x} ${72 + 0.8 * y} Q${50 + x} ${75 + 0.8 * y} ${58 + x} ${72 + 0.8 * y}` }),
-    arrow && svg('path', { class: 'arrow', d: arrow }));
+    return svg(
+        'svg', {
+            viewBox: '0 0 100 100',
+            class: 'head',
+            role: label ? 'img' : undefined,
+            'aria-label': label,
+            'aria-hidden': label ? undefined : 'true'
+        },
+        svg('path', {
+            class: 'skin',
+            d: 'M50 16 C72 16 78 34 76 52 C74 72 62 88 50 88 C38 88 26 72 24 52 C22 34 28 16 50 16 Z'
+        }),
+        svg('circle', { class: 'mark', r: 3.4, ...at(40, 46) }),
+        svg('circle', { class: 'mark', r: 3.4, ...at(60, 46) }), svg('path', {
+            class: 'line',
+            d: `M${50 + x} ${48 + y} L${50 + 1.35 * x} ${60 + 1.2 * y} L${46 + 1.2 * x} ${61 + 1.1 * y}`
+        }),
+        svg('path',
+            { class: 'line', d: `M${42 + x} ${72 + 0.8 * y} Q${50 + x} ${75 + 0.8 * y} ${58 + x} ${72 + 0.8 * y}` }),
+        arrow && svg('path', { class: 'arrow', d: arrow }));
 }

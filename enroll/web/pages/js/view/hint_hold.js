@@ -5,7 +5,7 @@ export const SHOWN_MS = 1200;
 /* Returns a function that takes the newest text. show(text) is called at once if the last text was
  * shown long enough, else later, with the newest text of that moment. The clock and the timer can
  * be given, for tests. */
-export function holdHint(show, { now = () => performance.now(), later = setTimeout } = {}) {
+export function holdHint(show, {now = () => performance.now(), later = setTimeout} = {}) {
     let shown = null;
     let since = -Infinity;
     let next = null;

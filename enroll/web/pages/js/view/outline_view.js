@@ -1,7 +1,7 @@
 /* Draws what is before the camera: the silhouette, and the outline of the face. */
 
-import { COLUMNS, ROWS, isSet } from '../stream/record.js';
-import { h } from '../base/dom.js';
+import {COLUMNS, ROWS, isSet} from '../stream/record.js';
+import {h} from '../base/dom.js';
 
 const SCALE = 8;
 

@@ -1,7 +1,7 @@
 /* Draws a relief in shades of grey, with light from the upper left. */
 
-import { h } from '../base/dom.js';
-import { shade } from '../stream/shade.js';
+import {h} from '../base/dom.js';
+import {shade} from '../stream/shade.js';
 
 /* A canvas, and draw(record, mirrored) for it; draw(null) shows nothing. The style sheet turns a
  * mirrored picture. */

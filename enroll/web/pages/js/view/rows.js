@@ -1,7 +1,7 @@
 /* A table of many rows: only those in sight are in the page. Two rows of empty height stand for the
  * others, so that the table stays a table for screen readers, with the number of all rows. */
 
-import { h } from '../base/dom.js';
+import {h} from '../base/dom.js';
 
 const MARGIN = 8; /* rows before and after those in sight */
 

@@ -1,0 +1,148 @@
+/* The API inside Cockpit, with a scripted bus: it has the functions of the API by HTTP, and an
+ * enrolment always gives the camera back. */
+
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { load } from './sources.mjs';
+
+const { makeCockpitApi } = await load('transport/cockpit.js');
+const { http } = await load('transport/http.js');
+
+/* A bus that answers by a table; an answer that is an Error is thrown. */
+function script(answers) {
+    const calls = [];
+    const listeners = new Set();
+    const cockpit = {
+        calls,
+        emit: (name, ...args) => [...listeners].forEach((listener) => listener('/org/isotherm/Door0', 'org.isotherm.Door', name, args)),
+        variant: (t, v) => ({ t, v }),
+        user: async () => ({ name: 'Ada Lovelace' }),
+        dbus: () => ({
+            async call(path, iface, method, args) {
+                calls.push([method, ...args]);
+                const answer = answers[method] ?? [];
+                if (answer instanceof Error) {
+                    throw answer;
+                }
+                return answer;
+            },
+            subscribe(match, listener) {
+                listeners.add(listener);
+                return { remove: () => listeners.delete(listener) };
+            },
+        }),
+    };
+    return cockpit;
+}
+
+const refusal = (name) => Object.assign(new Error('refused'), { name });
+const denied = refusal('org.freedesktop.DBus.Error.AccessDenied');
+const settle = () => new Promise((resolve) => { setImmediate(resolve); });
+
+test('it has the functions of the API by HTTP, except those of accounts', () => {
+    const api = makeCockpitApi(script({}));
+    const own = ['login', 'logout', 'changePassword', 'setup', 'accounts', 'addAccount', 'changeAccount', 'removeAccount', 'settings'];
+    const missing = Object.keys(http).filter((name) => !(name in api) && !own.includes(name));
+    assert.deepEqual(missing, []);
+    assert.deepEqual(Object.keys(api.can).sort(), Object.keys(http.can).sort());
+});
+
+test('the bus decides the role', async () => {
+    const role = async (answers) => (await makeCockpitApi(script(answers)).session()).role;
+    assert.equal(await role({}), 'administrator');
+    assert.equal(await role({ GetAddress: denied }), 'enroller');
+    assert.equal(await role({ GetAddress: denied, ListPeople: denied }), 'observer');
+    await assert.rejects(role({ GetStatus: denied }), { code: 'not-allowed' });
+});
+
+test('a daemon that is gone is a state, not a fault', async () => {
+    const gone = makeCockpitApi(script({ GetStatus: refusal('org.freedesktop.DBus.Error.ServiceUnknown') }));
+    assert.deepEqual((({ daemon, status }) => ({ daemon, status }))(await gone.status()), { daemon: false, status: {} });
+});
+
+test('people and changes get to the bus with their types', async () => {
+    const bus = script({ ListPeople: [[['Ada', 11, 22, 33, 4]]] });
+    const api = makeCockpitApi(bus);
+    assert.deepEqual((await api.people()).people[0],
+        { name: 'Ada', enrolled_s: 11, valid_from_s: 22, valid_until_s: 33, templates: 4, last_seen_s: null });
+    await api.changePerson('Ada', { name: 'Bea', valid_from_s: 0, valid_until_s: 5, expired: true });
+    assert.deepEqual(bus.calls.slice(-2), [['RenamePerson', 'Ada', 'Bea'], ['SetValidity', 'Bea',
+        { 'valid-from': { t: 'x', v: 0 }, 'valid-until': { t: 'x', v: 5 }, expired: { t: 'b', v: true } }]]);
+});
+
+test('the log is read backwards in pieces', async () => {
+    const bus = script({ GetStatus: [{ 'log-sequence': { t: 't', v: 250 } }], ReadLog: [['{"sequence":150}', '{"sequence":200}']] });
+    const { last, records } = await makeCockpitApi(bus).log({ before: 200, max: 50 });
+    assert.deepEqual(bus.calls.at(-1), ['ReadLog', 150, 50]);
+    assert.deepEqual([last, records], [250, [{ sequence: 150 }]]);
+});
+
+async function begun(answers = {}) {
+    const bus = script(answers);
+    const api = makeCockpitApi(bus);
+    await api.session();
+    const begin = api.beginEnrolment({ person: 'Bea', consent: true, poses: true });
+    return { bus, api, begin };
+}
+
+test('an enrolment goes from the consent to its result', async () => {
+    const { bus, api, begin } = await begun();
+    const ends = bus.calls;
+    await begin;
+    assert.deepEqual(ends.slice(-3).map(([method]) => method), ['RecordAct', 'Claim', 'EnrollStart']);
+    assert.deepEqual(ends.find(([method]) => method === 'RecordAct'), ['RecordAct', 'ada-lovelace', 'consent', 'Bea']);
+    bus.emit('EnrollStep', 'frontal', 'begun', 1, 5, 0);
+    bus.emit('EnrollStatus', 'enroll-retry-too-far', false, 0, 6, 0, '');
+    assert.equal((await api.enrolment()).hint, 'too-far');
+    bus.emit('EnrollStatus', 'enroll-stage-passed', false, 1, 6, 0.75, '');
+    bus.emit('EnrollStep', 'frontal', 'passed', 1, 5, 0);
+    const now = await api.enrolment();
+    assert.deepEqual([now.hint, now.stage, now.stages, now.captures, now.steps],
+        ['', 1, 6, [0.75], [{ pose: 'frontal', state: 'passed', turn_deg: 0 }]]);
+    bus.emit('EnrollStatus', 'enroll-duplicate', true, 2, 6, 0, 'Cleo');
+    await settle();
+    const end = await api.enrolment();
+    assert.deepEqual([end.state, end.result, end.known_as], ['ended', 'duplicate', 'Cleo']);
+    assert.deepEqual(ends.slice(-2).map(([method]) => method), ['EnrollStop', 'Release']);
+    api.abandon();
+    assert.equal(ends.filter(([method]) => method === 'Release').length, 1);
+});
+
+test('the camera is given back when the enrolment cannot begin, is stopped, or the page goes away', async () => {
+    const released = (bus) => bus.calls.filter(([method]) => method === 'Release').length;
+    const full = await begun({ EnrollStart: refusal('org.isotherm.Error.GalleryFull') });
+    await assert.rejects(full.begin, { code: 'gallery-full' });
+    assert.deepEqual([released(full.bus), (await full.api.enrolment()).state], [1, 'none']);
+    const stopped = await begun();
+    await stopped.begin;
+    await stopped.api.endEnrolment();
+    assert.deepEqual([released(stopped.bus), (await stopped.api.enrolment()).result], [1, 'stopped']);
+    await assert.rejects(stopped.api.endEnrolment(), { code: 'no-enrolment' });
+    const left = await begun();
+    await left.begin;
+    left.api.abandon();
+    assert.equal(released(left.bus), 1);
+});
+
+test('signals become events', async () => {
+    const bus = script({ GetStatus: [{ lockdown: { t: 'b', v: true } }] });
+    const seen = [];
+    const stream = makeCockpitApi(bus).events((name, value) => seen.push([name, value]), () => {});
+    await settle();
+    bus.emit('Visit', 'deny', '', 1.5, 7, 3, 1200, 'unknown', '', '');
+    bus.emit('Hint', 'too-far');
+    stream.close();
+    bus.emit('Hint', 'moving');
+    assert.deepEqual(seen.map(([name]) => name), ['status', 'visit', 'hint']);
+    assert.equal(seen[0][1].status.lockdown, true);
+    assert.deepEqual([seen[1][1].verdict, seen[1][1].reason, seen[1][1].frames], ['deny', 'unknown', 3]);
+});
+
+test('nobody is enrolled without consent, or without its record', async () => {
+    const bus = script({ RecordAct: refusal('org.isotherm.Error.Storage') });
+    const api = makeCockpitApi(bus);
+    await api.session();
+    await assert.rejects(api.beginEnrolment({ person: 'Bea', consent: false }), { code: 'consent-required' });
+    await assert.rejects(api.beginEnrolment({ person: 'Bea', consent: true }), { code: 'storage' });
+    assert.equal(bus.calls.some(([method]) => method === 'Claim'), false);
+});
