@@ -3,7 +3,7 @@
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import puppeteer from 'puppeteer-core';
-import { eventually, expect } from './check.mjs';
+import { eventually } from './check.mjs';
 
 export const SIZES = [
   { name: 'phone', width: 390, height: 844 },
@@ -155,12 +155,40 @@ export async function seesText(page, pattern, limitMs = 10000) {
   }, limitMs);
 }
 
-// Sees to it that a text stays away for a while.
-export async function seesNoText(page, pattern, message) {
-  expect(!pattern.test(await textOf(page)), message);
+// Waits for an alert, which a screen reader reads aloud, with a text that matches.
+export async function seesAlert(page, pattern, limitMs = 10000) {
+  return eventually(`an alert ${pattern} on ${page.url()}`, async () => {
+    const texts = await alerts(page);
+    return texts.find((text) => pattern.test(text));
+  }, limitMs);
+}
+
+// The texts of the alerts that are seen.
+export const alerts = (page) => page.evaluate(() => [...document.querySelectorAll('[role=alert]')]
+  .filter((element) => element.getClientRects().length).map((element) => element.innerText.trim()).filter(Boolean));
+
+// Sets a field whose text cannot simply be typed, such as a time.
+export async function set(handle, value) {
+  await handle.evaluate((element, text) => {
+    element.value = text;
+    element.dispatchEvent(new Event('input', { bubbles: true }));
+    element.dispatchEvent(new Event('change', { bubbles: true }));
+  }, value);
 }
 
 // The accessible roles and names on a page, for a person who writes a step.
 export async function outline(page) {
   return page.accessibility.snapshot({ interestingOnly: true });
+}
+
+// Fills every visible field whose name matches: [[name, text], ...]. Each name has to match a field.
+export async function fillAll(page, fields) {
+  for (const [name, text] of fields) {
+    await find(page, 'textbox', name);
+    for (const handle of await page.$$('::-p-aria([role="textbox"])')) {
+      if ((await handle.boundingBox()) && matches(await nameOf(page, handle), name)) {
+        await type(handle, text);
+      }
+    }
+  }
 }

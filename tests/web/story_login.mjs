@@ -1,0 +1,81 @@
+// The first start: a one-time code makes the first account; then logins, right and wrong.
+import { eventually, expect, expectEqual, pause, step } from './check.mjs';
+import { fillAll, find, press, seesAlert } from './browser.mjs';
+
+export const NAV = 'navigation';
+
+// Logs in on a page that shows the form.
+export async function logIn(page, account, password, { fails = false } = {}) {
+  await find(page, 'button', /^log in$/i, 20000);
+  await fillAll(page, [[/^(account|name)/i, account], [/^password/i, password]]);
+  await press(page, 'button', /^log in$/i);
+  if (!fails) {
+    await find(page, NAV, undefined, 20000);
+  }
+}
+
+// Goes to a page by the link of the navigation with this name.
+export async function goTo(page, name) {
+  await press(page, 'link', name);
+  await eventually(`the page ${name}`, () => page.evaluate((text) =>
+    [...document.querySelectorAll('main h1')].some((head) => new RegExp(text, 'i').test(head.innerText)), name.source ?? name));
+}
+
+async function setUp(run) {
+  const made = run.rig.web('setup-code');
+  expectEqual(made.status, 0, `the exit code of isotherm-web setup-code (${made.stderr})`);
+  const code = /[0-9A-Z]{5}(-[0-9A-Z]{5}){3}/.exec(made.stdout)?.[0];
+  expect(code, `a code of four groups was expected: ${made.stdout}`);
+  const page = await run.browser.open();
+  run.first = page;
+  await find(page, 'textbox', /code/i, 20000);
+  const form = async (text) => {
+    await fillAll(page, [[/code/i, text], [/^account|^name/i, run.account], [/password/i, run.password]]);
+    await page.keyboard.press('Enter');
+  };
+  await run.shoot(page, 'setup');
+  await form('AAAAA-AAAAA-AAAAA-AAAAA');
+  await seesAlert(page, /code/i);
+  await form(code);
+  await find(page, NAV, undefined, 20000);
+  const again = await run.api().ask('POST', '/setup', { code, account: 'another', password: run.password });
+  expectEqual(again.status, 401, 'the same code once more');
+}
+
+async function logsOutAndIn(run) {
+  const page = run.first;
+  await run.logOut(page);
+  await find(page, 'button', /^log in$/i);
+  await run.shoot(page, 'login');
+  await logIn(page, run.account, 'not the password', { fails: true });
+  await seesAlert(page, /password/i);
+  await logIn(page, run.account, run.password);
+}
+
+// After three failures each further one has to wait; the right password does, too.
+async function guessesAreSlowed(run) {
+  const client = run.api();
+  const codes = [];
+  for (let i = 0; i < 6; i++) {
+    const answer = await client.ask('POST', '/session', { account: 'guessed', password: `guess number ${i}` });
+    codes.push(answer.status);
+    if (answer.status === 429) {
+      expect(Number(answer.headers['retry-after']) >= 1, `Retry-After of at least 1 s was expected: ${answer.headers['retry-after']}`);
+    }
+  }
+  expect(codes.slice(0, 3).every((code) => code === 401), `three wrong passwords were expected to be answered 401: ${codes}`);
+  expect(codes.includes(429), `more guesses were expected to be answered 429: ${codes}`);
+  const page = run.guessPage = await run.browser.open();
+  await logIn(page, run.account, 'wrong again', { fails: true });
+  await seesAlert(page, /wait|again|seconds|too many/i);
+  await page.close();
+  // The address has to wait, too, whoever logs in: not for long, or the run would not go on.
+  await eventually('a login after the wait', async () => (await client.ask('POST', '/session', { account: run.account, password: run.password })).status === 201, 60000);
+  await pause(100);
+}
+
+export async function login(run) {
+  await step('a one-time code makes the first account, once', () => setUp(run));
+  await step('the account logs out, and in again; a wrong password is refused', () => logsOutAndIn(run));
+  await step('guesses are slowed down', () => guessesAreSlowed(run));
+}
