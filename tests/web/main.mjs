@@ -8,15 +8,22 @@ import { begin, end, eventually, expect, expectEqual, onFailure, say, step } fro
 import { Browser } from './browser.mjs';
 import { Rig } from './rig.mjs';
 import { access } from './story_access.mjs';
-import { streams } from './story_streams.mjs';
 import { crowd } from './story_crowd.mjs';
+import { door } from './story_door.mjs';
+import { enrol } from './story_enrol.mjs';
+import { login, oldSession } from './story_login.mjs';
+import { pages } from './story_pages.mjs';
+import { people, removal } from './story_people.mjs';
+import { streams } from './story_streams.mjs';
 
 const here = (name) => process.env[`WEB_CHECK_${name}`];
 
 class Run {
   constructor() {
     this.out = here('OUT');
+    this.account = 'ada.admin';
     this.password = 'a long enough password';
+    this.browsers = [];
     this.rig = new Rig({ source: here('SOURCE'), build: here('BUILD'), scratch: here('SCRATCH'), out: this.out });
   }
 
@@ -44,22 +51,50 @@ class Run {
   }
 }
 
+// What the steps ask the API for, as the administrator of the run.
+class Asks extends Run {
+  async status() {
+    return (await this.admin.ask('GET', '/status')).body.status;
+  }
+
+  async people() {
+    const answer = await this.admin.ask('GET', '/people');
+    expectEqual(answer.status, 200, 'GET /people');
+    return answer.body.people;
+  }
+
+  async records() {
+    const answer = await this.admin.ask('GET', '/log?max=1000');
+    expectEqual(answer.status, 200, 'GET /log');
+    return answer.body.records;
+  }
+
+  shoot(page, name) {
+    return page.screenshot({ path: join(this.out, `story-${name}.png`) });
+  }
+}
+
 // The screen's states are drawn by the program of its test.
 function drawScreen(run) {
   const folder = join(here('SCRATCH'), 'screen');
   mkdirSync(folder);
   const drawn = spawnSync(join(run.rig.build, 'tests/enroll/test_screen_picture'), [folder], { encoding: 'utf8', cwd: run.rig.source });
   expectEqual(drawn.status, 0, 'the exit code of test_screen_picture');
-  const files = readdirSync(folder);
-  expect(files.length > 5, `pictures of the states of the screen were expected, and ${files.length} were drawn`);
+  const files = readdirSync(folder).filter((file) => /^(en|de|ar)-.*-800\.png$/.test(file));
+  expect(files.length >= 30, `pictures of ten states in three languages were expected, and ${files.length} were drawn`);
   for (const file of files) {
     copyFileSync(join(folder, file), join(run.out, `screen-${file}`));
   }
 }
 
-function nothingFromElsewhere(browser) {
-  expect(browser.requests > 50, `more than 50 requests were expected in the run, and ${browser.requests} were made`);
-  expectEqual(browser.foreign.join(' '), '', 'requests to other hosts in the whole run');
+// What all browsers of the run have collected.
+function collected(run, what) {
+  return [run.browser, ...run.browsers].flatMap((browser) => browser[what]).join('\n');
+}
+
+function nothingFromElsewhere(run) {
+  expect(run.browser.requests > 50, `more than 50 requests were expected in the run, and ${run.browser.requests} were made`);
+  expectEqual(collected(run, 'foreign'), '', 'requests to other hosts in the whole run');
 }
 
 async function all(run) {
@@ -70,17 +105,26 @@ async function all(run) {
   await rig.startWeb();
   run.browser = await new Browser({ base: rig.base, keyHash: rig.keyHash(), scratch: here('SCRATCH') }).start();
   onFailure((path) => run.browser.writeHelp(path));
+  await login(run);
+  run.admin = run.api();
+  await run.admin.login(run.account, run.password);
   await access(run);
+  await enrol(run);
+  await door(run);
+  await people(run);
+  await pages(run);
+  await removal(run);
+  await oldSession(run);
   await crowd(run);
   await streams(run);
-  await step('no page made a request to another host', () => nothingFromElsewhere(run.browser));
-  await step('no page violated the content security policy', () => expectEqual(run.browser.violations.join('\n'), '', 'violations in the whole run'));
-  await step('no script of a page ended with an exception', () => expectEqual(run.browser.faults.join('\n'), '', 'exceptions in the whole run'));
+  await step('no page made a request to another host', () => nothingFromElsewhere(run));
+  await step('no page violated the content security policy', () => expectEqual(collected(run, 'violations'), '', 'violations in the whole run'));
+  await step('no script of a page ended with an exception', () => expectEqual(collected(run, 'faults'), '', 'exceptions in the whole run'));
   await step('the states of the screen are drawn', () => drawScreen(run));
   await step('isotherm-web ends when it is told to', async () => expectEqual(await rig.stopWeb(), 0, 'its exit code'));
 }
 
-const run = new Run();
+const run = new Asks();
 begin(run.out, here('STEPS'));
 let code = 1;
 try {

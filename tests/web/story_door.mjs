@@ -1,17 +1,27 @@
 // What happens at the door, seen live on the pages, and what closes it to everybody.
 import { eventually, expect, expectEqual, pause, step } from './check.mjs';
-import { alerts, find, seesAlert, seesText, textOf } from './browser.mjs';
+import { find, press, seesText, textOf } from './browser.mjs';
 import { goTo } from './story_login.mjs';
+
+// What a page says at its top when something is out of the ordinary.
+const banner = (page) => page.evaluate(() => document.querySelector('.banner').innerText.trim());
+
+// Begins or ends the lockdown by the buttons of the page and of its question.
+async function toggleLockdown(page, on) {
+  await press(page, 'button', on ? /^begin lockdown…$/i : /^end lockdown…$/i);
+  await find(page, 'dialog', /lockdown\?$/i);
+  await press(page, 'button', on ? /^begin lockdown$/i : /^end lockdown$/i);
+}
 
 // How often a page shows a text.
 const countOf = async (page, pattern) => ((await textOf(page)).match(new RegExp(pattern.source, `g${pattern.flags}`)) ?? []).length;
 
 // Somebody comes, stays until both pages show it, and goes.
 async function comes(run, recording, pattern) {
-  const before = await countOf(run.events, pattern);
+  const [before, beforeDoor] = [await countOf(run.events, pattern), await countOf(run.first, pattern)];
   run.rig.show(recording);
   try {
-    await seesText(run.first, pattern, 20000);
+    await eventually(`one more ${pattern} on Door`, async () => (await countOf(run.first, pattern)) > beforeDoor, 20000);
     await eventually(`one more ${pattern} on Events`, async () => (await countOf(run.events, pattern)) > before, 20000);
   } finally {
     run.rig.show();
@@ -36,9 +46,9 @@ async function strangers(run) {
 
 async function lockdown(run) {
   await goTo(run.first, /^door$/i);
-  await run.toggleLockdown(run.first, true);
+  await toggleLockdown(run.first, true);
   await eventually('the daemon is in lockdown', async () => (await run.status()).lockdown === true);
-  await seesText(run.first, /lockdown/i);
+  await eventually('a banner that says that nobody is let in', async () => /lockdown/i.test(await banner(run.first)));
   await run.shoot(run.first, 'lockdown');
   const before = (await run.status())['visits-allowed'];
   run.rig.show('p01-v1');
@@ -46,7 +56,7 @@ async function lockdown(run) {
     (await run.records()).some((record) => record.event === 'visit' && record.reason === 'lockdown'), 20000);
   run.rig.show();
   expectEqual((await run.status())['visits-allowed'], before, 'the visits that were let in under lockdown');
-  await run.toggleLockdown(run.first, false);
+  await toggleLockdown(run.first, false);
   await eventually('the lockdown has ended', async () => (await run.status()).lockdown === false);
   await pause(2000);
   await comes(run, 'p01-v1', /p01/);
@@ -58,14 +68,14 @@ async function lockdown(run) {
 async function daemonGone(run) {
   await goTo(run.first, /^door$/i);
   await run.rig.stopDaemon('SIGKILL');
-  await seesAlert(run.first, /./, 30000);
+  await eventually('a banner that says that the door service does not run', async () => /does not run/.test(await banner(run.first)), 30000);
   await run.shoot(run.first, 'daemon-gone');
   const status = await run.admin.ask('GET', '/status');
   expectEqual(status.body.daemon, false, 'GET /status: "daemon" while it is gone');
   const people = await run.admin.ask('GET', '/people');
   expect(people.status === 503 && people.code === 'no-daemon', `GET /people without a daemon: 503 no-daemon was expected, and ${people.status} ${people.code} came`);
   await run.rig.startDaemon();
-  await eventually('the banner goes away by itself', async () => (await alerts(run.first)).length === 0, 30000);
+  await eventually('the banner goes away by itself', async () => (await banner(run.first)) === '', 30000);
   await comes(run, 'p01-v1', /p01/);
 }
 

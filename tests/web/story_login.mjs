@@ -7,7 +7,7 @@ export const NAV = 'navigation';
 // Logs in on a page that shows the form.
 export async function logIn(page, account, password, { fails = false } = {}) {
   await find(page, 'button', /^log in$/i, 20000);
-  await fillAll(page, [[/^(account|name)/i, account], [/^password/i, password]]);
+  await fillAll(page, [[/^account$/i, account], [/^password$/i, password]]);
   await press(page, 'button', /^log in$/i);
   if (!fails) {
     await find(page, NAV, undefined, 20000);
@@ -21,6 +21,13 @@ export async function goTo(page, name) {
     [...document.querySelectorAll('main h1')].some((head) => new RegExp(text, 'i').test(head.innerText)), name.source ?? name));
 }
 
+async function logOut(page, account) {
+  const menu = await page.waitForSelector('header details summary');
+  expectEqual(await menu.evaluate((element) => element.innerText.trim()), account, 'the account that the page names');
+  await menu.click();
+  await press(page, 'button', /^log out$/i);
+}
+
 async function setUp(run) {
   const made = run.rig.web('setup-code');
   expectEqual(made.status, 0, `the exit code of isotherm-web setup-code (${made.stderr})`);
@@ -30,7 +37,7 @@ async function setUp(run) {
   run.first = page;
   await find(page, 'textbox', /code/i, 20000);
   const form = async (text) => {
-    await fillAll(page, [[/code/i, text], [/^account|^name/i, run.account], [/password/i, run.password]]);
+    await fillAll(page, [[/code/i, text], [/^account/i, run.account], [/^(password|the same)/i, run.password]]);
     await page.keyboard.press('Enter');
   };
   await run.shoot(page, 'setup');
@@ -44,7 +51,7 @@ async function setUp(run) {
 
 async function logsOutAndIn(run) {
   const page = run.first;
-  await run.logOut(page);
+  await logOut(page, run.account);
   await find(page, 'button', /^log in$/i);
   await run.shoot(page, 'login');
   await logIn(page, run.account, 'not the password', { fails: true });
@@ -78,4 +85,24 @@ export async function login(run) {
   await step('a one-time code makes the first account, once', () => setUp(run));
   await step('the account logs out, and in again; a wrong password is refused', () => logsOutAndIn(run));
   await step('guesses are slowed down', () => guessesAreSlowed(run));
+}
+
+// The session ends while a page is open: the page asks for the password, and then goes on where it was.
+async function expires(run) {
+  const page = await run.browser.open();
+  await logIn(page, 'role-enroller', run.password);
+  await goTo(page, /^people$/i);
+  await run.admin.ask('PATCH', '/accounts/role-enroller', { role: 'observer' });
+  await run.admin.ask('PATCH', '/accounts/role-enroller', { role: 'enroller' });
+  await find(page, 'dialog', /log in again/i, 20000);
+  await run.shoot(page, 'session-ended');
+  await fillAll(page, [[/^password$/i, run.password]]);
+  await press(page, 'button', /^log in$/i);
+  await eventually('the dialog closes', () => page.evaluate(() => !document.querySelector('dialog[open]')));
+  await eventually('the page People stays', () => page.evaluate(() => /people/i.test(document.querySelector('main h1').innerText)));
+  await page.close();
+}
+
+export async function oldSession(run) {
+  await step('a page whose session has ended asks for the password and goes on', () => expires(run));
 }
