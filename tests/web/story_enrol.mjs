@@ -1,11 +1,20 @@
 // People are enrolled through the page: with consent, step by step, and with a relief of the person before the camera.
 import { eventually, expect, expectEqual, step } from './check.mjs';
-import { fillAll, find, press, seesAlert, seesText } from './browser.mjs';
+import { fillAll, find, press, seesText } from './browser.mjs';
 import { colours } from './picture.mjs';
 import { goTo } from './story_login.mjs';
 
 // The recordings of a person who turns the head as the page asks, in the order of the steps.
 const POSES = ['', '-left', '-right', '-down', '-up'].map((pose) => `poses/p0000-s0${pose}`);
+
+const [CONSENT, TURNED, BEGIN] = [/consents/i, /turned to the sides/i, /^begin$/i];
+
+// Opens the form anew: a page that is shown already does not change.
+async function openForm(page, name) {
+  await goTo(page, /^people$/i);
+  await goTo(page, /^enrol$/i);
+  await fillAll(page, [[/^name$/i, name]]);
+}
 
 // Sets a box or a choice by its label.
 async function choose(page, role, name, on) {
@@ -30,13 +39,8 @@ async function seesRelief(page) {
 
 async function withoutConsent(run) {
   const page = run.first;
-  await goTo(page, /enrol/i);
-  await fillAll(page, [[/name/i, 'p01']]);
-  const button = await find(page, 'button', run.words.begin);
-  const disabled = await button.evaluate((element) => element.disabled);
-  if (!disabled) {
-    await button.click();
-  }
+  await openForm(page, 'p01');
+  await press(page, 'button', BEGIN);
   await new Promise((resolve) => setTimeout(resolve, 500));
   expectEqual((await run.admin.ask('GET', '/enrolment')).body.state, 'none', 'the enrolment without consent');
   const answer = await run.admin.ask('POST', '/enrolment', { person: 'p01', consent: false });
@@ -46,16 +50,15 @@ async function withoutConsent(run) {
 
 async function frontally(run) {
   const page = run.first;
-  await goTo(page, /enrol/i);
-  await fillAll(page, [[/name/i, 'p01']]);
-  await choose(page, 'checkbox', run.words.consent, true);
-  await choose(page, 'checkbox', run.words.poses, false);
-  await press(page, 'button', run.words.begin);
+  await openForm(page, 'p01');
+  await choose(page, 'checkbox', CONSENT, true);
+  await choose(page, 'checkbox', TURNED, false);
+  await press(page, 'button', BEGIN);
   await eventually('the enrolment goes on', async () => (await run.admin.ask('GET', '/enrolment')).body.state === 'running');
   await seesRelief(page);
   await run.shoot(page, 'enrol-relief');
   run.rig.show('p01-enrol');
-  await seesText(page, run.words.enrolled, 30000);
+  await seesText(page, /the person is enrolled/i, 30000);
   run.rig.show();
   await run.shoot(page, 'enrol-done');
   const people = await run.people();
@@ -67,11 +70,10 @@ async function frontally(run) {
 
 async function inPoses(run) {
   const page = run.first;
-  await goTo(page, /enrol/i);
-  await fillAll(page, [[/name/i, 'ada']]);
-  await choose(page, 'checkbox', run.words.consent, true);
-  await choose(page, 'checkbox', run.words.poses, true);
-  await press(page, 'button', run.words.begin);
+  await openForm(page, 'ada');
+  await choose(page, 'checkbox', CONSENT, true);
+  await choose(page, 'checkbox', TURNED, true);
+  await press(page, 'button', BEGIN);
   for (let number = 0; number < POSES.length; number++) {
     await eventually(`step ${number + 1} of the enrolment begins`, async () => {
       const steps = (await run.admin.ask('GET', '/enrolment')).body.steps ?? [];
@@ -84,7 +86,7 @@ async function inPoses(run) {
       await run.shoot(page, 'enrol-steps');
     }
   }
-  await seesText(page, run.words.enrolled, 40000);
+  await seesText(page, /the person is enrolled/i, 40000);
   run.rig.show();
   const ada = (await run.people()).find((person) => person.name === 'ada');
   expectEqual(ada?.templates, 5, 'the templates of ada, who turned as the page asked');
@@ -93,14 +95,13 @@ async function inPoses(run) {
 // The same face under another name is refused, and the page says whose it is.
 async function twice(run) {
   const page = run.first;
-  await goTo(page, /enrol/i);
-  await fillAll(page, [[/name/i, 'impostor']]);
-  await choose(page, 'checkbox', run.words.consent, true);
-  await choose(page, 'checkbox', run.words.poses, false);
-  await press(page, 'button', run.words.begin);
+  await openForm(page, 'impostor');
+  await choose(page, 'checkbox', CONSENT, true);
+  await choose(page, 'checkbox', TURNED, false);
+  await press(page, 'button', BEGIN);
   await eventually('the enrolment goes on', async () => (await run.admin.ask('GET', '/enrolment')).body.state === 'running');
   run.rig.show('p01-enrol');
-  await seesText(page, /p01/, 30000);
+  await seesText(page, /enrolled already[^]*p01/i, 30000);
   run.rig.show();
   expect(!(await run.people()).some((person) => person.name === 'impostor'), 'nobody was expected to be enrolled twice');
 }
@@ -108,10 +109,9 @@ async function twice(run) {
 // An enrolment ends when nobody watches it any more: the door must not stay unwatched.
 async function abandoned(run) {
   const page = await run.browser.open({ context: run.first.context });
-  await goTo(page, /enrol/i);
-  await fillAll(page, [[/name/i, 'nobody']]);
-  await choose(page, 'checkbox', run.words.consent, true);
-  await press(page, 'button', run.words.begin);
+  await openForm(page, 'nobody');
+  await choose(page, 'checkbox', CONSENT, true);
+  await press(page, 'button', BEGIN);
   await eventually('the door is not watched', async () => (await run.status()).mode === 'enroll');
   await page.close();
   await eventually('the door is watched again', async () => (await run.status()).mode === 'watch', 60000);
