@@ -36,21 +36,23 @@ function withLimit(promise, ms) {
   return Promise.race([promise, limit]).finally(() => clearTimeout(timer));
 }
 
-export async function step(name, check, limitMs = LIMIT_MS) {
-  if (only && !name.includes(only)) {
-    return;
+// Returns whether the step has not failed.
+export async function step(name, check, { always = false } = {}) {
+  if (only && !always && !name.includes(only)) {
+    return true;
   }
   const start = process.hrtime.bigint();
   const took = () => `${(Number(process.hrtime.bigint() - start) / 1e9).toFixed(1)} s`;
   try {
-    await withLimit(Promise.resolve().then(check), limitMs);
+    await withLimit(Promise.resolve().then(check), LIMIT_MS);
     counts.passed++;
     say(`passed   ${name} (${took()})`);
+    return true;
   } catch (fault) {
     if (fault instanceof Skip) {
       counts.skipped++;
       say(`skipped  ${name}: ${fault.message}`);
-      return;
+      return true;
     }
     counts.failed++;
     say(`FAILED   ${name} (${took()}): ${fault.message}`);
@@ -58,7 +60,13 @@ export async function step(name, check, limitMs = LIMIT_MS) {
       say(fault.stack);
     }
     await writeHelp(name);
+    return false;
   }
+}
+
+// A step that the others need: it runs whatever steps were chosen, and its failure ends the run.
+export async function need(name, check) {
+  expect(await step(name, check, { always: true }), `without this the run cannot go on: ${name}`);
 }
 
 async function writeHelp(name) {

@@ -101,6 +101,7 @@ async function all(run) {
   const { rig } = run;
   await rig.startBus();
   rig.configure();
+  rig.show();
   await rig.startDaemon();
   await rig.startWeb();
   run.browser = await new Browser({ base: rig.base, keyHash: rig.keyHash(), scratch: here('SCRATCH') }).start();

@@ -58,6 +58,9 @@ export class Rig {
     this.stored = join(source, 'sim/stored');
     this.gallery = join(scratch, 'daemon');
     mkdirSync(this.gallery);
+    // A build may put the pages together with their catalogues.
+    const built = join(build, 'enroll/web/pages');
+    this.pages = existsSync(join(built, 'index.html')) ? built : join(source, 'enroll/web/pages');
   }
 
   log(name) {
@@ -153,8 +156,8 @@ metric = ${join(this.source, 'core/data/face.metric')}
     return spawnSync(join(this.build, 'enroll/isotherm'), ['--bus', this.address, ...words], { encoding: 'utf8', timeout: 20000 });
   }
 
-  // Puts a recording before the camera; without a name nobody is there: the camera sees a wall.
-  show(recording = 'none-back1') {
+  // Puts a recording before the camera; without a name nobody is there: the camera sees an empty room.
+  show(recording = 'none-nobody1') {
     const next = `${this.slot}.next`;
     rmSync(next, { force: true });
     const target = join(this.stored, recording);
@@ -177,7 +180,7 @@ metric = ${join(this.source, 'core/data/face.metric')}
     this.port ??= await freePort();
     this.base = `https://127.0.0.1:${this.port}`;
     this.server = start(join(this.build, 'enroll/web/isotherm-web'),
-      this.webWords(['--bus', this.address, '--listen', `127.0.0.1:${this.port}`, '--pages', join(this.source, 'enroll/web/pages')]), this.log('isotherm-web'));
+      this.webWords(['--bus', this.address, '--listen', `127.0.0.1:${this.port}`, '--pages', this.pages]), this.log('isotherm-web'));
     const server = this.server;
     server.ended.then((code) => { server.code = code; });
     await eventually('isotherm-web answers', () => {

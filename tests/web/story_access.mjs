@@ -1,6 +1,6 @@
 // Who may ask for what: every request of openapi.json without a login, with too small a role, and from another origin; and sessions that
 // have ended.
-import { expect, expectEqual, step } from './check.mjs';
+import { expect, expectEqual, need, step } from './check.mjs';
 import { operations } from './api.mjs';
 
 const RANKS = ['none', 'observer', 'enroller', 'administrator'];
@@ -8,7 +8,7 @@ const bodyOf = (operation) => (operation.body ? {} : undefined);
 
 // Accounts of every role, made by the administrator of the run.
 export async function makeAccounts(run) {
-  await step('an administrator makes an account of each role', async () => {
+  await need('an administrator makes an account of each role', async () => {
     for (const role of RANKS.slice(1)) {
       const answer = await run.admin.ask('POST', '/accounts', { name: `role-${role}`, password: run.password, role });
       expect([201, 409].includes(answer.status), `POST /accounts of the role ${role}: 201 was expected, and ${answer.status} ${answer.code} came`);

@@ -1,5 +1,5 @@
 // Ten thousand people: the page lists and searches them. Durations are taken in the page, from the act to the picture with its result.
-import { expect, expectEqual, median, say, step } from './check.mjs';
+import { expect, expectEqual, median, need, say, step } from './check.mjs';
 import { logIn } from './story_login.mjs';
 import { seesText } from './browser.mjs';
 
@@ -81,7 +81,7 @@ async function scrolls(run) {
 }
 
 export async function crowd(run) {
-  await step(`the daemon starts with ${PEOPLE} people while the web server runs`, async () => {
+  await need(`the daemon starts with ${PEOPLE} people while the web server runs`, async () => {
     await run.rig.startCrowd(PEOPLE);
     const answer = await run.admin.ask('GET', '/people');
     expectEqual(answer.body.people?.length, PEOPLE, 'the people that GET /people lists');
