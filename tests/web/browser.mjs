@@ -40,10 +40,11 @@ export class Browser {
     await this.chromium?.close();
   }
 
-  // A page in a profile of its own, so that it has no cookie of another page, or in `context`.
-  async open({ path = '/', size = SIZES[1], theme = 'light', context } = {}) {
+  // A window in a profile of its own, so that it has no cookie of another page, or in `context`. A tab hides the one before it; a hidden
+  // page draws nothing and cannot be clicked.
+  async open({ path = '/', size = SIZES[1], theme = 'light', context, tab = false } = {}) {
     const own = context ?? (await this.chromium.createBrowserContext());
-    const page = await own.newPage();
+    const page = await own.newPage(tab ? { type: 'tab' } : { type: 'window' });
     page.context = own;
     await this.watch(page);
     await page.setViewport({ width: size.width, height: size.height });

@@ -59,7 +59,7 @@ export class Rig {
     this.gallery = join(scratch, 'daemon');
     mkdirSync(this.gallery);
     // A build may put the pages together with their catalogues.
-    const built = join(build, 'enroll/web/pages');
+    const built = join(build, 'enroll/web/pages/pages');
     this.pages = existsSync(join(built, 'index.html')) ? built : join(source, 'enroll/web/pages');
   }
 

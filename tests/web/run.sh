@@ -2,7 +2,7 @@
 # Tests isotherm-web and its pages in a browser, with a daemon on stored frames. Pictures of pages and of the screen, logs and the list of
 # steps are in OUT. The last line is "N passed, N failed, N skipped"; the exit status is not 0 if a step failed.
 #
-#   run.sh BUILD OUT [STEPS]     BUILD: a preset with tests, in which isothermd, isotherm, isotherm-web, isotherm-sim, bench_gallery and
+#   run.sh BUILD OUT [STEPS]     BUILD: a preset with tests, in which isothermd, isotherm, isotherm-web with its pages, bench_gallery and
 #                                test_screen_picture are built; STEPS: only steps whose names have this text, to look for a fault
 #
 # Needs the tag `web` of cmake/packages.txt. The first run fetches the packages of package-lock.json from registry.npmjs.org into BUILD/web.

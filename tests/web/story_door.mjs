@@ -80,11 +80,11 @@ async function daemonGone(run) {
 }
 
 // A browser opens at most six connections to a server that speaks HTTP 1.1; a page with streams holds some of them for good.
-async function manyWindows(run) {
+async function manyTabs(run) {
   const open = [];
   try {
-    for (let i = 0; i < 5; i++) {
-      const page = await run.browser.open({ context: run.first.context });
+    for (let i = 0; i < 7; i++) {
+      const page = await run.browser.open({ context: run.first.context, tab: true });
       await find(page, 'navigation', undefined, 20000);
       open.push(page);
     }
@@ -92,6 +92,7 @@ async function manyWindows(run) {
     await seesText(open.at(-1), /p01/, 20000);
   } finally {
     await Promise.all(open.map((page) => page.close()));
+    await run.first.bringToFront();
   }
 }
 
@@ -99,7 +100,7 @@ export async function door(run) {
   await step('p01 comes and is let in, seen live on Door and Events', () => visitors(run));
   await step('a stranger comes and is refused, seen live on Door and Events', () => strangers(run));
   await step('lockdown lets nobody in, is recorded with the account, and is released', () => lockdown(run));
-  await step('five more windows of one browser work at once', () => manyWindows(run));
+  await step('seven more tabs of one browser work at once', () => manyTabs(run));
   await step('the daemon is killed: a banner appears; it starts again: the page recovers', () => daemonGone(run));
   await run.events?.close();
 }

@@ -2,7 +2,7 @@
 import { eventually, expect, expectEqual, step } from './check.mjs';
 import { fillAll, find, press, seesText } from './browser.mjs';
 import { colours } from './picture.mjs';
-import { goTo } from './story_login.mjs';
+import { goTo, logIn } from './story_login.mjs';
 
 // The recordings of a person who turns the head as the page asks, in the order of the steps.
 const POSES = ['', '-left', '-right', '-down', '-up'].map((pose) => `poses/p0000-s0${pose}`);
@@ -110,7 +110,8 @@ async function twice(run) {
 
 // An enrolment ends when nobody watches it any more: the door must not stay unwatched.
 async function abandoned(run) {
-  const page = await run.browser.open({ context: run.first.context });
+  const page = await run.browser.open(); // a session of its own: no other window of it watches the enrolment
+  await logIn(page, 'role-enroller', run.password);
   await openForm(page, 'nobody');
   await choose(page, 'checkbox', CONSENT, true);
   await press(page, 'button', BEGIN);
