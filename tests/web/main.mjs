@@ -69,6 +69,13 @@ class Asks extends Run {
     return answer.body.records.map((record) => (typeof record === 'string' ? JSON.parse(record) : record));
   }
 
+  // After a failure: nobody is before the camera, and no dialog of the step that failed is open.
+  async beginAnew() {
+    this.rig.show();
+    await this.first?.goto(`${this.rig.base}/#door`);
+    await this.first?.reload();
+  }
+
   shoot(page, name) {
     return page.screenshot({ path: join(this.out, `story-${name}.png`) });
   }
@@ -106,6 +113,7 @@ async function all(run) {
   await rig.startWeb();
   run.browser = await new Browser({ base: rig.base, keyHash: rig.keyHash(), scratch: here('SCRATCH') }).start();
   onFailure((path) => run.browser.writeHelp(path));
+  onFailure(() => run.beginAnew());
   await login(run);
   run.admin = run.api();
   await run.admin.login(run.account, run.password);

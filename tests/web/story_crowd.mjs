@@ -29,7 +29,7 @@ function prepare() {
   const named = (name) => rows().some((row) => row.cells[0].innerText.trim() === name);
   const search = () => document.querySelector('main input[type=search]');
   window.webCheckTimed = {
-    leave: () => document.querySelector('nav a[href*=events]').click(),
+    leave: () => document.querySelector('nav a[href*=door]').click(),
     hasLeft: () => !search(),
     come: () => document.querySelector('nav a[href*=people]').click(),
     lists: () => search() && rows().length > 10 && document.querySelector('main').innerText.replace(/[^0-9A-Za-z]/g, '').includes('10000'),

@@ -109,8 +109,8 @@ async function keyboardAlone(run) {
   await page.close();
 }
 
-// Texts of the English pages that a translation of the page still has are not translated. Names, numbers and words such as "Isotherm" are
-// the same in all languages.
+// Texts of several words that the English pages have, too, are not translated. Names of people are the same in all languages; what the
+// daemon says in English is marked as English.
 async function language(run, tag, direction) {
   const browser = await new Browser({ base: run.rig.base, keyHash: run.rig.keyHash(), scratch: run.rig.scratch }).start(tag);
   run.browsers.push(browser);
@@ -119,7 +119,7 @@ async function language(run, tag, direction) {
     const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
     for (let node = walker.nextNode(); node; node = walker.nextNode()) {
       const text = node.textContent.trim();
-      if (node.parentElement.getClientRects().length && /[A-Za-z]{3} [A-Za-z]{2}/.test(text) && !node.parentElement.closest('[lang], [translate=no], td, code, select:not(:focus)')?.matches('td, code, [translate=no], select')) {
+      if (node.parentElement.getClientRects().length && /[A-Za-z]{3} [A-Za-z]{2}/.test(text) && !node.parentElement.closest('body [lang=en], bdi, code, option')) {
         found.add(text);
       }
     }
