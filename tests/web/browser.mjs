@@ -156,6 +156,12 @@ export async function seesText(page, pattern, limitMs = 10000) {
   }, limitMs);
 }
 
+// Values that a script has shown by mistake instead of a text.
+export async function slips(page) {
+  const lines = (await textOf(page)).split('\n').map((line) => line.trim());
+  return lines.filter((line) => /\[object |\bundefined\b|\bNaN\b|Invalid Date|\{\w+\}/.test(line) || /^(false|true|null)$/.test(line));
+}
+
 // Waits for an alert, which a screen reader reads aloud, with a text that matches.
 export async function seesAlert(page, pattern, limitMs = 10000) {
   return eventually(`an alert ${pattern} on ${page.url()}`, async () => {

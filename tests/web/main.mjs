@@ -5,7 +5,7 @@ import { spawnSync } from 'node:child_process';
 import { join } from 'node:path';
 import { Api } from './api.mjs';
 import { begin, end, eventually, expect, expectEqual, onFailure, say, step } from './check.mjs';
-import { Browser } from './browser.mjs';
+import { Browser, slips } from './browser.mjs';
 import { Rig } from './rig.mjs';
 import { access } from './story_access.mjs';
 import { crowd } from './story_crowd.mjs';
@@ -76,8 +76,10 @@ class Asks extends Run {
     await this.first?.reload();
   }
 
-  shoot(page, name) {
-    return page.screenshot({ path: join(this.out, `story-${name}.png`) });
+  // A picture of a state of the story, whose texts are looked at, too.
+  async shoot(page, name) {
+    await page.screenshot({ path: join(this.out, `story-${name}.png`) });
+    expectEqual((await slips(page)).join(), '', `values on the page ${name} that are no text`);
   }
 }
 

@@ -60,7 +60,7 @@ async function listsThem(run) {
 
 async function findsThem(run) {
   const times = [];
-  for (const number of [7, 1234, 5555, 8008, 9999]) {
+  for (const number of [4321, 1234, 5555, 8008, 9999]) {
     times.push(await timed(run.crowdPage, 'search', 'finds', `person ${number}`));
     await timed(run.crowdPage, 'clear', 'showsAll');
   }

@@ -2,7 +2,7 @@
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { eventually, expect, expectEqual, pause, step } from './check.mjs';
-import { Browser, SIZES, find, seesText } from './browser.mjs';
+import { Browser, SIZES, find, seesText, slips } from './browser.mjs';
 import { colours } from './picture.mjs';
 import { logIn } from './story_login.mjs';
 
@@ -26,6 +26,7 @@ async function examine(run, page, name, theme, size) {
   await pause(300);
   const picture = await page.screenshot({ path: join(run.out, `${name}-${theme}-${size.name}.png`) });
   expect(colours(picture) > 8, `${name}, ${theme}, ${size.name}: a picture with more than 8 colours was expected`);
+  expectEqual((await slips(page)).join(), '', `values on the page ${name} that are no text`);
   const wide = await page.evaluate(() => document.scrollingElement.scrollWidth - window.innerWidth);
   expect(wide <= 1, `${name}, ${size.name}: the page was expected not to be wider than the window, and is by ${wide} px`);
   const found = await violations(page);
