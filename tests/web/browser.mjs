@@ -53,6 +53,10 @@ export class Browser {
     return page;
   }
 
+  async closeAllBut(...kept) {
+    await Promise.all([...this.pages].filter((page) => !kept.includes(page)).map((page) => page.close()));
+  }
+
   async watch(page) {
     this.pages.add(page);
     page.on('close', () => this.pages.delete(page));

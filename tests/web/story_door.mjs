@@ -91,7 +91,7 @@ async function manyTabs(run) {
     await goTo(open.at(-1), /^people$/i);
     await seesText(open.at(-1), /p01/, 20000);
   } finally {
-    await Promise.all(open.map((page) => page.close()));
+    await run.browser.closeAllBut(run.first, run.events);
     await run.first.bringToFront();
   }
 }

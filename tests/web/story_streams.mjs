@@ -46,6 +46,7 @@ const told = (what, found) => `${what}: the daemon examines ${found.rate.toFixed
 
 export async function streams(run) {
   await step(`${VIEWERS} viewers, ${SLOW} of them too slow, hold back nobody`, async () => {
+    await run.browser.closeAllBut(); // the server allows so many connections from one address
     const alone = await watch(run);
     const open = [];
     for (let i = 0; i < VIEWERS; i++) {
