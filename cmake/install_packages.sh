@@ -1,10 +1,10 @@
 #!/bin/sh
 # Installs the Debian packages of some tags of cmake/packages.txt. It does nothing if all of them are installed.
-# usage: install_packages.sh TAG...        (build, demo, test, gate, docs, vm, bench, arm64, package, install)
+# usage: install_packages.sh TAG...        (build, demo, test, gate, docs, vm, bench, arm64, package, install, web)
 set -eu
 
 if [ $# -eq 0 ]; then
-    echo "usage: $0 TAG...   (build, demo, test, gate, docs, vm, bench, arm64, package, install)" >&2
+    echo "usage: $0 TAG...   (build, demo, test, gate, docs, vm, bench, arm64, package, install, web)" >&2
     exit 2
 fi
 
@@ -17,6 +17,10 @@ for tag in "$@"; do
         exit 2
     fi
     for package in $packages; do
+        # NodeSource's nodejs has the command npm and cannot be installed beside Debian's package of this name.
+        if [ "$package" = npm ] && command -v npm >/dev/null; then
+            continue
+        fi
         state=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
         [ "$state" = 'install ok installed' ] || missing="$missing $package"
     done
