@@ -61,6 +61,9 @@ void web__enrolment_read_step(struct web_enrolment_report *report, sd_bus_messag
     (void)snprintf(known->pose, sizeof known->pose, "%s", pose);
     (void)snprintf(known->state, sizeof known->state, "%s", state);
     known->turn_deg = isfinite(turn_deg) ? turn_deg : 0.0;
+    if (strcmp(state, ISO_CONTRACT_STEP_TURN) != 0) {
+        report->hint[0] = '\0'; /* a hint of the step before says the wrong thing now */
+    }
 }
 
 /* ---- JSON ---- */

@@ -103,6 +103,17 @@ static int read_one(struct web_files *files, const char *folder, const char *nam
 static int read_folder(struct web_files *files, const char *folder, const char *below,
                        struct iso_fault *fault);
 
+/* How many folders a path such as "/js/base/dom.js" has. */
+static int depth_of(const char *path)
+{
+    int n = -1;
+
+    for (; *path; path++) {
+        n += *path == '/';
+    }
+    return n;
+}
+
 static int read_entry(struct web_files *files, const char *folder, const char *below,
                       const char *name, struct iso_fault *fault)
 {
@@ -120,12 +131,14 @@ static int read_entry(struct web_files *files, const char *folder, const char *b
         return iso_file_fault(path, -errno, fault);
     }
     if (S_ISDIR(s.st_mode)) {
-        return *below ? 0 : read_folder(files, folder, inner, fault);
+        return depth_of(inner) < WEB_FOLDERS_DEEP
+                   ? read_folder(files, folder, inner, fault)
+                   : iso_fault_set(fault, -EINVAL, "%s: is a folder too deep in the pages", path);
     }
     return type_of(name) ? read_one(files, folder, inner, fault) : 0;
 }
 
-/* Reads the files of `folder``below`, where `below` is "" or "/js". */
+/* Reads the files of `folder``below`, where `below` is "", "/js" or "/js/base". */
 static int read_folder(struct web_files *files, const char *folder, const char *below,
                        struct iso_fault *fault)
 {

@@ -1,6 +1,6 @@
 /* The files of the pages, kept in memory. Internal to enroll/web/http.
  *
- * The folder and its subfolders, one level deep, are listed once. Only files are served whose name
+ * The folder and its subfolders, two levels deep, are listed once; a deeper one is an error. Only files are served whose name
  * has an ending that a browser needs; names that begin with a point are left out. */
 #ifndef WEB_HTTP_FILES_H
 #define WEB_HTTP_FILES_H
@@ -11,6 +11,7 @@
 #include "core/base/fault.h"
 
 enum {
+    WEB_FOLDERS_DEEP = 2,
     WEB_FILES_MOST = 256,
     WEB_FILE_MOST_BYTES = 1 << 20,
     WEB_FILE_PATH_SIZE = 128, /* "/js/door.js", with the NUL */
@@ -28,8 +29,8 @@ struct web_files {
     struct web_file items[WEB_FILES_MOST];
 };
 
-/* Reads the folder. 0; or a negative errno with a fault: -E2BIG there are too many files, -ENOENT
- * there is no index.html, and the errors of opendir() and iso_file_read. web__files_free frees what
+/* Reads the folder. 0; or a negative errno with a fault: -E2BIG there are too many files, -EINVAL
+ * a folder is too deep, -ENOENT there is no index.html, and the errors of opendir() and iso_file_read. web__files_free frees what
  * was read, also after an error. */
 int web__files_read(struct web_files *files, const char *folder, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -30,7 +30,8 @@
 enum {
     WEB_BODY_MOST_BYTES = 64 << 10,
     WEB_CONNECTIONS_MOST = 128,
-    WEB_CONNECTIONS_OF_ADDRESS = 32,
+    /* A browser opens six, and several people may share an address. */
+    WEB_CONNECTIONS_OF_ADDRESS = 64,
     WEB_IDLE_S = 60, /* a connection without a request is closed; streams are not */
 };
 

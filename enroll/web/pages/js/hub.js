@@ -35,20 +35,35 @@ export function makeHub(api) {
         },
 
         start() {
-            stream ??= api.events(receive, (up) => {
-                if (hub.connected !== up) {
-                    hub.connected = up;
-                    hub.tell('connection', up);
-                    hub.tell('changed');
-                }
-            });
+            document.addEventListener('visibilitychange', follow);
+            follow();
         },
 
         stop() {
+            document.removeEventListener('visibilitychange', follow);
             stream?.close();
             stream = null;
         },
     };
+
+    /* A browser allows six connections to a server, for all its tabs together: a hidden tab gives
+     * its own back. An enrolment goes on only while its tab listens. */
+    function follow() {
+        if (document.hidden && !(hub.enrolment?.own && hub.enrolment.state === 'running')) {
+            stream?.close();
+            stream = null;
+        } else {
+            stream ??= api.events(receive, connection);
+        }
+    }
+
+    function connection(up) {
+        if (hub.connected !== up) {
+            hub.connected = up;
+            hub.tell('connection', up);
+            hub.tell('changed');
+        }
+    }
 
     function receive(name, value) {
         if (name === 'status') {

@@ -33,7 +33,9 @@ function live(api) {
     const draw = (record) => {
         last = performance.now();
         view.draw(record);
-        hold(record.hint === 'nobody' || record.hint === '' ? _('Nobody is there') : word(HINTS, record.hint));
+        /* Without a face "ok" means that there is nothing to say. */
+        const nobody = record.hint === 'nobody' || (!record.distanceMm && (record.hint === 'ok' || record.hint === ''));
+        hold(nobody ? _('Nobody is there') : word(HINTS, record.hint));
         say(distance,
             record.distanceMm ? _f('Distance: {length}', { length: centimetres(record.distanceMm) }) : '\u00a0');
     };

@@ -56,6 +56,16 @@ function groups(fingerprint) {
     return hex.match(/.{1,2}/g)?.join(':') ?? '–';
 }
 
+/* All findings in one badge. */
+function summary(found) {
+    if (!found.healthy) {
+        return badge('bad', _('Something needs attention.'));
+    }
+    return (found.checks ?? []).some((check) => check.state !== 'good') ?
+        badge('odd', _('It works. Please read the notices.')) :
+        badge('good', _('All is well.'));
+}
+
 function machine(found, status) {
     const row = (name, value) => [h('dt', {}, name), h('dd', {}, value)];
     const certificate = found.certificate;
@@ -95,9 +105,7 @@ function make({ api, hub }) {
             const open = [...place.querySelectorAll('details')].map((details) => details.open);
             fill(
                 place,
-                h('section', { class: 'panel' }, h('h2', {}, _('Findings')),
-                  h('p', { role: 'status' },
-                    found.healthy ? badge('good', _('All is well.')) : badge('bad', _('Something needs attention.'))),
+                h('section', { class: 'panel' }, h('h2', {}, _('Findings')), h('p', { role: 'status' }, summary(found)),
                   checks(found.checks ?? [])),
                 found.history &&
                     h('section', { class: 'panel' }, h('h2', {}, _('The last day')),

@@ -5,8 +5,8 @@ import {_} from '../base/i18n.js';
 import {append, fill, h, newId} from '../base/dom.js';
 import {faultText} from '../transport/fault.js';
 
-/* Opens a dialog with the contents that make(close) returns. close(value) closes it; Esc closes it
- * with undefined, unless `firm`. Returns a promise of the value. */
+/* Opens a dialog with the contents that make(close) returns. close(value) closes it; Esc and another
+ * page close it with undefined, unless `firm`. Returns a promise of the value. */
 export function openDialog(title, make, {firm = false, wide = false} = {}) {
     return new Promise((resolve) => {
         const id = newId('dialog');
@@ -16,6 +16,8 @@ export function openDialog(title, make, {firm = false, wide = false} = {}) {
             value = result;
             dialog.close();
         };
+        const leave = () => firm || close();
+        addEventListener('hashchange', leave);
         append(dialog, [h('h2', { id }, title), make(close)]);
         dialog.addEventListener('cancel', (event) => {
             if (firm) {
@@ -27,6 +29,7 @@ export function openDialog(title, make, {firm = false, wide = false} = {}) {
                 dialog.showModal(); /* browsers let the second Esc through */
                 return;
             }
+            removeEventListener('hashchange', leave);
             dialog.remove();
             resolve(value);
         });
