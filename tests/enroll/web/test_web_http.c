@@ -54,6 +54,7 @@ static void pages_have_types_and_etags(void **state)
         {"/index.html", "text/html; charset=utf-8", "<!doctype html><title>door</title>"},
         {"/app.webmanifest", "application/manifest+json", "{}"},
         {"/js/door.js?version=2", "text/javascript; charset=utf-8", "export const one = 1;"},
+        {"/js/deep/far.js", "text/javascript; charset=utf-8", "export const two = 2;"},
         {"/js/a%20b.js", "text/javascript; charset=utf-8", "export const blank = 1;"},
     };
     struct https client;
@@ -88,7 +89,7 @@ static void nothing_else_of_the_folder_is_served(void **state)
 {
     static const char *const paths[] = {"/secret.key",
                                         "/.hidden.js",
-                                        "/js/deep/far.js",
+                                        "/js/deep",
                                         "/js",
                                         "/js/",
                                         "/../key.pem",
@@ -220,7 +221,12 @@ static void a_server_that_cannot_start_says_why(void **state)
     wrong.pages = scratch_path(*state, "no-folder");
     wrong.listen_fd = web_rig_listen(&port);
     assert_int_equal(web_server_new(&wrong, &server, &fault), -ENOENT);
+    scratch_mkdir(scratch_path(*state, "pages/js/deep/deeper"));
     wrong.pages = scratch_path(*state, "pages");
+    wrong.listen_fd = web_rig_listen(&port);
+    assert_int_equal(web_server_new(&wrong, &server, &fault), -EINVAL);
+    assert_non_null(strstr(fault.text, "pages/js/deep/deeper"));
+    assert_int_equal(rmdir(scratch_path(*state, "pages/js/deep/deeper")), 0);
     wrong.certificate = &broken;
     wrong.listen_fd = web_rig_listen(&port);
     assert_int_equal(web_server_new(&wrong, &server, &fault), -EIO);
