@@ -160,9 +160,10 @@ export async function seesText(page, pattern, limitMs = 10000) {
   }, limitMs);
 }
 
-// Values that a script has shown by mistake instead of a text.
+// Values that a script has shown by mistake instead of a text. What stands as code is quoted: a back end is called "null".
 export async function slips(page) {
-  const lines = (await textOf(page)).split('\n').map((line) => line.trim());
+  const quoted = new Set(await page.$$eval('code', (codes) => codes.map((code) => code.innerText.trim())));
+  const lines = (await textOf(page)).split('\n').map((line) => line.trim()).filter((line) => !quoted.has(line));
   return lines.filter((line) => /\[object |\bundefined\b|\bNaN\b|Invalid Date|\{\w+\}/.test(line) || /^(false|true|null)$/.test(line));
 }
 

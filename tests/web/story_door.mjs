@@ -16,12 +16,15 @@ async function toggleLockdown(page, on) {
 // How often a page shows a text.
 const countOf = async (page, pattern) => ((await textOf(page)).match(new RegExp(pattern.source, `g${pattern.flags}`)) ?? []).length;
 
-// Somebody comes, stays until both pages show it, and goes.
-async function comes(run, recording, pattern) {
+// Somebody comes, stays until both pages show it, and goes. `picture`: its name, if one is to be kept.
+async function comes(run, recording, pattern, picture) {
   const [before, beforeDoor] = [await countOf(run.events, pattern), await countOf(run.first, pattern)];
   run.rig.show(recording);
   try {
     await eventually(`one more ${pattern} on Door`, async () => (await countOf(run.first, pattern)) > beforeDoor, 20000);
+    if (picture) {
+      await run.shoot(run.first, picture);
+    }
     await eventually(`one more ${pattern} on Events`, async () => (await countOf(run.events, pattern)) > before, 20000);
   } finally {
     run.rig.show();
@@ -33,7 +36,7 @@ async function visitors(run) {
   run.events = await run.browser.open({ context: run.first.context });
   await goTo(run.events, /^events$/i);
   await goTo(run.first, /^door$/i);
-  await comes(run, 'p01-v1', /p01/);
+  await comes(run, 'p01-v1', /p01/, 'door-visit');
   await run.shoot(run.events, 'events-live');
 }
 

@@ -65,14 +65,18 @@ async function logsOutAndIn(run) {
 async function guessesAreSlowed(run) {
   const client = run.api();
   const guess = (password) => client.ask('POST', '/session', { account: run.account, password });
-  await pause(1100);
-  expectEqual((await guess('guess number 1')).status, 401, 'the first guess');
-  const answer = await guess('guess number 2');
-  expect(answer.status === 429 && answer.code === 'too-many-attempts', `a guess at once after that: 429 too-many-attempts was expected, and ${answer.status} ${answer.code} came`);
-  const waitS = Number(answer.headers['retry-after']);
-  expect(waitS >= 1 && waitS <= 60, `Retry-After of 1 to 60 s was expected: ${answer.headers['retry-after']}`);
-  expectEqual((await guess(run.password)).status, 429, 'the right password during the wait');
   const page = await run.browser.open();
+  let waitS = 1;
+  // The delay doubles. One of four seconds leaves the browser time to meet it.
+  for (let number = 1; waitS < 4; number++) {
+    await pause(waitS * 1000 + 100);
+    expectEqual((await guess(`guess number ${number}`)).status, 401, `guess ${number}, after the wait`);
+    const answer = await guess('a guess at once');
+    expect(answer.status === 429 && answer.code === 'too-many-attempts', `a guess at once: 429 too-many-attempts was expected, and ${answer.status} ${answer.code} came`);
+    waitS = Number(answer.headers['retry-after']);
+    expect(waitS >= 1 && waitS <= 60, `Retry-After of 1 to 60 s was expected: ${answer.headers['retry-after']}`);
+  }
+  expectEqual((await guess(run.password)).status, 429, 'the right password during the wait');
   await logIn(page, run.account, run.password, { fails: true });
   await seesAlert(page, /too many|wait|again in|seconds/i);
   await page.close();
