@@ -72,9 +72,20 @@ static void test_a_person_whom_nobody_lets_in(void **state)
     ben->pin = ben->duress_pin = 0;
     assert_int_equal(check_at(RIG_NOON_S), 1);
     policy_rig_ask(&rig, RIG_OFFICE, RIG_CARD_PIN, false);
-    assert_int_equal(check_at(RIG_NOON_S), 1);
+    assert_int_equal(check_at(RIG_NOON_S), 1);                 /* nor does this one */
     rig.levels[RIG_CARD_PIN].groups[0] = ISO_RECOGNITION_CARD; /* some level does now */
     assert_int_equal(check_at(RIG_NOON_S), 0);
+}
+
+static void test_people_whose_doors_are_out_of_service(void **state)
+{
+    (void)state;
+    for (int i = 0; i < RIG_ACCESS_POINTS; i++) {
+        assert_int_equal(check_at(RIG_NOON_S), 0);
+        rig.access_points[i].enabled = false;
+    }
+    assert_int_equal(check_at(RIG_NOON_S), RIG_CREDENTIALS);
+    expect(2, "credential \"carl\" is enabled and is let in nowhere");
 }
 
 static void test_an_access_point_without_a_way(void **state)
@@ -115,6 +126,7 @@ int main(void)
         cmocka_unit_test_setup(test_nothing, setup),
         cmocka_unit_test_setup(test_a_schedule_that_is_never_active, setup),
         cmocka_unit_test_setup(test_a_person_whom_nobody_lets_in, setup),
+        cmocka_unit_test_setup(test_people_whose_doors_are_out_of_service, setup),
         cmocka_unit_test_setup(test_an_access_point_without_a_way, setup),
         cmocka_unit_test_setup(test_all_are_counted, setup),
     };

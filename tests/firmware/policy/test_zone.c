@@ -111,8 +111,10 @@ static void test_rules(void **state)
         assert_int_equal(iso_zone_rule_read(rules[i], strlen(rules[i]), &zone.rule), 0);
         assert_int_equal(setenv("TZ", rules[i], 1), 0);
         tzset();
-        for (int64_t hour = 0; hour < 24 * 366 * 5; hour++) {
-            compare_at(&zone, iso_calendar_year_day(2027) * ISO_DAY_S + 3600 * hour + 1);
+        for (int64_t half_hour = 0; half_hour < 48 * 366 * 5; half_hour++) {
+            const int64_t t_s = iso_calendar_year_day(2027) * ISO_DAY_S + 1800 * half_hour;
+            compare_at(&zone, t_s - 1);
+            compare_at(&zone, t_s);
         }
     }
 }

@@ -77,7 +77,7 @@ size_t zone_file_write(const struct zone_file *file, uint8_t bytes[ZONE_FILE_SIZ
     for (uint32_t i = 0; i < file->n_types; i++) {
         p = put(put(p, (uint32_t)file->offset_s[i], 4), 0, 2);
     }
-    memcpy(p, "ABC", 4);
+    memset(p, 0, 4); /* no letters; read as an offset they would be a right one */
     p += 4;
     for (uint32_t i = 0; i < file->n_leap; i++) {
         p = put(put(p, 78796800, 8), i + 1, 4);
