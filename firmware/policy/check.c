@@ -39,7 +39,8 @@ static bool is_ever_active(const struct iso_policy *policy, const struct iso_sch
     return false;
 }
 
-/* The levels that an access point may ask for: whether one of them satisfies `passes`. */
+/* Whether somebody with these identifiers can pass one of the levels that the access point may ask
+ * for. */
 static bool has_level_for(const struct iso_policy *policy, const struct iso_access_point *point,
                           uint8_t identifiers)
 {
@@ -70,44 +71,43 @@ static bool may_be_valid(const struct iso_credential *credential, int64_t now_s)
     return credential->enabled && (credential->valid_to_s == 0 || now_s < credential->valid_to_s);
 }
 
-/* Whether the credential can enter at the access point; ISO_INDEX_NONE: at any. */
-static bool enters(const struct iso_policy *policy, const struct iso_credential *credential,
-                   uint16_t access_point, int64_t now_s)
+/* The access points at which somebody enters, as bits. */
+struct entered {
+    uint8_t bits[(UINT16_MAX + 1) / 8];
+};
+
+static bool is_entered(const struct entered *entered, uint16_t access_point)
 {
+    return (entered->bits[access_point / 8] >> (access_point % 8) & 1) != 0;
+}
+
+/* Whether the credential can enter anywhere; adds the access points to *entered. */
+static bool enters(const struct iso_policy *policy, const struct iso_credential *credential,
+                   int64_t now_s, struct entered *entered)
+{
+    bool somewhere = false;
     for (int i = 0; i < credential->n_profiles; i++) {
         const struct iso_access_profile *profile =
             &policy->access_profiles[credential->profiles[i]];
         for (int p = 0; p < profile->n_policies; p++) {
-            const struct iso_access_policy *access = &profile->policies[p];
-            if ((access_point == ISO_INDEX_NONE || access->access_point == access_point) &&
-                leads(policy, access, credential->identifiers, now_s)) {
-                return true;
+            const uint16_t point = profile->policies[p].access_point;
+            if (somewhere && is_entered(entered, point)) {
+                continue; /* nothing to learn: this keeps the check of a large policy short */
+            }
+            if (leads(policy, &profile->policies[p], credential->identifiers, now_s)) {
+                somewhere = true;
+                entered->bits[point / 8] |= (uint8_t)(1 << (point % 8));
             }
         }
     }
-    return false;
-}
-
-/* Whether an access point may be open to everybody at some time: a level passes without identifiers
- * only if it is open. */
-static bool has_way(const struct iso_policy *policy, uint16_t access_point, int64_t now_s)
-{
-    if (has_level_for(policy, &policy->access_points[access_point], 0)) {
-        return true;
-    }
-    for (uint32_t i = 0; i < policy->n_credentials; i++) {
-        const struct iso_credential *credential = &policy->credentials[i];
-        if (may_be_valid(credential, now_s) && enters(policy, credential, access_point, now_s)) {
-            return true;
-        }
-    }
-    return false;
+    return somewhere;
 }
 
 size_t iso_policy_check(const struct iso_policy *policy, int64_t now_s,
                         struct iso_policy_finding *findings, size_t max)
 {
     struct findings found = {.first = findings, .max = max};
+    struct entered entered = {0};
     for (uint16_t i = 0; i < policy->n_schedules; i++) {
         if (!is_ever_active(policy, &policy->schedules[i], now_s)) {
             add(&found, ISO_POLICY_SCHEDULE_NEVER, i);
@@ -115,12 +115,14 @@ size_t iso_policy_check(const struct iso_policy *policy, int64_t now_s,
     }
     for (uint32_t i = 0; i < policy->n_credentials; i++) {
         const struct iso_credential *credential = &policy->credentials[i];
-        if (may_be_valid(credential, now_s) && !enters(policy, credential, ISO_INDEX_NONE, now_s)) {
+        if (may_be_valid(credential, now_s) && !enters(policy, credential, now_s, &entered)) {
             add(&found, ISO_POLICY_PERSON_NOWHERE, i);
         }
     }
     for (uint16_t i = 0; i < policy->n_access_points; i++) {
-        if (policy->access_points[i].enabled && !has_way(policy, i, now_s)) {
+        /* Without identifiers only an open level can be passed. */
+        if (policy->access_points[i].enabled && !is_entered(&entered, i) &&
+            !has_level_for(policy, &policy->access_points[i], 0)) {
             add(&found, ISO_POLICY_POINT_WITHOUT_WAY, i);
         }
     }
@@ -139,7 +141,7 @@ const char *iso_policy_finding_text(const struct iso_policy *policy,
         break;
     case ISO_POLICY_PERSON_NOWHERE:
         kind = "credential", token = policy->credentials[i].token,
-        flaw = "is enabled and is let in nowhere";
+        flaw = "is enabled, and no access policy ever lets it in";
         break;
     case ISO_POLICY_POINT_WITHOUT_WAY:
     case ISO_POLICY_FLAWS:

@@ -1,8 +1,9 @@
 /* Finds in a valid policy what is hardly meant. Pure.
  *
- * A finding is certain: at no time from `now_s` on is anybody let in that way. The opposite is not:
- * the check does not compare the hours of an access policy with those of the security levels, so
- * there are policies without a finding that let nobody in. */
+ * A finding is certain: at no time from `now_s` on is anybody let in that way. (Who is let in
+ * because a level is open needs no access policy.) The opposite is not: the check does not compare
+ * the hours of an access policy with those of the security levels, so there are policies without a
+ * finding that let nobody in. */
 #ifndef ISO_FIRMWARE_POLICY_CHECK_H
 #define ISO_FIRMWARE_POLICY_CHECK_H
 
@@ -11,8 +12,9 @@
 #include "firmware/policy/policy.h"
 
 enum iso_policy_flaw {
-    ISO_POLICY_SCHEDULE_NEVER,    /* a schedule that is never active any more */
-    ISO_POLICY_PERSON_NOWHERE,    /* an enabled credential that is not expired and enters nowhere */
+    ISO_POLICY_SCHEDULE_NEVER, /* a schedule that is never active any more */
+    ISO_POLICY_PERSON_NOWHERE, /* an enabled credential, not expired, that no access policy lets in
+                                */
     ISO_POLICY_POINT_WITHOUT_WAY, /* an access point in service that lets nobody in */
     ISO_POLICY_FLAWS
 };

@@ -59,7 +59,7 @@ static void test_a_person_whom_nobody_lets_in(void **state)
     struct iso_credential *ben = &rig.credentials[RIG_BEN];
     ben->n_profiles = 0;
     assert_int_equal(check_at(RIG_NOON_S), 1);
-    expect(0, "credential \"ben\" is enabled and is let in nowhere");
+    expect(0, "credential \"ben\" is enabled, and no access policy ever lets it in");
     ben->enabled = false; /* meant to be let in nowhere */
     assert_int_equal(check_at(RIG_NOON_S), 0);
     ben->enabled = true;
@@ -85,7 +85,7 @@ static void test_people_whose_doors_are_out_of_service(void **state)
         rig.access_points[i].enabled = false;
     }
     assert_int_equal(check_at(RIG_NOON_S), RIG_CREDENTIALS);
-    expect(2, "credential \"carl\" is enabled and is let in nowhere");
+    expect(2, "credential \"carl\" is enabled, and no access policy ever lets it in");
 }
 
 static void test_an_access_point_without_a_way(void **state)
@@ -102,7 +102,7 @@ static void test_an_access_point_without_a_way(void **state)
     rig.authentication.n_policies = 0;
     rig.authentication.default_level = RIG_CLOSED; /* and with it everything else */
     assert_int_equal(check_at(RIG_NOON_S), RIG_CREDENTIALS + RIG_ACCESS_POINTS);
-    expect(0, "credential \"anna\" is enabled and is let in nowhere");
+    expect(0, "credential \"anna\" is enabled, and no access policy ever lets it in");
     expect(RIG_CREDENTIALS, "access point \"entry\" lets nobody in at any time");
 }
 
