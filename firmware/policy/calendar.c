@@ -2,11 +2,6 @@
 
 enum { EPOCH_YEAR = 1970, THURSDAY = 4 };
 
-int64_t iso_calendar_floor_div(int64_t a, int64_t b)
-{
-    return a / b - (a % b < 0);
-}
-
 bool iso_calendar_is_leap(int64_t year)
 {
     return year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
@@ -32,11 +27,9 @@ int iso_calendar_month_days(int64_t year, int month)
 
 int64_t iso_calendar_day(int64_t year, int month, int day_of_month)
 {
-    int64_t day = iso_calendar_year_day(year) + day_of_month - 1;
-    for (int m = 1; m < month; m++) {
-        day += iso_calendar_month_days(year, m);
-    }
-    return day;
+    static const int days_before[12] = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
+    return iso_calendar_year_day(year) + days_before[month - 1] +
+           (month > 2 && iso_calendar_is_leap(year)) + day_of_month - 1;
 }
 
 int64_t iso_calendar_year(int64_t day)

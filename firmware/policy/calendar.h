@@ -26,7 +26,12 @@ int iso_calendar_weekday(int64_t day);
 /* How many days a month has. */
 int iso_calendar_month_days(int64_t year, int month);
 
-/* Divides and rounds down also for negative numbers, as days and hours before 1970 need it. */
-int64_t iso_calendar_floor_div(int64_t a, int64_t b);
+/* Divides by a positive number and rounds down also for negative numbers, as days and hours before
+ * 1970 need it. It is here so that the compiler knows the divisor: a decision does many of these.
+ */
+static inline int64_t iso_calendar_floor_div(int64_t a, int64_t b)
+{
+    return a / b - (a % b < 0);
+}
 
 #endif

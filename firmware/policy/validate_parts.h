@@ -23,7 +23,7 @@ int iso__validate_index(const struct iso__record *record, const char *what, uint
 int iso__validate_count(const struct iso__record *record, const char *what, unsigned n,
                         unsigned max);
 
-/* Groups and schedules. */
+/* Zones, groups and schedules. */
 int iso__validate_times(const struct iso_policy *policy, struct iso_fault *fault);
 
 /* Credentials. */

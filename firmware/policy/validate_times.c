@@ -30,6 +30,16 @@ static int validate_hours(const struct iso__record *record, const char *day,
     return 0;
 }
 
+static int validate_zones(const struct iso_policy *policy, struct iso_fault *fault)
+{
+    for (uint16_t i = 0; i < policy->n_zones; i++) {
+        if (!iso_zone_is_sound(&policy->zones[i])) {
+            return iso_fault_set(fault, -EINVAL, "zone number %u: is damaged", i);
+        }
+    }
+    return 0;
+}
+
 static int validate_groups(const struct iso_policy *policy, struct iso_fault *fault)
 {
     int error = 0;
@@ -84,7 +94,8 @@ static int validate_schedule(const struct iso_policy *policy, const struct iso_s
 
 int iso__validate_times(const struct iso_policy *policy, struct iso_fault *fault)
 {
-    int error = validate_groups(policy, fault);
+    int error = validate_zones(policy, fault);
+    error = error != 0 ? error : validate_groups(policy, fault);
     for (uint16_t i = 0; error == 0 && i < policy->n_schedules; i++) {
         const struct iso__record record = {"schedule", policy->schedules[i].token, fault};
         error = iso__validate_token(record.kind, i, record.token, fault);

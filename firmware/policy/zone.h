@@ -11,6 +11,7 @@
 #ifndef ISO_FIRMWARE_POLICY_ZONE_H
 #define ISO_FIRMWARE_POLICY_ZONE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -19,6 +20,9 @@
 
 /* The longest table of tzdata 2025b has 310 changes (Asia/Hebron), the longest name 30 letters. */
 enum { ISO_ZONE_CHANGES_MAX = 512, ISO_ZONE_NAME_SIZE = 48 };
+
+/* RFC 8536, 3.2: offsets should be between -25 and 26 hours. */
+enum { ISO_ZONE_OFFSET_MIN_S = -89999, ISO_ZONE_OFFSET_MAX_S = 93599 };
 
 /* Offsets are seconds to add to UTC; times are seconds since 1970 UTC. */
 struct iso_zone {
@@ -40,6 +44,10 @@ struct iso_zone {
  *   -E2BIG        the zone has more changes than ISO_ZONE_CHANGES_MAX */
 int iso_zone_read(const char *name, const uint8_t *bytes, size_t size, struct iso_zone *zone,
                   struct iso_fault *fault);
+
+/* Whether a zone that was stored is still one that iso_zone_read() can have read: nothing in it
+ * leads out of its arrays or beyond a day and two hours. */
+bool iso_zone_is_sound(const struct iso_zone *zone);
 
 /* The offset at a time. */
 int32_t iso_zone_offset_s(const struct iso_zone *zone, int64_t time_s);

@@ -129,6 +129,41 @@ int iso_zone_rule_read(const char *text, size_t size, struct iso_zone_rule *rule
     return 0;
 }
 
+static bool is_between(int64_t number, int64_t min, int64_t max)
+{
+    return number >= min && number <= max;
+}
+
+static bool change_is_sound(const struct iso_zone_change *change)
+{
+    const int64_t time_max_s = (RULE_HOURS_MAX + 1) * HOUR_S - 1;
+    if (!is_between(change->time_s, -time_max_s, time_max_s)) {
+        return false;
+    }
+    switch (change->kind) {
+    case ISO_ZONE_DAY_JULIAN:
+        return is_between(change->day, 1, 365);
+    case ISO_ZONE_DAY_OF_YEAR:
+        return is_between(change->day, 0, 365);
+    case ISO_ZONE_DAY_OF_WEEK:
+        return is_between(change->month, 1, 12) && is_between(change->week, 1, 5) &&
+               change->wday <= 6;
+    default:
+        return false;
+    }
+}
+
+bool iso_zone_rule_is_sound(const struct iso_zone_rule *rule)
+{
+    const int32_t max_s = (OFFSET_HOURS_MAX + 1) * HOUR_S - 1;
+    if (!is_between(rule->standard_s, -max_s, max_s)) {
+        return false;
+    }
+    return !rule->has_summer ||
+           (is_between(rule->summer_s, -max_s, max_s + HOUR_S) &&
+            change_is_sound(&rule->to_summer) && change_is_sound(&rule->to_standard));
+}
+
 static int64_t change_day(const struct iso_zone_change *change, int64_t year)
 {
     if (change->kind == ISO_ZONE_DAY_OF_YEAR) {

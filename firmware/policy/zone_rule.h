@@ -36,6 +36,9 @@ struct iso_zone_rule {
  * each system. */
 int iso_zone_rule_read(const char *text, size_t size, struct iso_zone_rule *rule);
 
+/* Whether a rule that was stored is still one that iso_zone_rule_read() can have read. */
+bool iso_zone_rule_is_sound(const struct iso_zone_rule *rule);
+
 /* The offset at a time, in seconds since 1970 UTC. */
 int32_t iso_zone_rule_offset_s(const struct iso_zone_rule *rule, int64_t time_s);
 

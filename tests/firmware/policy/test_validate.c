@@ -10,6 +10,10 @@
 static struct policy_rig rig;
 
 /* Each case changes a policy that is right. */
+static void zone_without_name(void)
+{
+    rig.zone.name[0] = '\0';
+}
 static void office_ends_early(void)
 {
     rig.schedules[RIG_OFFICE].weekly[1].periods[0] = (struct iso_period){17 * 60, 9 * 60};
@@ -212,6 +216,7 @@ static const struct {
     void (*change)(void);
     const char *line;
 } cases[] = {
+    {zone_without_name, "zone number 0: is damaged"},
     {office_ends_early,
      "schedule \"office\": Monday: the period 17:00 to 09:00 ends before it begins"},
     {office_is_empty,

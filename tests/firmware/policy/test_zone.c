@@ -226,6 +226,80 @@ static void test_files_that_are_refused(void **state)
     }
 }
 
+/* Zones as they were never read. In each of them one thing is wrong. */
+static void test_stored_zones(void **state)
+{
+    (void)state;
+    const int time_max_s = 167 * 3600 + 3599;
+    static struct iso_zone zone;
+    const struct {
+        struct iso_zone_change change;
+        bool sound;
+    } changes[] = {
+        {{ISO_ZONE_DAY_OF_WEEK, 12, 5, 6, 0, time_max_s}, true},
+        {{ISO_ZONE_DAY_OF_WEEK, 1, 1, 0, 0, -time_max_s}, true},
+        {{ISO_ZONE_DAY_OF_WEEK, 0, 1, 0, 0, 0}, false},
+        {{ISO_ZONE_DAY_OF_WEEK, 13, 1, 0, 0, 0}, false},
+        {{ISO_ZONE_DAY_OF_WEEK, 1, 0, 0, 0, 0}, false},
+        {{ISO_ZONE_DAY_OF_WEEK, 1, 6, 0, 0, 0}, false},
+        {{ISO_ZONE_DAY_OF_WEEK, 1, 1, 7, 0, 0}, false},
+        {{ISO_ZONE_DAY_JULIAN, 0, 0, 0, 1, 0}, true},
+        {{ISO_ZONE_DAY_JULIAN, 0, 0, 0, 0, 0}, false},
+        {{ISO_ZONE_DAY_JULIAN, 0, 0, 0, 366, 0}, false},
+        {{ISO_ZONE_DAY_OF_YEAR, 0, 0, 0, 365, 0}, true},
+        {{ISO_ZONE_DAY_OF_YEAR, 0, 0, 0, 366, 0}, false},
+        {{ISO_ZONE_DAY_OF_YEAR, 0, 0, 0, -1, 0}, false},
+        {{ISO_ZONE_DAY_OF_YEAR, 0, 0, 0, 0, time_max_s + 1}, false},
+        {{ISO_ZONE_DAY_OF_YEAR, 0, 0, 0, 0, -time_max_s - 1}, false},
+        {{3, 1, 1, 1, 1, 0}, false},
+    };
+    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+        for (int end = 0; end < 2; end++) {
+            zone_rig_fixed(0, &zone);
+            zone.rule.has_summer = true;
+            zone.rule.to_standard = zone.rule.to_summer = (struct iso_zone_change){
+                .kind = ISO_ZONE_DAY_OF_YEAR};
+            assert_true(iso_zone_is_sound(&zone));
+            *(end ? &zone.rule.to_standard : &zone.rule.to_summer) = changes[i].change;
+            assert_int_equal(iso_zone_is_sound(&zone), changes[i].sound);
+        }
+    }
+    zone.rule = (struct iso_zone_rule){.has_summer = true, .summer_s = 93600};
+    zone.rule.to_standard.day = zone.rule.to_summer.day = 1;
+    assert_false(iso_zone_is_sound(&zone));
+    zone.rule.summer_s = 93599;
+    assert_true(iso_zone_is_sound(&zone));
+    zone.rule.standard_s = 90000;
+    assert_false(iso_zone_is_sound(&zone));
+}
+
+static void test_stored_tables(void **state)
+{
+    (void)state;
+    static struct iso_zone zones[6];
+    for (int i = 0; i < 6; i++) {
+        zone_rig_fixed(0, &zones[i]);
+        zones[i].n = 2;
+        zones[i].at_s[1] = 1;
+        assert_true(iso_zone_is_sound(&zones[i]));
+    }
+    zones[0].name[0] = '\0';
+    memset(zones[1].name, 'x', ISO_ZONE_NAME_SIZE);
+    for (int i = 0; i < ISO_ZONE_CHANGES_MAX; i++) {
+        zones[2].at_s[i] = i;
+        zones[2].offset_s[i] = 1; /* what lies behind at_s would ascend, too */
+    }
+    zones[2].n = ISO_ZONE_CHANGES_MAX;
+    assert_true(iso_zone_is_sound(&zones[2]));
+    zones[2].n++;
+    zones[3].at_s[0] = 1;
+    zones[4].offset_s[1] = ISO_ZONE_OFFSET_MAX_S + 1;
+    zones[5].first_offset_s = ISO_ZONE_OFFSET_MIN_S - 1;
+    for (int i = 0; i < 6; i++) {
+        assert_false(iso_zone_is_sound(&zones[i]));
+    }
+}
+
 static void test_too_many_changes(void **state)
 {
     (void)state;
@@ -305,6 +379,8 @@ int main(void)
         cmocka_unit_test(test_rules_that_are_refused),
         cmocka_unit_test(test_a_built_file),
         cmocka_unit_test(test_files_that_are_refused),
+        cmocka_unit_test(test_stored_zones),
+        cmocka_unit_test(test_stored_tables),
         cmocka_unit_test(test_too_many_changes),
         cmocka_unit_test(test_names),
         cmocka_unit_test(test_cut_files),

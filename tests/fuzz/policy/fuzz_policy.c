@@ -27,7 +27,7 @@ static void *make(struct block *block, const void *record, size_t size, size_t n
     return block->records;
 }
 
-static const struct iso_zone zone = {.name = "zone"};
+static const struct iso_zone zone = {.name = "zone", .n = 2, .at_s = {1000, 2000}};
 static const struct iso_special_day_group group = {"group", 2, {20782, 20783}};
 static const struct iso_schedule schedule = {
     .token = "schedule",
@@ -82,6 +82,7 @@ static void keep_truth_values(struct block blocks[BLOCKS])
             keep_true_or_false(&p->policies[i].constraints[s].dual);
         }
     }
+    keep_true_or_false(&((struct iso_zone *)blocks[ZONES].records)->rule.has_summer);
     for (size_t i = 0; i < 2; i++) {
         keep_true_or_false(&((struct iso_security_level *)blocks[LEVELS].records)[i].open);
         keep_true_or_false(&((struct iso_access_point *)blocks[POINTS].records)[i].enabled);
@@ -123,9 +124,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct block blocks[BLOCKS];
     const struct iso_policy policy = make_policy(blocks);
     size_t at = 0;
-    /* Which array, which byte, which value. The zone has a reader of its own. */
+    /* Which array, which byte, which value. */
     for (; at + 4 <= size && data[at] != 0xff; at += 4) {
-        struct block *block = &blocks[1 + data[at] % (BLOCKS - 1)];
+        struct block *block = &blocks[data[at] % BLOCKS];
         const size_t offset = (size_t)(data[at + 1] << 8 | data[at + 2]);
         block->records[offset % (block->size * block->n)] = data[at + 3];
     }
