@@ -138,6 +138,25 @@ static void write_metric(const char *directory)
     iso_metric_free(metric);
 }
 
+/* Two types, two changes and a rule (RFC 8536), after the empty data of version 1. */
+static void write_zone(const char *directory)
+{
+    static const uint8_t file[] = {
+        'T', 'Z', 'i', 'f', '2', 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+        0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 'T', 'Z', 'i', 'f', '2', 0, 0, 0, 0, 0,
+        0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 2, 0,
+        0, 0, 4,
+        /* times, their types */
+        0, 0, 0, 0, 0x10, 0, 0, 0, 0, 0, 0, 0, 0x20, 0, 0, 0, 0, 1,
+        /* types: offset, summer, letters */
+        0, 0, 0x0e, 0x10, 0, 0, 0, 0, 0x1c, 0x20, 1, 0, 'C', 'E', 'T', 0};
+    uint8_t whole[256];
+    static const char rule[] = "\nCET-1CEST,M3.5.0,J300/3\n";
+    memcpy(whole, file, sizeof file);
+    memcpy(whole + sizeof file, rule, sizeof rule - 1);
+    write_file(place(directory, "zone", "berlin"), whole, sizeof file + sizeof rule - 1);
+}
+
 int main(int argc, char **argv)
 {
     if (argc != 2) {
@@ -148,5 +167,6 @@ int main(int argc, char **argv)
     write_templates(argv[1]);
     write_head_model(argv[1]);
     write_metric(argv[1]);
+    write_zone(argv[1]);
     return 0;
 }

@@ -1,5 +1,5 @@
 /* Draws pictures of isotherm-screen with a head that moves, for a script that counts instructions
- * from outside (screen.sh).
+ * from outside (instructions.sh).
  *
  *   screen_pictures WIDTH HEIGHT PICTURES */
 #include <math.h>

@@ -2,7 +2,7 @@
 # Counts the instructions of one picture of isotherm-screen (valgrind), and the share of a core of a Raspberry Pi 4 that 15 pictures a
 # second take: a Cortex-A72 of 1.5 GHz that executes one instruction a cycle. It measures and does not judge.
 #
-#   screen.sh BUILD
+#   instructions.sh BUILD
 set -eu
 program=$1/tests/bench/screen_pictures
 scratch=$(mktemp -d)
