@@ -15,7 +15,7 @@ test('a hint stays long enough to be read, and the newest one follows', () => {
     const shown = [];
     const say = holdHint((text) => shown.push([now, text]), {
         now: () => now, later: (run, ms) => { due = { run, at: now + ms }; } });
-    const at = (time, text) => {
+    const at = (time, text, atOnce = false) => {
         if (due && due.at <= time) {
             const { run } = due;
             now = due.at;
@@ -23,7 +23,7 @@ test('a hint stays long enough to be read, and the newest one follows', () => {
             run();
         }
         now = time;
-        say(text);
+        say(text, atOnce);
     };
     at(0, 'a');
     at(100, 'b');
@@ -32,8 +32,10 @@ test('a hint stays long enough to be read, and the newest one follows', () => {
     at(2000, 'b');
     at(5000, 'd');
     at(5001, 'd');
+    at(5100, 'e', true);
+    at(9000, 'e');
     assert.equal(SHOWN_MS >= 1200, true);
-    assert.deepEqual(shown, [[0, 'a'], [SHOWN_MS, 'b'], [5000, 'd']]);
+    assert.deepEqual(shown, [[0, 'a'], [SHOWN_MS, 'b'], [5000, 'd'], [5100, 'e']]);
 });
 
 test('a gap breaks the line of a chart, and so does a value that is none', () => {

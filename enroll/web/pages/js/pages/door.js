@@ -30,12 +30,14 @@ function live(api) {
     const hold = holdHint((text) => say(hint, text || '\u00a0'));
     let stream = null;
     let last = 0;
+    let empty = true;
     const draw = (record) => {
         last = performance.now();
         view.draw(record);
         /* Without a face "ok" means that there is nothing to say. */
         const nobody = record.hint === 'nobody' || (!record.distanceMm && (record.hint === 'ok' || record.hint === ''));
-        hold(nobody ? _('Nobody is there') : word(HINTS, record.hint));
+        hold(nobody ? _('Nobody is there') : word(HINTS, record.hint), empty && !nobody);
+        empty = nobody;
         say(distance,
             record.distanceMm ? _f('Distance: {length}', { length: centimetres(record.distanceMm) }) : '\u00a0');
     };

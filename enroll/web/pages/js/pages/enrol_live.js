@@ -62,6 +62,7 @@ export function enrolLive({api, hub}, ended) {
     const quality = h('ul', { class: 'bars', 'aria-label': _('Quality of each frame') });
     const stop = h('button', { type: 'button', class: 'danger' }, _('Stop the enrolment…'));
     let drawn = '';
+    let pose = '';
     let over = false;
 
     function hintOf(enrolment, now) {
@@ -83,7 +84,8 @@ export function enrolLive({api, hub}, ended) {
         const all = stepsOf(enrolment);
         const now =
             all.find((step) => step.state === 'begun' || step.state === 'turn') ?? all.find((step) => !step.state);
-        hold(hintOf(enrolment, now));
+        hold(hintOf(enrolment, now), pose !== now?.pose);
+        pose = now?.pose;
         progress.max = enrolment.stages || 1;
         progress.value = Math.min(progress.max, enrolment.stage ?? 0);
         const state = JSON.stringify([all.map((step) => [step.pose, step.state]), enrolment.captures]);

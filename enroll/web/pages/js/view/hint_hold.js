@@ -3,8 +3,8 @@
 export const SHOWN_MS = 1200;
 
 /* Returns a function that takes the newest text. show(text) is called at once if the last text was
- * shown long enough, else later, with the newest text of that moment. The clock and the timer can
- * be given, for tests. */
+ * shown long enough, else later, with the newest text of that moment. With `atOnce` it does not wait:
+ * the text before has become wrong. The clock and the timer can be given, for tests. */
 export function holdHint(show, {now = () => performance.now(), later = setTimeout} = {}) {
     let shown = null;
     let since = -Infinity;
@@ -17,8 +17,12 @@ export function holdHint(show, {now = () => performance.now(), later = setTimeou
             show(text);
         }
     };
-    return (text) => {
+    return (text, atOnce = false) => {
         next = text;
+        if (atOnce) {
+            put(text);
+            return;
+        }
         const rest = since + SHOWN_MS - now();
         if (waiting) {
             return;
