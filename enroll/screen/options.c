@@ -24,7 +24,8 @@ static const char usage[] =
     "  --seconds N          end after N seconds (0: never)\n"
     "  --bus ADDRESS        system, session or an address of D-Bus (system)\n"
     "  --catalogues DIR     translations (" ISOTHERM_LOCALE_DIR ")\n"
-    "  --help, --version    print this, or the version, and end\n";
+    "  --help               print this and end\n"
+    "  --version            print the version and end\n";
 
 enum choice {
     LANGUAGE = 1,

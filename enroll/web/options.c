@@ -16,7 +16,8 @@ static const char usage[] =
     "  --state DIR            accounts, key and certificate (" ISOTHERM_WEB_STATE ")\n"
     "  --pages DIR            the pages (" ISOTHERM_WEB_PAGES ")\n"
     "  --bus ADDRESS          system, session or an address of D-Bus (system)\n"
-    "  --help, --version      print this, or the version, and end\n";
+    "  --help                 print this and end\n"
+    "  --version              print the version and end\n";
 
 enum choice { LISTEN = 1, STATE, PAGES, BUS, HELP, VERSION };
 

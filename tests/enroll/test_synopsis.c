@@ -21,6 +21,8 @@ enum { NAME_SIZE = 64, SYNOPSIS_SIZE = 32 * 1024 };
 
 static const char isotherm[] = ISOTHERM_BINARY_DIR "/enroll/isotherm";
 static const char isothermd[] = ISOTHERM_BINARY_DIR "/firmware/isothermd";
+static const char screen[] = ISOTHERM_BINARY_DIR "/enroll/screen/isotherm-screen";
+static const char web[] = ISOTHERM_BINARY_DIR "/enroll/web/isotherm-web";
 static const char simulator[] = ISOTHERM_BINARY_DIR "/sim/isotherm-sim";
 
 /* The SYNOPSIS of the present manual, and the part of it about one command. */
@@ -230,6 +232,26 @@ static void the_synopsis_of_the_daemon_is_complete(void **state)
     free(help);
 }
 
+static void the_synopsis_of_the_screen_is_complete(void **state)
+{
+    char *help = help_of(screen, "");
+
+    (void)state;
+    read_synopsis(MANUAL "isotherm-screen.1");
+    assert_true(compare_pages("", help, NULL) >= 12);
+    free(help);
+}
+
+static void the_synopsis_of_the_web_server_is_complete(void **state)
+{
+    char *help = help_of(web, "");
+
+    (void)state;
+    read_synopsis(MANUAL "isotherm-web.8");
+    assert_true(compare_pages("", help, NULL) >= 4);
+    free(help);
+}
+
 /* The manual names the path of the configuration in the section where readers look for it. */
 static void the_manual_of_the_configuration_says_where_it_lies(void **state)
 {
@@ -250,6 +272,8 @@ int main(void)
         cmocka_unit_test(the_synopsis_of_isotherm_is_complete),
         cmocka_unit_test(the_synopsis_of_the_simulator_is_complete),
         cmocka_unit_test(the_synopsis_of_the_daemon_is_complete),
+        cmocka_unit_test(the_synopsis_of_the_screen_is_complete),
+        cmocka_unit_test(the_synopsis_of_the_web_server_is_complete),
         cmocka_unit_test(the_manual_of_the_configuration_says_where_it_lies),
     };
 

@@ -85,6 +85,7 @@ async function inPoses(run) {
     if (number === 1) {
       await seesText(page, /left/i);
       await seesRelief(page);
+      await page.evaluate(() => scrollTo(0, 0));
       await run.shoot(page, 'enrol-steps');
     }
   }

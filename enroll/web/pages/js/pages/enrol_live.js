@@ -12,6 +12,7 @@ import {holdHint} from '../view/hint_hold.js';
 import {noticeFault} from '../view/notice.js';
 import {reliefView} from '../view/relief_view.js';
 
+const STRAIGHT = ['not-a-face', 'no-face', 'no-face-in-image', 'nobody'];
 const ORDER = ['frontal', 'left', 'right', 'down', 'up'];
 
 /* The state of each pose: {pose, state, turn_deg}; those that have not begun have no state. */
@@ -66,7 +67,10 @@ export function enrolLive({api, hub}, ended) {
     let over = false;
 
     function hintOf(enrolment, now) {
-        const text = word(HINTS, enrolment.hint) || word(POSES, now?.pose) || _('Look straight at the camera');
+        /* "Look straight" is wrong for a pose to the side. */
+        const silent = now?.pose && now.pose !== 'frontal' && STRAIGHT.includes(enrolment.hint);
+        const text =
+            (!silent && word(HINTS, enrolment.hint)) || word(POSES, now?.pose) || _('Look straight at the camera');
         return enrolment.hint && now?.state === 'turn' && now.turn_deg > 0 ?
             _f('{hint}, by about {degrees}°', { hint: text, degrees: number(now.turn_deg) }) :
             text;
