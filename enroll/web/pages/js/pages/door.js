@@ -14,6 +14,7 @@ import {
     VERDICTS,
     word
 } from '../base/words.js';
+import {faultText} from '../transport/fault.js';
 import {badge} from '../view/badge.js';
 import {holdHint} from '../view/hint_hold.js';
 import {outlineView} from '../view/outline_view.js';
@@ -30,6 +31,7 @@ function live(api) {
     const hold = holdHint((text) => say(hint, text || '\u00a0'));
     let stream = null;
     let last = 0;
+    let refused = '';
     const draw = (record) => {
         last = performance.now();
         view.draw(record);
@@ -41,12 +43,14 @@ function live(api) {
     };
     const follow = () => {
         stream?.close();
-        stream = document.hidden ? null : api.outline(draw, () => {});
+        stream = document.hidden ? null : api.outline(draw, (up, fault) => {
+            refused = fault?.code === 'not-allowed' ? faultText(fault) : '';
+        });
     };
     const watch = setInterval(() => {
         if (!document.hidden && performance.now() - last > QUIET_MS) {
             view.draw(null);
-            hold(_('The camera shows nothing at the moment'));
+            hold(refused || _('The camera shows nothing at the moment'));
             say(distance, '\u00a0');
         }
     }, 1000);
@@ -54,7 +58,8 @@ function live(api) {
     follow();
     return {
         element:
-            h('section', { class: 'panel live', 'aria-label': _('At the door now') }, view.element, hint, distance),
+            h('section', { class: 'panel live', 'aria-label': _('At the door now') }, api.can.outline && view.element,
+              hint, distance),
         resume: follow,
         leave() {
             stream?.close();

@@ -5,6 +5,7 @@
 
 import {CockpitEnrolment} from './cockpit_enrolment.js';
 import {DoorBus} from './door_bus.js';
+import {Fault} from './fault.js';
 
 const SILENT_MS = 10000;
 const seconds = (value) => Number(value) || 0;
@@ -91,7 +92,7 @@ export function makeCockpitApi(cockpit) {
     }
 
     /* Words of what the camera sees, in the form of an outline without points. */
-    function outline(onRecord) {
+    function outline(onRecord, onState) {
         const subscription = bus.subscribe((name, [view] = []) => {
             if (name === 'View') {
                 const seen = bus.plain(view);
@@ -104,7 +105,7 @@ export function makeCockpitApi(cockpit) {
                 });
             }
         });
-        bus.call('AimStart', []).catch(() => {});
+        bus.call('AimStart', []).catch((fault) => onState(false, fault));
         return {
             close() {
                 subscription.remove();
@@ -144,27 +145,31 @@ export function makeCockpitApi(cockpit) {
 
     /* What the command line tool finds, which knows the remedies. */
     async function health() {
-        let text;
-        try {
-            text = await cockpit.spawn(['isotherm', 'doctor', '--json'], { superuser: 'try', err: 'ignore' });
-        } catch (error) {
-            text = error?.message ?? '';
-        }
-        const found = await bus.doctor(text);
-        const { version } = await bus.values('GetStatus').catch(() => ({}));
-        return { healthy: found.healthy === true, checks: found.checks ?? [], version };
+        /* If something is wrong, the exit code is not 0. Cockpit then rejects with two values: the
+         * error, and what was printed. */
+        const found = await bus.doctor(await new Promise((resolve) => {
+            cockpit.spawn(['isotherm', 'doctor', '--json'], { superuser: 'try', err: 'ignore' })
+                .then(resolve, (error, printed) => resolve(printed ?? ''));
+        }));
+        return { healthy: found.healthy === true, checks: found.checks ?? [] };
+    }
+
+    async function settings() {
+        const [list] = await bus.call('GetSettings', []);
+        return list.map(([section, key, value, standard, range,
+                          help]) => ({ section, key, value, default: standard, range, help }));
     }
 
     return {
         kind: 'cockpit',
-        can: { accounts: false, outline: false, relief: false, settings: false, login: false },
+        can: { accounts: false, outline: false, relief: false, settings: true, login: false },
         onLoginRequired() {},
         async session() {
             account = (await cockpit.user()).name;
             enrolment.account = account;
             await bus.values('GetStatus').catch((fault) => {
                 if (fault.code === 'not-allowed') {
-                    throw fault;
+                    throw new Fault('no-group', { detail: fault.detail });
                 }
             });
             role = await findRole(bus);
@@ -172,6 +177,7 @@ export function makeCockpitApi(cockpit) {
         },
         status,
         health,
+        settings,
         setLockdown: (on) => bus.call('SetLockdown', [on], 'b'),
         clearLockout: () => bus.call('ClearLockout', []),
         people: async () => ({ people: (await bus.call('ListPeople', []))[0].map(toPerson), log_read: true }),
