@@ -99,7 +99,7 @@ function drawScreen(run) {
 
 // What all browsers of the run have collected.
 function collected(run, what) {
-  return [run.browser, ...run.browsers, ...run.rig.cockpitBrowsers].flatMap((browser) => browser[what]).join('\n');
+  return [run.browser, ...run.browsers].flatMap((browser) => browser[what]).join('\n');
 }
 
 function nothingFromElsewhere(run) {

@@ -64,12 +64,15 @@ async function visitAndLockdown(run) {
   await eventually('a visit of p01 on Door', async () => (await rows()) > before, 20000);
   run.rig.show();
   await pause(2500);
+  const visits = (await records(run)).filter((record) => record.event === 'visit' && record.person === 'p01').length;
+  expectEqual(await rows(), visits, 'the visits of p01 on Door, as in the log');
   await press(page, 'button', /^begin lockdown…$/i);
   await press(page, 'button', /^begin lockdown$/i);
   await seesText(page, /lockdown: nobody is let in/i);
   expectEqual(JSON.parse(run.rig.isotherm('status', '--json').stdout).lockdown, true, 'the lockdown of the daemon');
   await press(page, 'button', /^end lockdown…$/i);
   await press(page, 'button', /^end lockdown$/i);
+  await eventually('no banner of the lockdown', async () => !/nobody is let in/.test(await textOf(page)), 3000);
   await eventually('the lockdown has ended', () => JSON.parse(run.rig.isotherm('status', '--json').stdout).lockdown === false);
   await goTo(page, /^events$/i);
   await seesText(page, /lockdown/i);
@@ -86,6 +89,9 @@ async function everyPage(run) {
       await find(page, 'heading', undefined);
       await pause(1500); // what comes by the bus
       expectEqual((await page.$$eval('[role=alert]', (all) => all.map((one) => one.innerText.trim()).join(''))), '', `the alerts of ${name}`);
+      if (/health/i.test(name)) {
+        await seesText(page, /✓\s*good/i); // the findings, in the words of the page
+      }
       await examineAll(run, page, `cockpit-${name.toLowerCase()}`);
     });
   }
@@ -101,7 +107,7 @@ async function away(run, leave) {
   await watches(run, 'the door is watched again', 5000);
   await run.cockpitPage.bringToFront();
   await goTo(run.cockpitPage, /^people$/i);
-  await seesText(run.cockpitPage, /\bp01\b/);
+  await seesText(run.cockpitPage, /people: \d/i); // the other window has kept its own connection
 }
 
 async function crashes(page) {
@@ -180,6 +186,12 @@ export async function cockpit(run) {
   await step('in Cockpit: the daemon ends and starts again: pages recover, also one that was opened meanwhile', () => daemonGone(run));
   await step('in Cockpit: a user without rights reads a sentence that helps', () => as(run, '', (page) => withoutRights(run, page)));
   await step('in Cockpit: an enroller enrols, and the daemon records the consent', () => as(run, run.rig.groups['isotherm-enroll'], (page) => enroller(run, page)));
+  await step('in Cockpit: no request elsewhere, no violation of its content security policy, no exception', () => {
+    for (const what of ['foreign', 'violations', 'faults']) {
+      expectEqual(run.rig.cockpitBrowsers.flatMap((browser) => browser[what]).join('\n'), '', what);
+    }
+    expect(run.cockpitBrowser.requests > 50, `more than 50 requests were expected, and ${run.cockpitBrowser.requests} were made`);
+  });
   await run.cockpitBrowser.stop();
   await run.cockpit.stop();
 }

@@ -7,7 +7,16 @@ import {CockpitEnrolment} from './cockpit_enrolment.js';
 import {DoorBus} from './door_bus.js';
 import {Fault} from './fault.js';
 
-const SILENT_MS = 10000;
+const SILENT_MS = 5000;
+
+/* The words of `isotherm doctor` as those of the API. */
+const FOUND = {
+    ok: 'good',
+    warning: 'odd',
+    denied: 'denied',
+    fault: 'bad'
+};
+
 const seconds = (value) => Number(value) || 0;
 
 function toPerson([name, enrolled, from, until, templates]) {
@@ -49,6 +58,7 @@ export function makeCockpitApi(cockpit) {
     const enrolment = new CockpitEnrolment(bus);
     let role = 'observer';
     let account = '';
+    let ask = () => {}; /* asks for the state at once, while a page listens */
 
     async function status() {
         try {
@@ -62,7 +72,7 @@ export function makeCockpitApi(cockpit) {
     }
 
     function events(on, onState) {
-        const ask = async () => {
+        ask = async () => {
             try {
                 on('status', await status());
                 onState(true);
@@ -80,11 +90,12 @@ export function makeCockpitApi(cockpit) {
         };
         const subscription = bus.subscribe((name, args) => signals[name]?.(args));
         enrolment.listen((state) => on('enrolment', state));
-        const timer = setInterval(ask, SILENT_MS);
+        const timer = setInterval(() => ask(), SILENT_MS);
         ask();
         return {
             close() {
                 clearInterval(timer);
+                ask = () => {};
                 subscription.remove();
                 enrolment.listen(() => {});
             },
@@ -151,7 +162,14 @@ export function makeCockpitApi(cockpit) {
             cockpit.spawn(['isotherm', 'doctor', '--json'], { superuser: 'try', err: 'ignore' })
                 .then(resolve, (error, printed) => resolve(printed ?? ''));
         }));
-        return { healthy: found.healthy === true, checks: found.checks ?? [] };
+        const checks = (found.checks ?? []).map((check) => ({...check, state: FOUND[check.state] ?? check.state }));
+        return { healthy: found.healthy === true, checks };
+    }
+
+    /* No signal tells of these changes. */
+    async function change(method, args, type) {
+        await bus.call(method, args, type);
+        await ask();
     }
 
     async function settings() {
@@ -169,6 +187,7 @@ export function makeCockpitApi(cockpit) {
             enrolment.account = account;
             await bus.values('GetStatus').catch((fault) => {
                 if (fault.code === 'not-allowed') {
+                    bus.close(); /* the next attempt may have other rights */
                     throw new Fault('no-group', { detail: fault.detail });
                 }
             });
@@ -178,8 +197,8 @@ export function makeCockpitApi(cockpit) {
         status,
         health,
         settings,
-        setLockdown: (on) => bus.call('SetLockdown', [on], 'b'),
-        clearLockout: () => bus.call('ClearLockout', []),
+        setLockdown: (on) => change('SetLockdown', [on], 'b'),
+        clearLockout: () => change('ClearLockout', []),
         people: async () => ({ people: (await bus.call('ListPeople', []))[0].map(toPerson), log_read: true }),
         changePerson,
         removePerson: (name) => bus.call('DeletePerson', [name], 's'),

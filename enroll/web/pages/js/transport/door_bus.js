@@ -54,7 +54,8 @@ function fault(error) {
 
 export class DoorBus {
     #cockpit;
-    #client = null; /* a promise of the open channel; null: the next call opens one */
+    #client = null;  /* the open channel; null: the next call opens one */
+    #opening = null; /* a promise of it */
     #listeners = new Set();
 
     constructor(cockpit) { this.#cockpit = cockpit; }
@@ -70,22 +71,27 @@ export class DoorBus {
 
     /* Cockpit closes a channel whose daemon does not run, and does not open it again. */
     #open() {
-        this.#client ??= this.#address().then((address) => {
+        this.#opening ??= this.#address().then((address) => {
             const client = this.#cockpit.dbus(NAME, { bus: 'none', address, superuser: 'try' });
             client.addEventListener('close', () => {
                 this.#client = null;
+                this.#opening = null;
             });
             client.subscribe({ interface: INTERFACE, path: PATH }, (path, iface, name, args) => {
                 [...this.#listeners].forEach((listener) => listener(name, args));
             });
+            this.#client = client;
             return client;
         });
-        return this.#client;
+        return this.#opening;
     }
+
+    close() { this.#client?.close(); }
 
     /* Calls a method; resolves to its results. Throws a Fault. */
     async call(method, args, type, timeout = 10000) {
-        const client = await this.#open();
+        /* A page that goes away sends its calls at once, or not at all. */
+        const client = this.#client ?? await this.#open();
         try {
             return await client.call(PATH, INTERFACE, method, args, {...(type && { type }), timeout });
         } catch (error) {
