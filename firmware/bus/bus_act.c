@@ -1,4 +1,5 @@
-/* The method with which a client puts on record for whom of its own users it acts. */
+/* The method with which a client puts on record for whom of its own users it acts, and the record
+ * of a consent, for clients whose users are those of the bus. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -59,4 +60,17 @@ int iso__bus_record_act(sd_bus_message *call, void *context, sd_bus_error *out)
     (void)snprintf(note, sizeof note, "%s, asked by %s of user %u", act, account, (unsigned)user);
     r = iso_appliance_record_act(bus->appliance, person, note, &fault);
     return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+}
+
+int iso__bus_record_consent(struct iso_bus *bus, sd_bus_message *call, const char *person,
+                            struct iso_fault *fault)
+{
+    char note[64];
+    uid_t user = 0;
+    const int r = iso__bus_user_of(call, &user);
+    if (r < 0) {
+        return r;
+    }
+    (void)snprintf(note, sizeof note, "consent, asked by user %u", (unsigned)user);
+    return iso_appliance_record_act(bus->appliance, person, note, fault);
 }

@@ -116,38 +116,45 @@ static int on_release(sd_bus_message *call, void *context, sd_bus_error *out)
 
 /* ---- actions ---- */
 
+/* What a call of EnrollStart asks for. */
+struct wish {
+    struct iso_enroll_request request;
+    bool consent; /* the person has consented, which is put on record */
+};
+
+static int read_flag(sd_bus_message *call, bool *flag)
+{
+    int value = 0;
+    const int r = sd_bus_message_read(call, "v", "b", &value);
+    *flag = value != 0;
+    return r < 0 ? r : 1;
+}
+
 /* Reads one {sv}, whose container has been entered already. */
-static int read_option(sd_bus_message *call, struct iso_enroll_request *request, sd_bus_error *out)
+static int read_option(sd_bus_message *call, struct wish *wish, sd_bus_error *out)
 {
     const char *name;
-    int flag = 0;
     int r = sd_bus_message_read_basic(call, 's', &name);
     if (r < 0) {
         return r;
     }
     if (strcmp(name, ISO_CONTRACT_ALLOW_DUPLICATE) == 0) {
-        r = sd_bus_message_read(call, "v", "b", &flag);
-        request->allow_duplicate = flag != 0;
-        if (r >= 0) {
-            r = 1;
-        }
+        r = read_flag(call, &wish->request.allow_duplicate);
     } else if (strcmp(name, ISO_CONTRACT_POSES) == 0) {
-        r = sd_bus_message_read(call, "v", "b", &flag);
-        request->poses = flag != 0;
-        if (r >= 0) {
-            r = 1;
-        }
+        r = read_flag(call, &wish->request.poses);
+    } else if (strcmp(name, ISO_CONTRACT_CONSENT) == 0) {
+        r = read_flag(call, &wish->consent);
     } else {
-        r = iso__bus_read_validity_option(call, name, &request->validity);
+        r = iso__bus_read_validity_option(call, name, &wish->request.validity);
     }
     return r > 0 ? r : iso__bus_refuse_option(out, r, name);
 }
 
-static int read_options(sd_bus_message *call, struct iso_enroll_request *request, sd_bus_error *out)
+static int read_options(sd_bus_message *call, struct wish *wish, sd_bus_error *out)
 {
     int r = sd_bus_message_enter_container(call, 'a', "{sv}");
     while (r >= 0 && (r = sd_bus_message_enter_container(call, 'e', "sv")) > 0) {
-        r = read_option(call, request, out);
+        r = read_option(call, wish, out);
         if (r >= 0) {
             r = sd_bus_message_exit_container(call);
         }
@@ -158,26 +165,30 @@ static int read_options(sd_bus_message *call, struct iso_enroll_request *request
 static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
-    struct iso_enroll_request request = {0};
+    struct wish wish = {.consent = false};
+    const char *person = NULL;
     struct iso_fault fault = {.text = ""};
     int r = iso__bus_require_claim(bus, call, out);
     if (r >= 0) {
-        r = sd_bus_message_read(call, "s", &request.person);
+        r = sd_bus_message_read(call, "s", &person);
     }
     if (r >= 0) {
-        r = read_options(call, &request, out);
+        r = read_options(call, &wish, out);
     }
     if (r < 0) {
         return r;
     }
-    const char *flaw = iso_person_name_flaw(request.person);
+    const char *flaw = iso_person_name_flaw(person);
     if (flaw) {
         return invalid_name(out, flaw);
     }
-    r = iso_appliance_enroll(bus->appliance, &request, &fault);
+    wish.request.person = person;
+    r = wish.consent ? iso__bus_record_consent(bus, call, person, &fault) : 0;
+    if (r >= 0) {
+        r = iso_appliance_enroll(bus->appliance, &wish.request, &fault);
+    }
     return r < 0 ? iso__bus_refuse(out, r, &fault)
-                 : iso__bus_reply_enrolment(
-                       call, iso_gallery_find(bus->borrowed->gallery, request.person));
+                 : iso__bus_reply_enrolment(call, iso_gallery_find(bus->borrowed->gallery, person));
 }
 
 static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *out)

@@ -76,8 +76,11 @@ int iso__bus_watch_relief(sd_bus_message *call, void *context, sd_bus_error *out
 void iso__bus_on_seen(void *context, const struct iso_seen_frame *seen);
 void iso__bus_end_relief(struct iso_bus *bus);
 
-/* The user who makes a call, and the method that puts an act of a client on record (bus_act.c). */
+/* The user who makes a call, the method that puts an act of a client on record, and the record that
+ * a person has consented to the enrolment that a call begins (bus_act.c). */
 int iso__bus_user_of(sd_bus_message *call, uid_t *user);
+int iso__bus_record_consent(struct iso_bus *bus, sd_bus_message *call, const char *person,
+                            struct iso_fault *fault);
 int iso__bus_record_act(sd_bus_message *call, void *context, sd_bus_error *out);
 
 /* Returns 0 if the sender of a call has the claim. Otherwise returns a negative errno and sets the

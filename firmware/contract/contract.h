@@ -6,16 +6,17 @@
  *   Claim()                              takes the camera; the door is not watched meanwhile
  * + Release()                            gives it back; leaving the bus gives it back, too
  * + EnrollStart(s person, a{sv}) -> a{sv}
- *                                        options ISO_CONTRACT_ALLOW_DUPLICATE b, ..._VALID_FROM x,
+ *                                        options ISO_CONTRACT_CONSENT b: the person has consented,
+ *                                        which is recorded first, as the act "consent" with the
+ *                                        caller's user; ..._ALLOW_DUPLICATE b, ..._VALID_FROM x,
  *                                        ..._VALID_UNTIL x (seconds since 1970; 0: no limit),
  *                                        ..._EXPIRED b, ..._POSES b: after the frontal face also
  *                                        the other poses, each as a template of its own; without
- *                                        it the frontal face alone, as before there were poses.
- *                                        A limit that is not named stays as it is
- *                                        stored. An end in the past is refused without EXPIRED. If
- *                                        the name is in use, the reply describes the person, else
- *                                        it is empty: "person" s (as it is spelt), "enrolled" x,
- *                                        "templates" u, "valid-from" x, "valid-until" x
+ *                                        it the frontal face alone. A limit that is not named stays
+ *                                        as it is stored. An end in the past is refused without
+ *                                        EXPIRED. If the name is in use, the reply describes the
+ *                                        person, else it is empty: "person" s (as it is spelt),
+ *                                        "enrolled" x, "templates" u, "valid-from" x, "valid-until" x
  * + EnrollStop()
  * + VerifyStart(s person)  VerifyStop()  IdentifyStart()  IdentifyStop()
  *   ListPeople() -> a(sxxxu)             person, enrolled, valid_from, valid_until (s), templates
@@ -273,14 +274,13 @@
 #define ISO_CONTRACT_WATCH_RELIEF     "WatchRelief"
 #define ISO_CONTRACT_PICTURE          "Picture"
 
-/* Options of EnrollStart and SetValidity. */
+/* Options of EnrollStart, and three of SetValidity. */
 #define ISO_CONTRACT_ALLOW_DUPLICATE "allow-duplicate"
+#define ISO_CONTRACT_POSES           "poses"
+#define ISO_CONTRACT_CONSENT         "consent"
 #define ISO_CONTRACT_VALID_FROM      "valid-from"
 #define ISO_CONTRACT_VALID_UNTIL     "valid-until"
 #define ISO_CONTRACT_EXPIRED         "expired"
-
-/* Option of EnrollStart alone. */
-#define ISO_CONTRACT_POSES "poses"
 
 /* The poses of an enrolment, in the order of its steps. Left and right are the subject's. */
 #define ISO_CONTRACT_POSE_FRONTAL "frontal"

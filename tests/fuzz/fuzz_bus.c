@@ -45,6 +45,7 @@ static const char *take_text(struct input *input)
                                         ISO_CONTRACT_VALID_FROM,
                                         ISO_CONTRACT_VALID_UNTIL,
                                         ISO_CONTRACT_EXPIRED,
+                                        ISO_CONTRACT_CONSENT,
                                         "ANNA"};
     static char text[256];
     const size_t length = take(input, 1);

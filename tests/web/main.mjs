@@ -8,6 +8,7 @@ import { begin, end, eventually, expect, expectEqual, onFailure, say, step } fro
 import { Browser, slips } from './browser.mjs';
 import { Rig } from './rig.mjs';
 import { access } from './story_access.mjs';
+import { cockpit } from './story_cockpit.mjs';
 import { crowd } from './story_crowd.mjs';
 import { door } from './story_door.mjs';
 import { enrol } from './story_enrol.mjs';
@@ -115,6 +116,7 @@ async function all(run) {
   await rig.startWeb();
   run.browser = await new Browser({ base: rig.base, keyHash: rig.keyHash(), scratch: here('SCRATCH') }).start();
   onFailure((path) => run.browser.writeHelp(path));
+  onFailure((path) => run.cockpitBrowser?.writeHelp(`${path}-cockpit`));
   onFailure(() => run.beginAnew());
   await login(run);
   run.admin = run.api();
@@ -124,6 +126,7 @@ async function all(run) {
   await door(run);
   await people(run);
   await pages(run);
+  await cockpit(run);
   await removal(run);
   await oldSession(run);
   await crowd(run);
@@ -146,5 +149,7 @@ try {
   code = end() || 1;
 }
 await run.browser?.stop().catch(() => undefined);
+await run.cockpitBrowser?.stop().catch(() => undefined);
+await run.cockpit?.stop();
 await run.rig.stop();
 process.exit(code);

@@ -1,7 +1,7 @@
 // The appliance of the run: a bus, isothermd on stored frames, and isotherm-web, all in one scratch folder.
 import { spawn, spawnSync } from 'node:child_process';
 import { createHash, X509Certificate } from 'node:crypto';
-import { createWriteStream, existsSync, mkdirSync, readFileSync, renameSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
+import { chmodSync, createWriteStream, existsSync, mkdirSync, readFileSync, renameSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:net';
 import { join } from 'node:path';
 import { connect } from 'node:tls';
@@ -14,7 +14,7 @@ for (const signal of ['SIGINT', 'SIGTERM']) {
 }
 
 // A child that writes its output to a file. `child.ended` is resolved with its exit code.
-function start(program, words, log, environment = {}) {
+export function start(program, words, log, environment = {}) {
   const out = createWriteStream(log, { flags: 'a' });
   const child = spawn(program, words, { env: { ...process.env, ...environment }, stdio: ['ignore', 'pipe', 'pipe'] });
   running.add(child);
@@ -30,7 +30,7 @@ function start(program, words, log, environment = {}) {
   return child;
 }
 
-async function stop(child, signal = 'SIGTERM') {
+export async function stop(child, signal = 'SIGTERM') {
   if (child) {
     child.kill(signal);
     return child.ended;
@@ -38,7 +38,7 @@ async function stop(child, signal = 'SIGTERM') {
   return 0;
 }
 
-function freePort() {
+export function freePort() {
   return new Promise((resolve, reject) => {
     const server = createServer();
     server.on('error', reject);
@@ -57,7 +57,10 @@ export class Rig {
     this.address = `unix:path=${join(scratch, 'bus')}`;
     this.stored = join(source, 'sim/stored');
     this.gallery = join(scratch, 'daemon');
+    this.groups = { 'isotherm-observe': 'games', 'isotherm-identify': 'audio', 'isotherm-enroll': 'video', isotherm: 'floppy' };
+    this.cockpitBrowsers = [];
     mkdirSync(this.gallery);
+    chmodSync(scratch, 0o711); // other users reach the bus
     // A build may put the pages together with their catalogues.
     const built = join(build, 'enroll/web/pages/pages');
     this.pages = existsSync(join(built, 'index.html')) ? built : join(source, 'enroll/web/pages');
@@ -67,10 +70,15 @@ export class Rig {
     return join(this.out, `${name}.log`);
   }
 
-  // The project's own policy lets root own the name. For other users the bus allows everything.
+  // The project's own policy, with groups of Debian in the place of its own. It lets root own the name. For other users the bus allows
+  // everything.
   async startBus() {
-    const policy = join(this.source, 'board/generic/org.isotherm.Isotherm.conf');
-    const include = process.getuid() === 0 ? `<include>${policy}</include>` : '';
+    let policy = readFileSync(join(this.source, 'board/generic/org.isotherm.Isotherm.conf'), 'utf8');
+    for (const [group, present] of Object.entries(this.groups)) {
+      policy = policy.replace(`group="${group}"`, `group="${present}"`);
+    }
+    writeFileSync(join(this.scratch, 'policy.conf'), policy);
+    const include = process.getuid() === 0 ? `<include>${join(this.scratch, 'policy.conf')}</include>` : '';
     writeFileSync(join(this.scratch, 'bus.conf'), `<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
  "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
 <busconfig><type>isotherm-web-check</type><listen>${this.address}</listen><auth>EXTERNAL</auth>

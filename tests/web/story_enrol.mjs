@@ -17,7 +17,7 @@ async function openForm(page, name) {
 }
 
 // Sets a box or a choice by its label.
-async function choose(page, role, name, on) {
+export async function choose(page, role, name, on) {
   const handle = await find(page, role, name);
   if ((await handle.evaluate((element) => element.checked)) !== on) {
     await handle.click();

@@ -7,6 +7,7 @@ import {makeCockpitApi} from './transport/cockpit.js';
 const { cockpit } = globalThis;
 
 await loadPreferredLanguage([cockpit.language, ...(navigator.languages ?? [])].filter(Boolean));
+cockpit.permission({ admin: true }); /* loads the page again when the user turns administrative access on or off */
 const api = makeCockpitApi(cockpit);
 addEventListener('pagehide', api.abandon);
 await makeApp(api, document.getElementById('app'))();

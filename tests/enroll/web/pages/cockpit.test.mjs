@@ -14,10 +14,17 @@ function script(answers) {
     const listeners = new Set();
     const cockpit = {
         calls,
+        opened: [],
         emit: (name, ...args) => [...listeners].forEach((listener) => listener('/org/isotherm/Door0', 'org.isotherm.Door', name, args)),
         variant: (t, v) => ({ t, v }),
         user: async () => ({ name: 'Ada Lovelace' }),
-        dbus: () => ({
+        spawn: (words) => (words[0] === 'printenv' ? Promise.reject(new Error('exit code 1')) : cockpit.program(words)),
+        dbus: (name, options) => ({
+            addEventListener(event, listener) {
+                cockpit.close = () => listener({}, { problem: 'not-found' });
+                cockpit.opened.push(options);
+            },
+            close: () => cockpit.close(),
             async call(path, iface, method, args) {
                 calls.push([method, ...args]);
                 const answer = answers[method] ?? [];
@@ -41,7 +48,7 @@ const settle = () => new Promise((resolve) => { setImmediate(resolve); });
 
 test('it has the functions of the API by HTTP, except those of accounts', () => {
     const api = makeCockpitApi(script({}));
-    const own = ['login', 'logout', 'changePassword', 'setup', 'accounts', 'addAccount', 'changeAccount', 'removeAccount', 'settings'];
+    const own = ['login', 'logout', 'changePassword', 'setup', 'accounts', 'addAccount', 'changeAccount', 'removeAccount'];
     const missing = Object.keys(http).filter((name) => !(name in api) && !own.includes(name));
     assert.deepEqual(missing, []);
     assert.deepEqual(Object.keys(api.can).sort(), Object.keys(http.can).sort());
@@ -52,7 +59,36 @@ test('the bus decides the role', async () => {
     assert.equal(await role({}), 'administrator');
     assert.equal(await role({ GetAddress: denied }), 'enroller');
     assert.equal(await role({ GetAddress: denied, ListPeople: denied }), 'observer');
-    await assert.rejects(role({ GetStatus: denied }), { code: 'not-allowed' });
+    await assert.rejects(role({ GetStatus: denied }), { code: 'no-group' });
+});
+
+test('a page has its own connection, and opens another one when Cockpit has closed it', async () => {
+    const bus = script({});
+    const api = makeCockpitApi(bus);
+    await api.status();
+    await api.status();
+    assert.deepEqual(bus.opened, [{ bus: 'none', address: 'unix:path=/run/dbus/system_bus_socket', superuser: 'try' }]);
+    bus.close();
+    await api.status();
+    assert.equal(bus.opened.length, 2);
+});
+
+test('a channel that Cockpit closes because nobody owns the name means that the daemon is gone', async () => {
+    const closed = Object.assign(new Error('not-found'), { name: null, problem: 'not-found' });
+    assert.equal((await makeCockpitApi(script({ GetStatus: closed })).status()).daemon, false);
+});
+
+test('the findings of isotherm doctor come also if its exit code is not 0, in the words of the API', async () => {
+    const bus = script({});
+    /* As Cockpit does, and unlike other promises: the rejection has two values. */
+    bus.program = () => ({ then: (done, failed) => failed(new Error('exit code 4'), '{"healthy":false,"checks":[{"subject":"door","state":"fault"}]}') });
+    assert.deepEqual(await makeCockpitApi(bus).health(), { healthy: false, checks: [{ subject: 'door', state: 'bad' }] });
+});
+
+test('the settings of the daemon have the members of the API', async () => {
+    const bus = script({ GetSettings: [[['door', 'backend', 'null', 'gpio', 'null gpio', 'what moves the door']]] });
+    assert.deepEqual(await makeCockpitApi(bus).settings(),
+        [{ section: 'door', key: 'backend', value: 'null', default: 'gpio', range: 'null gpio', help: 'what moves the door' }]);
 });
 
 test('a daemon that is gone is a state, not a fault', async () => {
@@ -106,6 +142,13 @@ test('an enrolment goes from the consent to its result', async () => {
     assert.deepEqual(ends.slice(-2).map(([method]) => method), ['EnrollStop', 'Release']);
     api.abandon();
     assert.equal(ends.filter(([method]) => method === 'Release').length, 1);
+});
+
+test('without the right to name an account, the daemon is asked to record the consent', async () => {
+    const { bus, begin } = await begun({ GetAddress: denied });
+    await begin;
+    assert.equal(bus.calls.some(([method]) => method === 'RecordAct'), false);
+    assert.deepEqual(bus.calls.at(-1)[2].consent, { t: 'b', v: true });
 });
 
 test('the camera is given back when the enrolment cannot begin, is stopped, or the page goes away', async () => {

@@ -30,6 +30,8 @@ export const FAULTS = {
     'no-such-method': N_('The web server did not understand the request.'),
     'no-such-path': N_('The web server did not understand the request.'),
     'no-such-person': N_('This person is not enrolled any more.'),
+    'no-group': N_(
+        'You may not use the door service. Turn on administrative access in Cockpit, or ask an administrator to add you to the group isotherm-observe, and log in again.'),
     'not-allowed': N_('Your account may not do this.'),
     'other-origin': N_('The request came from another page.'),
     rejected: N_('The door service has rejected this.'),

@@ -14,6 +14,7 @@ import {
     VERDICTS,
     word
 } from '../base/words.js';
+import {faultText} from '../transport/fault.js';
 import {badge} from '../view/badge.js';
 import {holdHint} from '../view/hint_hold.js';
 import {outlineView} from '../view/outline_view.js';
@@ -31,6 +32,7 @@ function live(api) {
     let stream = null;
     let last = 0;
     let empty = true;
+    let refused = '';
     const draw = (record) => {
         last = performance.now();
         view.draw(record);
@@ -43,12 +45,14 @@ function live(api) {
     };
     const follow = () => {
         stream?.close();
-        stream = document.hidden ? null : api.outline(draw, () => {});
+        stream = document.hidden ? null : api.outline(draw, (up, fault) => {
+            refused = fault?.code === 'not-allowed' ? faultText(fault) : '';
+        });
     };
     const watch = setInterval(() => {
         if (!document.hidden && performance.now() - last > QUIET_MS) {
             view.draw(null);
-            hold(_('The camera shows nothing at the moment'));
+            hold(refused || _('The camera shows nothing at the moment'));
             say(distance, '\u00a0');
         }
     }, 1000);
@@ -56,7 +60,8 @@ function live(api) {
     follow();
     return {
         element:
-            h('section', { class: 'panel live', 'aria-label': _('At the door now') }, view.element, hint, distance),
+            h('section', { class: 'panel live', 'aria-label': _('At the door now') }, api.can.outline && view.element,
+              hint, distance),
         resume: follow,
         leave() {
             stream?.close();

@@ -53,9 +53,7 @@ export function enrolLive({api, hub}, ended) {
     const view = reliefView(_('Relief of the face'));
     const mirror = checkbox(
         _('As in a mirror'), { checked: true, onchange: () => element.classList.toggle('mirror', mirror.box.checked) });
-    const picture =
-        h('div', { class: 'picture' },
-          api.can.relief ? view.element : h('p', { class: 'quiet' }, _('The relief is not shown here.')));
+    const picture = api.can.relief && h('div', {}, h('div', { class: 'picture' }, view.element), mirror.element);
     const hint = h('p', { class: 'hint', role: 'status', 'aria-live': 'polite' });
     const hold = holdHint((text) => say(hint, text));
     const progress = h('progress', { 'aria-label': _('Progress') });
@@ -134,8 +132,8 @@ export function enrolLive({api, hub}, ended) {
     setTimeout(() => draw(hub.enrolment), 0);
     const element =
         h('div', { class: 'enrol mirror panel' }, h('h2', {}, h('bdi', {}, hub.enrolment?.person ?? '')),
-          h('div', { class: 'columns' }, h('div', {}, picture, mirror.element), h('div', {}, hint, progress, quality)),
-          steps, h('div', { class: 'buttons start' }, stop));
+          h('div', { class: 'columns' }, picture, h('div', {}, hint, progress, quality)), steps,
+          h('div', { class: 'buttons start' }, stop));
     return {
         element,
         resume() {

@@ -70,7 +70,7 @@ function machine(found, status) {
     const row = (name, value) => [h('dt', {}, name), h('dd', {}, value)];
     const certificate = found.certificate;
     return h(
-        'dl', { class: 'facts' }, row(_('Version of the web server'), found.version ?? '–'),
+        'dl', { class: 'facts' }, found.version && row(_('Version of the web server'), found.version),
         row(_('Version of the door service'), status.version ?? '–'),
         row(_('Runs since'), Number.isFinite(status['uptime-ms']) ? duration(status['uptime-ms']) : '–'),
         row(_('Sensor'), [status.sensor, status['sensor-model']].filter(Boolean).join(', ') || '–'),

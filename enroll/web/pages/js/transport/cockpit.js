@@ -5,8 +5,18 @@
 
 import {CockpitEnrolment} from './cockpit_enrolment.js';
 import {DoorBus} from './door_bus.js';
+import {Fault} from './fault.js';
 
-const SILENT_MS = 10000;
+const SILENT_MS = 5000;
+
+/* The words of `isotherm doctor` as those of the API. */
+const FOUND = {
+    ok: 'good',
+    warning: 'odd',
+    denied: 'denied',
+    fault: 'bad'
+};
+
 const seconds = (value) => Number(value) || 0;
 
 function toPerson([name, enrolled, from, until, templates]) {
@@ -48,6 +58,7 @@ export function makeCockpitApi(cockpit) {
     const enrolment = new CockpitEnrolment(bus);
     let role = 'observer';
     let account = '';
+    let ask = () => {}; /* asks for the state at once, while a page listens */
 
     async function status() {
         try {
@@ -61,7 +72,7 @@ export function makeCockpitApi(cockpit) {
     }
 
     function events(on, onState) {
-        const ask = async () => {
+        ask = async () => {
             try {
                 on('status', await status());
                 onState(true);
@@ -79,11 +90,12 @@ export function makeCockpitApi(cockpit) {
         };
         const subscription = bus.subscribe((name, args) => signals[name]?.(args));
         enrolment.listen((state) => on('enrolment', state));
-        const timer = setInterval(ask, SILENT_MS);
+        const timer = setInterval(() => ask(), SILENT_MS);
         ask();
         return {
             close() {
                 clearInterval(timer);
+                ask = () => {};
                 subscription.remove();
                 enrolment.listen(() => {});
             },
@@ -91,7 +103,7 @@ export function makeCockpitApi(cockpit) {
     }
 
     /* Words of what the camera sees, in the form of an outline without points. */
-    function outline(onRecord) {
+    function outline(onRecord, onState) {
         const subscription = bus.subscribe((name, [view] = []) => {
             if (name === 'View') {
                 const seen = bus.plain(view);
@@ -104,7 +116,7 @@ export function makeCockpitApi(cockpit) {
                 });
             }
         });
-        bus.call('AimStart', []).catch(() => {});
+        bus.call('AimStart', []).catch((fault) => onState(false, fault));
         return {
             close() {
                 subscription.remove();
@@ -144,27 +156,39 @@ export function makeCockpitApi(cockpit) {
 
     /* What the command line tool finds, which knows the remedies. */
     async function health() {
-        let text;
-        try {
-            text = await cockpit.spawn(['isotherm', 'doctor', '--json'], { superuser: 'try', err: 'ignore' });
-        } catch (error) {
-            text = error?.message ?? '';
-        }
-        const found = await bus.doctor(text);
-        const { version } = await bus.values('GetStatus').catch(() => ({}));
-        return { healthy: found.healthy === true, checks: found.checks ?? [], version };
+        /* If something is wrong, the exit code is not 0. Cockpit then rejects with two values: the
+         * error, and what was printed. */
+        const found = await bus.doctor(await new Promise((resolve) => {
+            cockpit.spawn(['isotherm', 'doctor', '--json'], { superuser: 'try', err: 'ignore' })
+                .then(resolve, (error, printed) => resolve(printed ?? ''));
+        }));
+        const checks = (found.checks ?? []).map((check) => ({...check, state: FOUND[check.state] ?? check.state }));
+        return { healthy: found.healthy === true, checks };
+    }
+
+    /* No signal tells of these changes. */
+    async function change(method, args, type) {
+        await bus.call(method, args, type);
+        await ask();
+    }
+
+    async function settings() {
+        const [list] = await bus.call('GetSettings', []);
+        return list.map(([section, key, value, standard, range,
+                          help]) => ({ section, key, value, default: standard, range, help }));
     }
 
     return {
         kind: 'cockpit',
-        can: { accounts: false, outline: false, relief: false, settings: false, login: false },
+        can: { accounts: false, outline: false, relief: false, settings: true, login: false },
         onLoginRequired() {},
         async session() {
             account = (await cockpit.user()).name;
             enrolment.account = account;
             await bus.values('GetStatus').catch((fault) => {
                 if (fault.code === 'not-allowed') {
-                    throw fault;
+                    bus.close(); /* the next attempt may have other rights */
+                    throw new Fault('no-group', { detail: fault.detail });
                 }
             });
             role = await findRole(bus);
@@ -172,8 +196,9 @@ export function makeCockpitApi(cockpit) {
         },
         status,
         health,
-        setLockdown: (on) => bus.call('SetLockdown', [on], 'b'),
-        clearLockout: () => bus.call('ClearLockout', []),
+        settings,
+        setLockdown: (on) => change('SetLockdown', [on], 'b'),
+        clearLockout: () => change('ClearLockout', []),
         people: async () => ({ people: (await bus.call('ListPeople', []))[0].map(toPerson), log_read: true }),
         changePerson,
         removePerson: (name) => bus.call('DeletePerson', [name], 's'),

@@ -56,6 +56,8 @@ export class CockpitEnrolment {
         }
     }
 
+    /* The consent is on record before anything is seen of the person: with the name of the account if
+     * the user may call RecordAct, else by the daemon, with the user's number. */
     async begin(wish, record) {
         if (this.state.state === 'running') {
             throw new Fault('enrolment-running');
@@ -64,7 +66,6 @@ export class CockpitEnrolment {
             throw new Fault('consent-required');
         }
         if (record) {
-            /* Only administrators may call this; the record of the enrolment names everybody. */
             await this.#bus.call(
                 'RecordAct',
                 [this.account.toLowerCase().replace(/[^a-z0-9._-]/g, '-').slice(0, 32), 'consent', wish.person], 'sss');
@@ -84,7 +85,10 @@ export class CockpitEnrolment {
         };
         this.#signals = this.#bus.subscribe((name, args) => this.#receive(name, args));
         try {
-            await this.#bus.call('EnrollStart', [wish.person, this.#bus.options({ poses: true, ...wish })], 'sa{sv}');
+            await this.#bus.call(
+                'EnrollStart',
+                [wish.person, this.#bus.options({ poses: true, ...wish, consent: record ? undefined : true })],
+                'sa{sv}');
         } catch (fault) {
             this.#signals?.remove();
             this.state = { state: 'none' };
@@ -95,8 +99,8 @@ export class CockpitEnrolment {
         return this.state;
     }
 
-    /* Gives the camera back when the page goes away. Cockpit keeps its connection to the bus open, so
-     * that the daemon would not notice it. */
+    /* Gives the camera back when the page goes away. The end of its connection would do this, too,
+     * but a page that a browser keeps in its memory is still connected. */
     abandon() {
         if (this.state.state === 'running') {
             this.#finish({ result: 'left' });

@@ -1,4 +1,9 @@
-/* The daemon on the system bus, by cockpit.dbus: firmware/contract/contract.h. */
+/* The daemon on the system bus, by cockpit.dbus: firmware/contract/contract.h.
+ *
+ * Each page has a connection of its own. With {bus: 'system'}, Cockpit would use one connection for
+ * all pages of a login: a claim would outlive the page, and View signals of one page would end with
+ * those of another. With an address, the connection ends with the page, also if the browser crashes,
+ * and the daemon then ends the claim. */
 
 import {Fault} from './fault.js';
 
@@ -29,25 +34,68 @@ const LIMITS = {
     valid_until_s: ['valid-until', 'x'],
     expired: ['expired', 'b'],
     poses: ['poses', 'b'],
-    allow_duplicate: ['allow-duplicate', 'b']
+    allow_duplicate: ['allow-duplicate', 'b'],
+    consent: ['consent', 'b']
 };
+
+/* What Cockpit says about a channel that it has closed. */
+const PROBLEMS = {
+    'access-denied': 'not-allowed',
+    'not-found': 'no-daemon',
+};
+
+/* Where the system bus is, unless the environment says something else. */
+const SYSTEM_BUS = 'unix:path=/run/dbus/system_bus_socket';
+
+function fault(error) {
+    const code = CODES[error?.name] ?? PROBLEMS[error?.problem] ?? 'no-connection';
+    return new Fault(error?.name && !CODES[error.name] ? error.name : code, { detail: error?.message ?? '' });
+}
 
 export class DoorBus {
     #cockpit;
-    #client;
+    #client = null;  /* the open channel; null: the next call opens one */
+    #opening = null; /* a promise of it */
+    #listeners = new Set();
 
-    constructor(cockpit) {
-        this.#cockpit = cockpit;
-        this.#client = cockpit.dbus(NAME, { bus: 'system', superuser: 'try' });
+    constructor(cockpit) { this.#cockpit = cockpit; }
+
+    async #address() {
+        try {
+            const words = ['printenv', 'DBUS_SYSTEM_BUS_ADDRESS'];
+            return (await this.#cockpit.spawn(words, { superuser: 'try', err: 'ignore' })).trim() || SYSTEM_BUS;
+        } catch {
+            return SYSTEM_BUS; /* printenv says by its exit code that there is no such variable */
+        }
     }
+
+    /* Cockpit closes a channel whose daemon does not run, and does not open it again. */
+    #open() {
+        this.#opening ??= this.#address().then((address) => {
+            const client = this.#cockpit.dbus(NAME, { bus: 'none', address, superuser: 'try' });
+            client.addEventListener('close', () => {
+                this.#client = null;
+                this.#opening = null;
+            });
+            client.subscribe({ interface: INTERFACE, path: PATH }, (path, iface, name, args) => {
+                [...this.#listeners].forEach((listener) => listener(name, args));
+            });
+            this.#client = client;
+            return client;
+        });
+        return this.#opening;
+    }
+
+    close() { this.#client?.close(); }
 
     /* Calls a method; resolves to its results. Throws a Fault. */
     async call(method, args, type, timeout = 10000) {
+        /* A page that goes away sends its calls at once, or not at all. */
+        const client = this.#client ?? await this.#open();
         try {
-            return await this.#client.call(PATH, INTERFACE, method, args, {...(type && { type }), timeout });
+            return await client.call(PATH, INTERFACE, method, args, {...(type && { type }), timeout });
         } catch (error) {
-            const code = CODES[error?.name] ?? (error?.problem === 'access-denied' ? 'not-allowed' : 'no-connection');
-            throw new Fault(error?.name && !CODES[error.name] ? error.name : code, { detail: error?.message ?? '' });
+            throw fault(error);
         }
     }
 
@@ -56,8 +104,8 @@ export class DoorBus {
         try {
             await this.call(method, args);
             return true;
-        } catch (fault) {
-            return fault.code !== 'not-allowed' && fault.code !== 'no-daemon';
+        } catch ({ code }) {
+            return code !== 'not-allowed' && code !== 'no-daemon';
         }
     }
 
@@ -78,8 +126,8 @@ export class DoorBus {
 
     /* Calls listener(name, args) for each signal; the result has remove(). */
     subscribe(listener) {
-        return this.#client.subscribe(
-            { interface: INTERFACE, path: PATH }, (path, iface, name, args) => listener(name, args));
+        this.#listeners.add(listener);
+        return { remove: () => this.#listeners.delete(listener) };
     }
 
     /* The document that `isotherm doctor --json` prints. */
