@@ -1,7 +1,6 @@
-/* Calls on the message bus: the service of a whole appliance. The target is the bus and its
- * clients. The input decides what the clients send: any method, with arguments of right or wrong
- * types, from several names, while frames arrive and time passes. The door must stay locked, and
- * each call must be answered. */
+/* Calls on the message bus: the service of a whole appliance. The input decides what its clients
+ * send: any method, with arguments of right or wrong types, from several names, while frames arrive
+ * and time passes. The door must stay locked, and each call must be answered. */
 #include <poll.h>
 #include <pthread.h>
 #include <stdio.h>
