@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "enroll/web/http/answer.h"
+#include "enroll/web/http/gzip.h"
 #include "enroll/web/http/inner.h"
 
 struct web_exchange *web__exchange_new(struct web_server *server, const char *uri)
@@ -196,6 +197,12 @@ void web_exchange_json(struct web_exchange *exchange, unsigned status, json_t *j
 
 void web_exchange_text(struct web_exchange *exchange, unsigned status, char *text, size_t size)
 {
+    if (text && size >= WEB_GZIP_LEAST_BYTES && exchange->connection &&
+        web__accepts_gzip(MHD_lookup_connection_value(exchange->connection, MHD_HEADER_KIND,
+                                                      "Accept-Encoding")) &&
+        web__gzip(&text, &size)) {
+        web_exchange_header(exchange, "Content-Encoding", "gzip");
+    }
     answer_or_fail(exchange, status, web__answer_text(status, text, size));
 }
 

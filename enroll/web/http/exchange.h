@@ -51,7 +51,8 @@ const struct sockaddr *web_exchange_address(const struct web_exchange *exchange)
  * the type application/problem+json. */
 void web_exchange_json(struct web_exchange *exchange, unsigned status, json_t *json);
 
-/* Answers with a JSON text that the handler has written itself, for long answers. `text` is taken
+/* Answers with a JSON text that the handler has written itself, for long answers, which are sent as
+ * gzip if the client accepts it. `text` is taken
  * over, and freed with free(); NULL (no memory) is answered as 500. */
 void web_exchange_text(struct web_exchange *exchange, unsigned status, char *text, size_t size);
 
