@@ -76,6 +76,11 @@ void web_api_verify_log(void *api, struct web_exchange *exchange);
  * "no-daemon", and so on by one table of the names in firmware/contract/contract.h. */
 void web_api_daemon_problem(struct web_exchange *exchange, const sd_bus_error *error);
 
+/* Whether the session of the exchange goes on. Returns false after answering 401 "login-required".
+ * Asked after the daemon has put an act on record and before the act is done: meanwhile the account
+ * may have been removed, or have got another role. */
+bool web_api_goes_on(const struct web_api *api, struct web_exchange *exchange);
+
 /* The text of a member of the body. Returns NULL after answering 400 "invalid-member" if it is
  * missing, is no text, or has no or more than `most` bytes. */
 const char *web_api_text(struct web_exchange *exchange, const char *member, size_t most);
