@@ -1,7 +1,8 @@
 /* The files of the pages, kept in memory. Internal to enroll/web/http.
  *
- * The folder and its subfolders, two levels deep, are listed once; a deeper one is an error. Only files are served whose name
- * has an ending that a browser needs; names that begin with a point are left out. */
+ * The folder and its subfolders, two levels deep, are listed once; a deeper one is an error. Only
+ * files are served whose name has an ending that a browser needs; names that begin with a point are
+ * left out. */
 #ifndef WEB_HTTP_FILES_H
 #define WEB_HTTP_FILES_H
 
@@ -30,8 +31,8 @@ struct web_files {
 };
 
 /* Reads the folder. 0; or a negative errno with a fault: -E2BIG there are too many files, -EINVAL
- * a folder is too deep, -ENOENT there is no index.html, and the errors of opendir() and iso_file_read. web__files_free frees what
- * was read, also after an error. */
+ * a folder is too deep, -ENOENT there is no index.html, and the errors of opendir() and
+ * iso_file_read. web__files_free frees what was read, also after an error. */
 int web__files_read(struct web_files *files, const char *folder, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
