@@ -12,6 +12,7 @@
 
 struct web_feed;      /* enroll/web/daemon/feed.h: what the daemon reports, for the streams */
 struct web_enrolment; /* enroll/web/daemon/enrolment.h: the enrolment that goes on */
+struct web_turns;     /* enroll/web/api/turns.h: requests with a password */
 struct web_last_seen; /* enroll/web/daemon/last_seen.h: when each person was let in last */
 
 /* The context of all handlers. */
@@ -26,6 +27,7 @@ struct web_api {
     struct web_feed *feed;
     struct web_enrolment *enrolment;
     struct web_last_seen *last_seen;
+    struct web_turns *turns;
     struct web_server *server; /* NULL until it runs */
 };
 

@@ -163,6 +163,16 @@ void web_daemon_send(struct web_daemon *daemon, sd_bus_message *message, uint64_
     }
 }
 
+size_t web_daemon_waiting(const struct web_daemon *daemon)
+{
+    size_t n = 0;
+    for (const struct web_call *call = TAILQ_FIRST(&daemon->calls); call;
+         call = TAILQ_NEXT(call, link)) {
+        n += call->message != NULL;
+    }
+    return n;
+}
+
 void web_daemon_record(struct web_daemon *daemon, const char *account, const char *act,
                        const char *person, web_daemon_reply_fn on_reply, void *context)
 {

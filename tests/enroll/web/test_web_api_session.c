@@ -8,6 +8,7 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "enroll/web/account/setup_code.h"
+#include "enroll/web/api/turns.h"
 #include "tests/enroll/web/rigs/api_rig.h"
 
 /* Whether the problem of GET /session says that there is no account yet. */
@@ -103,6 +104,83 @@ static void a_wrong_password_is_refused_and_slowed_down(void **state)
     assert_string_equal(api_rig.said, "");
 }
 
+static const char wrong_login[] =
+    "POST /api/v1/session HTTP/1.1\r\nHost: door.test\r\n" WEB_RIG_ORIGIN WEB_RIG_JSON
+    "Content-Length: 36\r\n\r\n{\"account\":\"ada\",\"password\":\"wrong\"}";
+
+static unsigned failures(void)
+{
+    unsigned n = 0;
+
+    for (int i = 0; i < WEB_GUESS_ADDRESSES; i++) {
+        n += api_rig.guess.addresses[i].failures;
+    }
+    return n;
+}
+
+static void expect_answer(struct https *client, int status)
+{
+    struct https_answer answer;
+
+    https_read(client, &answer);
+    assert_int_equal(answer.status, status);
+    https_answer_free(&answer);
+    https_close(client);
+}
+
+static void passwords_are_checked_one_after_the_other(void **state)
+{
+    enum { LOGINS = 6 };
+    struct https clients[LOGINS];
+    (void)state;
+
+    for (int i = 0; i < LOGINS; i++) {
+        web_rig_connect(&api_rig.web, &clients[i]);
+    }
+    for (int i = 0; i < LOGINS; i++) {
+        https_send(&clients[i], wrong_login);
+    }
+    for (unsigned before = 0; before < WEB_GUESS_FREE; before = failures()) {
+        https_pump(api_rig.web.event, -1);
+        assert_in_range(failures(), before, before + 1);
+    }
+    for (int i = 0; i < LOGINS; i++) {
+        expect_answer(&clients[i], i < WEB_GUESS_FREE ? 401 : 429);
+    }
+    assert_int_equal(failures(), WEB_GUESS_FREE);
+}
+
+static void a_login_that_waits_at_the_end_is_answered(void **state)
+{
+    struct https clients[3];
+    (void)state;
+
+    for (int i = 0; i < 3; i++) {
+        web_rig_connect(&api_rig.web, &clients[i]);
+        https_send(&clients[i], wrong_login);
+    }
+    while (failures() == 0) {
+        https_pump(api_rig.web.event, -1);
+    }
+    web_turns_free(api_rig.api.turns);
+    api_rig.api.turns = NULL;
+    expect_answer(&clients[0], 401);
+    expect_answer(&clients[1], 503);
+    expect_answer(&clients[2], 503);
+}
+
+static void nobody_logs_in_while_too_many_calls_wait(void **state)
+{
+    (void)state;
+    api_rig_add_account("ada", WEB_ROLE_OBSERVER);
+    api_rig.n_waiting = 40;
+    api_rig_expect("POST", "/api/v1/session", WEB_RIG_ORIGIN WEB_RIG_JSON,
+                   "{\"account\":\"ada\",\"password\":\"" PASSWORD "\"}", 503, "daemon-busy");
+    assert_string_equal(api_rig.said, "");
+    api_rig.n_waiting = 39;
+    free(api_rig_log_in_as("ada"));
+}
+
 static void members_of_a_login_are_checked(void **state)
 {
     static const char *const bodies[] = {
@@ -185,10 +263,17 @@ static void the_document_is_served(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(a_person_logs_in_and_out),         TEST(a_new_login_ends_the_session_before),
-        TEST(a_login_works_without_the_daemon), TEST(a_wrong_password_is_refused_and_slowed_down),
-        TEST(members_of_a_login_are_checked),   TEST(the_code_makes_one_administrator),
-        TEST(an_own_password_is_changed),       TEST(the_document_is_served),
+        TEST(a_person_logs_in_and_out),
+        TEST(a_new_login_ends_the_session_before),
+        TEST(a_login_works_without_the_daemon),
+        TEST(a_wrong_password_is_refused_and_slowed_down),
+        TEST(passwords_are_checked_one_after_the_other),
+        TEST(a_login_that_waits_at_the_end_is_answered),
+        TEST(nobody_logs_in_while_too_many_calls_wait),
+        TEST(members_of_a_login_are_checked),
+        TEST(the_code_makes_one_administrator),
+        TEST(an_own_password_is_changed),
+        TEST(the_document_is_served),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
