@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <sys/queue.h>
+#include <time.h>
 
 struct turn {
     STAILQ_ENTRY(turn) link;
@@ -27,18 +28,26 @@ static struct turn *take(struct web_turns *turns)
     return turn;
 }
 
-/* The event loop calls this once, then what else is due, then this again. */
-static int on_next(sd_event_source *source, void *context)
+/* A time that has come joins the end of what is due. (A deferred source would always be the first.)
+ */
+static int soon(sd_event_source *source)
+{
+    const int r = sd_event_source_set_time_relative(source, 0);
+
+    return r < 0 ? r : sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
+}
+
+static int on_next(sd_event_source *source, uint64_t usec, void *context)
 {
     struct web_turns *turns = context;
     struct turn *turn = take(turns);
+    (void)usec;
 
     if (turn) {
         turn->go(turns->api, turn->exchange);
         free(turn);
     }
-    return sd_event_source_set_enabled(source,
-                                       STAILQ_EMPTY(&turns->waiting) ? SD_EVENT_OFF : SD_EVENT_ON);
+    return STAILQ_EMPTY(&turns->waiting) ? 0 : soon(source);
 }
 
 int web_turns_new(sd_event *event, struct web_api *api, struct web_turns **out)
@@ -50,7 +59,7 @@ int web_turns_new(sd_event *event, struct web_api *api, struct web_turns **out)
     }
     turns->api = api;
     STAILQ_INIT(&turns->waiting);
-    int r = sd_event_add_defer(event, &turns->next, on_next, turns);
+    int r = sd_event_add_time_relative(event, &turns->next, CLOCK_MONOTONIC, 0, 1, on_next, turns);
     r = r < 0 ? r : sd_event_source_set_enabled(turns->next, SD_EVENT_OFF);
     if (r < 0) {
         web_turns_free(turns);
@@ -88,5 +97,5 @@ void web_turns_wait(struct web_turns *turns, struct web_exchange *exchange,
     }
     *turn = (struct turn){.exchange = exchange, .go = go};
     STAILQ_INSERT_TAIL(&turns->waiting, turn, link);
-    (void)sd_event_source_set_enabled(turns->next, SD_EVENT_ON);
+    (void)soon(turns->next);
 }
