@@ -28,9 +28,10 @@ static const sd_bus_error no_memory = SD_BUS_ERROR_MAKE_CONST(SD_BUS_ERROR_NO_ME
 struct web_call {
     TAILQ_ENTRY(web_call) link;
     struct web_daemon *daemon;
-    sd_bus_slot *slot; /* it has been sent */
-    sd_bus_message
-        *message; /* it waits until it may be sent. NULL, as the slot: it cannot be sent */
+    /* Of a call that has been sent there is a slot, and of one that waits there is a message. One
+     * that has neither could not be sent, and is answered with an error. */
+    sd_bus_slot *slot;
+    sd_bus_message *message;
     uint64_t timeout_us;
     web_daemon_reply_fn on_reply;
     void *context;
