@@ -14,6 +14,7 @@
 #include "enroll/web/account/setup_code.h"
 #include "enroll/web/api/api.h"
 #include "enroll/web/api/document.h"
+#include "enroll/web/api/turns.h"
 #include "enroll/web/daemon/enrolment.h"
 #include "enroll/web/daemon/feed.h"
 #include "enroll/web/daemon/last_seen.h"
@@ -124,13 +125,17 @@ static int open_server(struct program *program, const struct web_options *option
                                      .sessions = &program->sessions,
                                      .routes = web_api_routes,
                                      .context = &program->api};
-    const int r = web_listener_open(options->listen, &setup.listen_fd, fault);
+    int r = web_turns_new(program->event, &program->api, &program->api.turns);
 
+    if (r < 0) {
+        return iso_fault_set(fault, r, "the event loop: %s", strerror(-r));
+    }
+    r = web_listener_open(options->listen, &setup.listen_fd, fault);
     return r < 0 ? r : web_server_new(&setup, &program->api.server, fault);
 }
 
-/* First the calls of the daemon that still wait are answered, for exchanges that have to end before
- * the server does; then the streams end, and last those who send into them. */
+/* First the calls of the daemon and the logins that still wait are answered, for exchanges that
+ * have to end before the server does; then the streams end, and last those who send into them. */
 static void close_all(struct program *program)
 {
     struct web_api *api = &program->api;
@@ -138,6 +143,7 @@ static void close_all(struct program *program)
     if (api->daemon) {
         web_daemon_close(api->daemon);
     }
+    web_turns_free(api->turns);
     web_server_free(api->server);
     api->server = NULL;
     web_enrolment_free(api->enrolment);

@@ -26,9 +26,11 @@ static size_t account_entry(const struct web_guess *guess, const char *account)
     return hash_of(guess, account, strlen(account)) % WEB_GUESS_ACCOUNTS;
 }
 
-static size_t address_entry(const struct web_guess *guess, const struct sockaddr *address)
+/* The entry of an address, or of its network: of an IPv6 address the first 64 bits. */
+static size_t address_entry(const struct web_guess *guess, const struct sockaddr *address,
+                            bool is_network)
 {
-    uint8_t bytes[8] = {0};
+    uint8_t bytes[16] = {0};
 
     if (address->sa_family == AF_INET) {
         memcpy(bytes, &((const struct sockaddr_in *)(const void *)address)->sin_addr, 4);
@@ -37,7 +39,7 @@ static size_t address_entry(const struct web_guess *guess, const struct sockaddr
             &((const struct sockaddr_in6 *)(const void *)address)->sin6_addr;
         /* An IPv4 address that came through an IPv6 socket. */
         const bool is_mapped = IN6_IS_ADDR_V4MAPPED(v6);
-        memcpy(bytes, v6->s6_addr + (is_mapped ? 12 : 0), is_mapped ? 4 : 8);
+        memcpy(bytes, v6->s6_addr + (is_mapped ? 12 : 0), is_mapped ? 4 : is_network ? 8 : 16);
     }
     return hash_of(guess, bytes, sizeof bytes) % WEB_GUESS_ADDRESSES;
 }
@@ -63,10 +65,13 @@ int64_t web_guess_wait_ns(const struct web_guess *guess, const char *account,
 {
     const int64_t a = wait_ns(&guess->accounts[account_entry(guess, account)],
                               WEB_GUESS_ACCOUNT_MOST_S, now_ns);
-    const int64_t b = wait_ns(&guess->addresses[address_entry(guess, address)],
+    const int64_t b = wait_ns(&guess->addresses[address_entry(guess, address, false)],
                               WEB_GUESS_ADDRESS_MOST_S, now_ns);
+    const int64_t c = wait_ns(&guess->networks[address_entry(guess, address, true)],
+                              WEB_GUESS_NETWORK_MOST_S, now_ns);
+    const int64_t longer = a > b ? a : b;
 
-    return a > b ? a : b;
+    return longer > c ? longer : c;
 }
 
 static void count_failure(struct web_guess_count *count, int64_t now_ns)
@@ -84,7 +89,8 @@ void web_guess_failed(struct web_guess *guess, const char *account, const struct
                       int64_t now_ns)
 {
     count_failure(&guess->accounts[account_entry(guess, account)], now_ns);
-    count_failure(&guess->addresses[address_entry(guess, address)], now_ns);
+    count_failure(&guess->addresses[address_entry(guess, address, false)], now_ns);
+    count_failure(&guess->networks[address_entry(guess, address, true)], now_ns);
 }
 
 void web_guess_passed(struct web_guess *guess, const char *account)

@@ -32,10 +32,7 @@ static void on_recorded(void *context, sd_bus_message *reply, const sd_bus_error
     free(context);
     if (error) {
         web_api_daemon_problem(act.exchange, error);
-    } else if (!web_session_goes_on(act.api->sessions, web_exchange_session(act.exchange),
-                                    web__api_now_ns())) {
-        web_exchange_problem(act.exchange, 401, "login-required", "the session has ended");
-    } else {
+    } else if (web_api_goes_on(act.api, act.exchange)) {
         act.go(act.api, act.exchange);
     }
 }

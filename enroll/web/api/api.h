@@ -12,6 +12,7 @@
 
 struct web_feed;      /* enroll/web/daemon/feed.h: what the daemon reports, for the streams */
 struct web_enrolment; /* enroll/web/daemon/enrolment.h: the enrolment that goes on */
+struct web_turns;     /* enroll/web/api/turns.h: requests with a password */
 struct web_last_seen; /* enroll/web/daemon/last_seen.h: when each person was let in last */
 
 /* The context of all handlers. */
@@ -26,6 +27,7 @@ struct web_api {
     struct web_feed *feed;
     struct web_enrolment *enrolment;
     struct web_last_seen *last_seen;
+    struct web_turns *turns;
     struct web_server *server; /* NULL until it runs */
 };
 
@@ -75,6 +77,11 @@ void web_api_verify_log(void *api, struct web_exchange *exchange);
 /* Answers an error of the daemon as a problem: 409 "camera-in-use", 404 "no-such-person", 503
  * "no-daemon", and so on by one table of the names in firmware/contract/contract.h. */
 void web_api_daemon_problem(struct web_exchange *exchange, const sd_bus_error *error);
+
+/* Whether the session of the exchange goes on. Returns false after answering 401 "login-required".
+ * Asked after the daemon has put an act on record and before the act is done: meanwhile the account
+ * may have been removed, or have got another role. */
+bool web_api_goes_on(const struct web_api *api, struct web_exchange *exchange);
 
 /* The text of a member of the body. Returns NULL after answering 400 "invalid-member" if it is
  * missing, is no text, or has no or more than `most` bytes. */

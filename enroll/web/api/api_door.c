@@ -95,6 +95,10 @@ static void on_recorded(void *context, sd_bus_message *reply, const sd_bus_error
         on_changed(context, reply, error);
         return;
     }
+    if (!web_api_goes_on(change->api, change->exchange)) {
+        free(change);
+        return;
+    }
     sd_bus_message *call = web_daemon_message(change->api->daemon, change->method);
     if (call && is_lockdown && sd_bus_message_append(call, "b", (int)change->on) < 0) {
         call = sd_bus_message_unref(call);

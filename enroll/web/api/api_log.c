@@ -157,10 +157,14 @@ static void on_verified(void *context, sd_bus_message *reply, const sd_bus_error
 
 static void on_recorded(void *context, sd_bus_message *reply, const sd_bus_error *error)
 {
-    const struct verification *verification = context;
+    struct verification *verification = context;
     struct web_daemon *daemon = verification->api->daemon;
     if (error) {
         on_verified(context, reply, error);
+        return;
+    }
+    if (!web_api_goes_on(verification->api, verification->exchange)) {
+        free(verification);
         return;
     }
     sd_bus_message *call = web_daemon_message(daemon, ISO_CONTRACT_VERIFY_LOG);

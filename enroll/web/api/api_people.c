@@ -140,6 +140,10 @@ static void on_removal_recorded(void *context, sd_bus_message *reply, const sd_b
         on_removed(context, reply, error);
         return;
     }
+    if (!web_api_goes_on(request->api, request->exchange)) {
+        free(request);
+        return;
+    }
     sd_bus_message *call = web_daemon_message(daemon, ISO_CONTRACT_DELETE_PERSON);
     if (call && sd_bus_message_append(call, "s", request->person) < 0) {
         call = sd_bus_message_unref(call);

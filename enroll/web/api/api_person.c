@@ -125,6 +125,10 @@ static void on_limits_recorded(void *context, sd_bus_message *reply, const sd_bu
         refuse(request, error);
         return;
     }
+    if (!web_api_goes_on(request->api, request->exchange)) {
+        free(request);
+        return;
+    }
     sd_bus_message *call = web_daemon_message(daemon, ISO_CONTRACT_SET_VALIDITY);
     if (call && append_limits(call, request) < 0) {
         call = sd_bus_message_unref(call);
@@ -168,6 +172,10 @@ static void on_rename_recorded(void *context, sd_bus_message *reply, const sd_bu
     (void)reply;
     if (error) {
         refuse(request, error);
+        return;
+    }
+    if (!web_api_goes_on(request->api, request->exchange)) {
+        free(request);
         return;
     }
     sd_bus_message *call = web_daemon_message(daemon, ISO_CONTRACT_RENAME_PERSON);

@@ -3,8 +3,12 @@
 
 #include "enroll/web/account/setup_code.h"
 #include "enroll/web/api/act.h"
+#include "enroll/web/api/turns.h"
 
-enum { CODE_MOST_BYTES = 64 }; /* with blanks and hyphens as a person types it */
+enum {
+    CODE_MOST_BYTES = 64, /* with blanks and hyphens as a person types it */
+    CALLS_WAIT_MOST = 40, /* of the daemon; then nobody logs in */
+};
 
 /* Everybody who tries codes shares this delay; it is no name of an account. */
 static const char setup_name[] = "#setup";
@@ -56,18 +60,27 @@ static void begin_session(struct web_api *api, struct web_exchange *exchange,
     sodium_memzero(cookie, sizeof cookie);
 }
 
-void web_api_login(void *context, struct web_exchange *exchange)
+/* A text of the body that was checked before. */
+static const char *text_of(const struct web_exchange *exchange, const char *member)
 {
-    struct web_api *api = context;
-    const char *name = web_api_text(exchange, "account", WEB_ACCOUNT_NAME_SIZE - 1);
-    const char *password = name ? web_api_text(exchange, "password", WEB_PASSWORD_MOST_BYTES)
-                                : NULL;
-    const struct web_account *account;
+    return json_string_value(json_object_get(web_exchange_body(exchange), member));
+}
 
-    if (!password || web__api_must_wait(api, exchange, name)) {
+/* Those who had their turn before may have failed: so the delay is looked at now. */
+static void log_in(struct web_api *api, struct web_exchange *exchange)
+{
+    const char *name = text_of(exchange, "account"), *password = text_of(exchange, "password");
+    const struct web_account *account = web_accounts_find(api->accounts, name);
+
+    if (web__api_must_wait(api, exchange, name)) {
         return;
     }
-    account = web_accounts_find(api->accounts, name);
+    /* Nobody waits for the record of a login. Somebody who logs in again and again would keep the
+     * calls of all others waiting, and fill the memory. */
+    if (web_daemon_waiting(api->daemon) >= CALLS_WAIT_MOST) {
+        web_exchange_problem(exchange, 503, "daemon-busy", "the daemon has too much to do");
+        return;
+    }
     /* Takes as long for an account that does not exist. */
     if (!web_password_is(password, account ? account->hash : NULL)) {
         web_guess_failed(api->guess, name, web_exchange_address(exchange), web__api_now_ns());
@@ -78,6 +91,16 @@ void web_api_login(void *context, struct web_exchange *exchange)
     web_guess_passed(api->guess, name);
     web__api_note(api, account->name, "login");
     begin_session(api, exchange, account);
+}
+
+void web_api_login(void *context, struct web_exchange *exchange)
+{
+    struct web_api *api = context;
+
+    if (web_api_text(exchange, "account", WEB_ACCOUNT_NAME_SIZE - 1) &&
+        web_api_text(exchange, "password", WEB_PASSWORD_MOST_BYTES)) {
+        web_turns_wait(api->turns, exchange, log_in);
+    }
 }
 
 void web_api_logout(void *context, struct web_exchange *exchange)
@@ -96,7 +119,7 @@ void web_api_logout(void *context, struct web_exchange *exchange)
 static void set_own_password(struct web_api *api, struct web_exchange *exchange)
 {
     const char *name = web_exchange_account(exchange);
-    const char *password = json_string_value(json_object_get(web_exchange_body(exchange), "new"));
+    const char *password = text_of(exchange, "new");
     struct iso_fault fault = {.text = ""};
     const int r = web_accounts_set_password(api->accounts, name, password, &fault);
 
@@ -109,30 +132,38 @@ static void set_own_password(struct web_api *api, struct web_exchange *exchange)
     web_exchange_done(exchange);
 }
 
-void web_api_set_own_password(void *context, struct web_exchange *exchange)
+/* Compares the old password, and puts on record that there will be a new one. */
+static void check_own_password(struct web_api *api, struct web_exchange *exchange)
 {
-    struct web_api *api = context;
     const char *name = web_exchange_account(exchange);
     const struct web_account *account = web_accounts_find(api->accounts, name);
-    const char *old = web_api_text(exchange, "old", WEB_PASSWORD_MOST_BYTES);
-    const char *new = old ? web_api_text(exchange, "new", WEB_PASSWORD_MOST_BYTES) : NULL;
     const char *flaw;
 
-    if (!new || web__api_must_wait(api, exchange, name)) {
+    if (!web_api_goes_on(api, exchange) || web__api_must_wait(api, exchange, name)) {
         return;
     }
-    if (!web_password_is(old, account ? account->hash : NULL)) {
+    if (!web_password_is(text_of(exchange, "old"), account ? account->hash : NULL)) {
         web_guess_failed(api->guess, name, web_exchange_address(exchange), web__api_now_ns());
         web_exchange_problem(exchange, 401, "wrong-password", "the old password is wrong");
         return;
     }
-    flaw = web_password_flaw(name, new);
+    flaw = web_password_flaw(name, text_of(exchange, "new"));
     if (flaw) {
         web_exchange_problem(exchange, 400, "invalid-password", flaw);
         return;
     }
     web_guess_passed(api->guess, name);
     web__api_act(api, exchange, "password-change", "", set_own_password);
+}
+
+void web_api_set_own_password(void *context, struct web_exchange *exchange)
+{
+    struct web_api *api = context;
+
+    if (web_api_text(exchange, "old", WEB_PASSWORD_MOST_BYTES) &&
+        web_api_text(exchange, "new", WEB_PASSWORD_MOST_BYTES)) {
+        web_turns_wait(api->turns, exchange, check_own_password);
+    }
 }
 
 /* What hinders an account of this name; answers it. It is told only to who knows the code. */

@@ -28,9 +28,10 @@ static const sd_bus_error no_memory = SD_BUS_ERROR_MAKE_CONST(SD_BUS_ERROR_NO_ME
 struct web_call {
     TAILQ_ENTRY(web_call) link;
     struct web_daemon *daemon;
-    sd_bus_slot *slot; /* it has been sent */
-    sd_bus_message
-        *message; /* it waits until it may be sent. NULL, as the slot: it cannot be sent */
+    /* Of a call that has been sent there is a slot, and of one that waits there is a message. One
+     * that has neither could not be sent, and is answered with an error. */
+    sd_bus_slot *slot;
+    sd_bus_message *message;
     uint64_t timeout_us;
     web_daemon_reply_fn on_reply;
     void *context;
@@ -161,6 +162,16 @@ void web_daemon_send(struct web_daemon *daemon, sd_bus_message *message, uint64_
     } else {
         (void)sd_event_source_set_enabled(daemon->failing, SD_EVENT_ONESHOT);
     }
+}
+
+size_t web_daemon_waiting(const struct web_daemon *daemon)
+{
+    size_t n = 0;
+    for (const struct web_call *call = TAILQ_FIRST(&daemon->calls); call;
+         call = TAILQ_NEXT(call, link)) {
+        n += call->message != NULL;
+    }
+    return n;
 }
 
 void web_daemon_record(struct web_daemon *daemon, const char *account, const char *act,

@@ -61,6 +61,9 @@ void web_daemon_send(struct web_daemon *daemon, sd_bus_message *call, uint64_t t
 /* The error with which calls are answered while there is no connection. */
 extern const sd_bus_error web_daemon_is_gone;
 
+/* How many calls wait because the daemon would refuse them. */
+size_t web_daemon_waiting(const struct web_daemon *daemon);
+
 /* Puts on record that an account does something (RecordAct), before it is done. `person` is the
  * person concerned or "". The caller acts in on_reply, and only if there is no error. */
 void web_daemon_record(struct web_daemon *daemon, const char *account, const char *act,

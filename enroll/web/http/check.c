@@ -99,10 +99,24 @@ static void find_session(struct web_exchange *exchange)
     }
 }
 
+/* How many other requests of the account have not been answered completely. */
+static int requests_of_account(const struct web_exchange *exchange)
+{
+    int n = 0;
+
+    for (const struct web_exchange *e = exchange->server->exchanges; e; e = e->next) {
+        n += e != exchange && !e->stream && strcmp(e->account, exchange->account) == 0;
+    }
+    return n;
+}
+
 static void check_role(struct web_exchange *exchange)
 {
     find_session(exchange);
     if (exchange->role >= exchange->route->least) {
+        if (exchange->session != 0 && requests_of_account(exchange) >= WEB_REQUESTS_OF_ACCOUNT) {
+            refuse(exchange, 503, "busy", "this account makes too many requests at one time");
+        }
         return;
     }
     if (exchange->session == 0) {

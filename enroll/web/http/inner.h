@@ -51,7 +51,7 @@ struct web_exchange {
     struct sockaddr_storage address;
 
     char *body;
-    size_t body_size, body_received;
+    size_t body_size, body_room, body_received;
     json_t *json;
 
     struct web_header headers[WEB_HEADERS_MOST];

@@ -86,12 +86,30 @@ static enum MHD_Result check(struct web_exchange *exchange, struct MHD_Connectio
     return MHD_YES;
 }
 
+/* Makes room for the body so far, and for as much again: a client may send it byte by byte, and
+ * each move costs as much as the body is long. realloc() would leave a password behind. */
+static bool grow(struct web_exchange *exchange)
+{
+    const size_t room = 2 * exchange->body_received;
+    char *larger = malloc(room);
+
+    if (!larger) {
+        return false;
+    }
+    if (exchange->body) {
+        memcpy(larger, exchange->body, exchange->body_size);
+        sodium_memzero(exchange->body, exchange->body_size);
+        free(exchange->body);
+    }
+    exchange->body = larger;
+    exchange->body_room = room;
+    return true;
+}
+
 /* A piece of the body. What nobody will use is read and thrown away, so that the client sees the
  * answer: a connection that is closed with bytes unread would be reset. */
 static enum MHD_Result take(struct web_exchange *exchange, const char *data, size_t size)
 {
-    char *larger;
-
     exchange->body_received += size;
     if (exchange->body_received > WEB_BODY_MOST_BYTES && !exchange->refusal.status) {
         refuse_as_too_large(exchange);
@@ -99,17 +117,10 @@ static enum MHD_Result take(struct web_exchange *exchange, const char *data, siz
     if (exchange->refusal.status || !exchange->route) {
         return exchange->body_received <= WEB_BODY_DRAIN_BYTES ? MHD_YES : MHD_NO;
     }
-    larger = malloc(exchange->body_received);
-    if (!larger) {
+    if (exchange->body_received > exchange->body_room && !grow(exchange)) {
         return MHD_NO;
     }
-    if (exchange->body) {
-        memcpy(larger, exchange->body, exchange->body_size);
-        sodium_memzero(exchange->body, exchange->body_size);
-        free(exchange->body);
-    }
-    memcpy(larger + exchange->body_size, data, size);
-    exchange->body = larger;
+    memcpy(exchange->body + exchange->body_size, data, size);
     exchange->body_size = exchange->body_received;
     return MHD_YES;
 }

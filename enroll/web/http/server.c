@@ -44,7 +44,7 @@ static void work(struct web_server *server)
     (void)sd_event_source_set_enabled(server->timeout, SD_EVENT_ONESHOT);
 }
 
-/* libmicrohttpd has nothing of its own that wakes an event loop which is not its own. */
+/* MHD_resume_connection() does not wake the event loop of the program, so this does. */
 void web__server_resume(struct web_server *server, struct MHD_Connection *connection)
 {
     MHD_resume_connection(connection);
@@ -200,7 +200,7 @@ void web_server_free(struct web_server *server)
     /* MHD_stop_daemon() closes the descriptor that the loop watches. */
     sd_event_source_disable_unref(server->io);
     sd_event_source_disable_unref(server->timeout);
-    /* It ends the program if a connection is suspended. */
+    /* MHD_stop_daemon() ends the program if a connection is still suspended. */
     for (struct web_stream *stream = server->streams; stream; stream = stream->next) {
         web__stream_wake(stream);
     }

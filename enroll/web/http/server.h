@@ -2,7 +2,8 @@
  * thread. It answers
  *
  *   /api/v1/...   by the table of routes. The server has checked before a handler is called: the
- *                 session and its role (401 "login-required", 403 "not-allowed"), the origin of the
+ *                 session and its role (401 "login-required", 403 "not-allowed"), that the account
+ *                 does not ask too much at one time (503 "busy"), the origin of the
  *                 request (403 "other-origin"), the type and size of the body (415, 413), and that
  *                 it is a JSON object (400 "invalid-json"). 404 "no-such-path" and 405
  *                 "no-such-method" otherwise
@@ -32,6 +33,10 @@ enum {
     WEB_CONNECTIONS_MOST = 128,
     /* A browser opens six, and several people may share an address. */
     WEB_CONNECTIONS_OF_ADDRESS = 64,
+    /* Of one account at the same time, streams not counted: two browsers with six connections. All
+     * accounts share the calls that the daemon answers (enroll/web/daemon/daemon.h), and one that
+     * asks without end would keep the others waiting. */
+    WEB_REQUESTS_OF_ACCOUNT = 12,
     WEB_IDLE_S = 60, /* a connection without a request is closed; streams are not */
 };
 

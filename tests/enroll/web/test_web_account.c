@@ -188,6 +188,37 @@ static void guessing_waits_longer_and_longer(void **state)
     assert_int_equal(web_guess_wait_ns(&guess, "ada", here, now), 0);
 }
 
+static struct sockaddr_in6 ipv6_of(uint8_t network, uint8_t host)
+{
+    struct sockaddr_in6 address = {.sin6_family = AF_INET6};
+
+    address.sin6_addr.s6_addr[0] = 0xfd;
+    address.sin6_addr.s6_addr[7] = network;
+    address.sin6_addr.s6_addr[15] = host;
+    return address;
+}
+
+/* All clients in a building may have one network of IPv6. */
+static void guessing_delays_the_network_for_a_minute(void **state)
+{
+    static struct web_guess guess;
+    const struct sockaddr_in6 one = ipv6_of(1, 1), two = ipv6_of(1, 2), other = ipv6_of(2, 1);
+    const struct sockaddr *here = (const struct sockaddr *)&one;
+    const int64_t now = 5 * SECOND_NS;
+    (void)state;
+    web_guess_init(&guess);
+    memset(guess.key, 7, sizeof guess.key); /* no two of these share an entry by chance */
+    for (int i = 0; i < 40; i++) {
+        web_guess_failed(&guess, "ada", here, now);
+    }
+    web_guess_passed(&guess, "ada");
+    assert_int_equal(web_guess_wait_ns(&guess, "ada", here, now),
+                     WEB_GUESS_ADDRESS_MOST_S * SECOND_NS);
+    assert_int_equal(web_guess_wait_ns(&guess, "ada", (const struct sockaddr *)&two, now),
+                     WEB_GUESS_NETWORK_MOST_S * SECOND_NS);
+    assert_int_equal(web_guess_wait_ns(&guess, "ada", (const struct sockaddr *)&other, now), 0);
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
@@ -198,6 +229,7 @@ int main(void)
         TEST(a_damaged_file_is_refused_as_a_whole),
         TEST(a_code_is_used_once_and_ends),
         TEST(guessing_waits_longer_and_longer),
+        TEST(guessing_delays_the_network_for_a_minute),
     };
     return sodium_init() < 0 ? 1 : cmocka_run_group_tests(tests, NULL, NULL);
 }

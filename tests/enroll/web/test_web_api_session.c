@@ -103,6 +103,69 @@ static void a_wrong_password_is_refused_and_slowed_down(void **state)
     assert_string_equal(api_rig.said, "");
 }
 
+static const char wrong_login[] =
+    "POST /api/v1/session HTTP/1.1\r\nHost: door.test\r\n" WEB_RIG_ORIGIN WEB_RIG_JSON
+    "Content-Length: 36\r\n\r\n{\"account\":\"ada\",\"password\":\"wrong\"}";
+
+static unsigned failures(void)
+{
+    unsigned n = 0;
+
+    for (int i = 0; i < WEB_GUESS_ADDRESSES; i++) {
+        n += api_rig.guess.addresses[i].failures;
+    }
+    return n;
+}
+
+static int status_of(struct https *client)
+{
+    struct https_answer answer;
+
+    https_read(client, &answer);
+    https_answer_free(&answer);
+    https_close(client);
+    return answer.status;
+}
+
+static void passwords_are_checked_one_after_the_other(void **state)
+{
+    enum { LOGINS = 6 };
+    struct https clients[LOGINS];
+    int n_wrong = 0, n_early = 0;
+    (void)state;
+
+    for (int i = 0; i < LOGINS; i++) {
+        web_rig_connect(&api_rig.web, &clients[i]);
+    }
+    for (int i = 0; i < LOGINS; i++) {
+        https_send(&clients[i], wrong_login);
+    }
+    for (unsigned before = 0; before < WEB_GUESS_FREE; before = failures()) {
+        https_pump(api_rig.web.event, -1);
+        assert_in_range(failures(), before, before + 1);
+    }
+    for (int i = 0; i < LOGINS; i++) {
+        const int status = status_of(&clients[i]);
+        n_wrong += status == 401;
+        n_early += status == 429;
+    }
+    assert_int_equal(n_wrong, WEB_GUESS_FREE);
+    assert_int_equal(n_early, LOGINS - WEB_GUESS_FREE);
+    assert_int_equal(failures(), WEB_GUESS_FREE);
+}
+
+static void nobody_logs_in_while_too_many_calls_wait(void **state)
+{
+    (void)state;
+    api_rig_add_account("ada", WEB_ROLE_OBSERVER);
+    api_rig.n_waiting = 40;
+    api_rig_expect("POST", "/api/v1/session", WEB_RIG_ORIGIN WEB_RIG_JSON,
+                   "{\"account\":\"ada\",\"password\":\"" PASSWORD "\"}", 503, "daemon-busy");
+    assert_string_equal(api_rig.said, "");
+    api_rig.n_waiting = 39;
+    free(api_rig_log_in_as("ada"));
+}
+
 static void members_of_a_login_are_checked(void **state)
 {
     static const char *const bodies[] = {
@@ -185,10 +248,16 @@ static void the_document_is_served(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(a_person_logs_in_and_out),         TEST(a_new_login_ends_the_session_before),
-        TEST(a_login_works_without_the_daemon), TEST(a_wrong_password_is_refused_and_slowed_down),
-        TEST(members_of_a_login_are_checked),   TEST(the_code_makes_one_administrator),
-        TEST(an_own_password_is_changed),       TEST(the_document_is_served),
+        TEST(a_person_logs_in_and_out),
+        TEST(a_new_login_ends_the_session_before),
+        TEST(a_login_works_without_the_daemon),
+        TEST(a_wrong_password_is_refused_and_slowed_down),
+        TEST(passwords_are_checked_one_after_the_other),
+        TEST(nobody_logs_in_while_too_many_calls_wait),
+        TEST(members_of_a_login_are_checked),
+        TEST(the_code_makes_one_administrator),
+        TEST(an_own_password_is_changed),
+        TEST(the_document_is_served),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

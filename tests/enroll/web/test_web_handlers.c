@@ -21,7 +21,7 @@ typedef void handler(void *api, struct web_exchange *exchange);
 static void expect(struct rig *rig, handler *handle, const char *part, const char *body,
                    unsigned status, const char *code, const char *calls)
 {
-    struct web_exchange exchange = rig_exchange(WEB_ROLE_ADMINISTRATOR, 1, body);
+    struct web_exchange exchange = rig_exchange(WEB_ROLE_ADMINISTRATOR, RIG_SESSION, body);
     exchange.part = part;
     rig->service.trace[0] = '\0';
     handle(&rig->api, &exchange);
@@ -73,6 +73,38 @@ static void what_cannot_be_recorded_is_not_done(void **state)
     fail_with(rig, ISO_CONTRACT_SET_LOCKDOWN, ISO_CONTRACT_ERROR_STORAGE);
     expect(rig, web_api_set_lockdown, NULL, "{'on': true}", 507, "storage",
            "RecordAct ada lockdown-on ;SetLockdown 1;");
+}
+
+/* Makes a request whose session ends while the daemon writes the record. */
+static void expect_nothing_done(struct rig *rig, handler *handle, const char *part,
+                                const char *body, const char *calls)
+{
+    struct web_exchange exchange = rig_exchange(WEB_ROLE_ADMINISTRATOR, rig_session(rig), body);
+    exchange.part = part;
+    rig->service.trace[0] = '\0';
+    handle(&rig->api, &exchange);
+    web_session_end(&rig->sessions, exchange.session);
+    rig_expect(rig->event, &exchange, 401, "login-required");
+    rig_run(rig->event, 100);
+    assert_string_equal(rig->service.trace, calls);
+    rig_exchange_done(&exchange);
+}
+
+static void nothing_is_done_for_a_session_that_has_ended_meanwhile(void **state)
+{
+    struct rig *rig = *state;
+    if (!rig) {
+        skip();
+    }
+    expect_nothing_done(rig, web_api_set_lockdown, NULL, "{'on': false}",
+                        "RecordAct ada lockdown-off ;");
+    expect_nothing_done(rig, web_api_clear_lockout, NULL, NULL, "RecordAct ada lockout-clear ;");
+    expect_nothing_done(rig, web_api_remove_person, "bo", NULL, "RecordAct ada remove bo;");
+    expect_nothing_done(rig, web_api_change_person, "bo", "{'name': 'eve'}",
+                        "RecordAct ada rename bo;");
+    expect_nothing_done(rig, web_api_change_person, "bo", "{'valid_from_s': 5}",
+                        "RecordAct ada validity bo;");
+    expect_nothing_done(rig, web_api_verify_log, NULL, "{}", "RecordAct ada log-verify ;");
 }
 
 static void every_request_is_answered_while_the_daemon_is_gone(void **state)
@@ -313,6 +345,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         RIG_TEST(a_change_is_on_record_before_it_is_made),
         RIG_TEST(what_cannot_be_recorded_is_not_done),
+        RIG_TEST(nothing_is_done_for_a_session_that_has_ended_meanwhile),
         RIG_TEST(every_request_is_answered_while_the_daemon_is_gone),
         RIG_TEST(the_settings_are_those_of_the_daemon),
         RIG_TEST(health_knows_the_daemon_and_the_certificate),

@@ -36,7 +36,19 @@ static void done(void *context, struct web_exchange *exchange)
     web_exchange_done(exchange);
 }
 
+static struct web_exchange *waiting[WEB_REQUESTS_OF_ACCOUNT];
+static int n_waiting;
+
+/* Answers later. */
+static void answer_later(void *context, struct web_exchange *exchange)
+{
+    (void)context;
+    assert_true(n_waiting < WEB_REQUESTS_OF_ACCOUNT);
+    waiting[n_waiting++] = exchange;
+}
+
 static const struct web_route routes[] = {
+    {"GET", "/wait", WEB_ROLE_OBSERVER, answer_later},
     {"GET", "/echo", WEB_ROLE_NONE, echo},
     {"POST", "/echo", WEB_ROLE_NONE, echo},
     {"GET", "/people/{name}", WEB_ROLE_NONE, echo},
@@ -127,6 +139,41 @@ static void a_role_is_necessary_and_sufficient(void **state)
     web_rig_expect(&client, "DELETE", "/api/v1/people/ada", headers, NULL, 204, NULL);
     web_session_end(&rig.sessions, id);
     web_rig_expect(&client, "DELETE", "/api/v1/people/ada", old, NULL, 401, "login-required");
+    https_close(&client);
+}
+
+static void one_account_does_not_keep_the_others_waiting(void **state)
+{
+    struct https clients[WEB_REQUESTS_OF_ACCOUNT], client;
+    struct https_answer answer;
+    char request[1024];
+    (void)state;
+
+    const char *headers = web_rig_login(&rig, "eve", WEB_ROLE_OBSERVER, NULL);
+    (void)snprintf(request, sizeof request,
+                   "GET /api/v1/wait HTTP/1.1\r\nHost: door.test\r\n%s\r\n", headers);
+    for (int i = 0; i < WEB_REQUESTS_OF_ACCOUNT; i++) {
+        web_rig_connect(&rig, &clients[i]);
+        https_send(&clients[i], request);
+        for (int n = 0; n_waiting <= i; n++) {
+            assert_true(n < 500);
+            https_pump(rig.event, -1);
+        }
+    }
+    web_rig_connect(&rig, &client);
+    web_rig_expect(&client, "GET", "/api/v1/echo", headers, NULL, 503, "busy");
+    web_rig_expect(&client, "GET", "/api/v1/echo", "", NULL, 200, NULL);
+    web_rig_expect(&client, "GET", "/api/v1/echo",
+                   web_rig_login(&rig, "bob", WEB_ROLE_OBSERVER, NULL), NULL, 200, NULL);
+    for (int i = 0; i < WEB_REQUESTS_OF_ACCOUNT; i++) {
+        web_exchange_done(waiting[i]);
+        https_read(&clients[i], &answer);
+        assert_int_equal(answer.status, 204);
+        https_answer_free(&answer);
+        https_close(&clients[i]);
+    }
+    headers = web_rig_login(&rig, "eve", WEB_ROLE_OBSERVER, NULL);
+    web_rig_expect(&client, "GET", "/api/v1/echo", headers, NULL, 200, NULL);
     https_close(&client);
 }
 
@@ -254,6 +301,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(each_check_has_its_problem),
         TEST(a_role_is_necessary_and_sufficient),
+        TEST(one_account_does_not_keep_the_others_waiting),
         TEST(a_handler_learns_the_request),
         TEST(a_method_that_is_missing_names_those_that_exist),
         TEST(a_body_has_a_limit),

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "enroll/web/api/turns.h"
 #include "tests/firmware/rigs/cmocka_headers.h"
 #include "tests/support/scratch.h"
 
@@ -34,6 +35,12 @@ void web_daemon_record(struct web_daemon *daemon, const char *account, const cha
     if (!api_rig.waits) {
         assert_true(sd_event_add_defer(api_rig.web.event, &source, api_rig_reply, NULL) >= 0);
     }
+}
+
+size_t web_daemon_waiting(const struct web_daemon *daemon)
+{
+    (void)daemon;
+    return api_rig.n_waiting;
 }
 
 static const struct web_route routes[] = {
@@ -68,6 +75,7 @@ int api_rig_setup(void **state)
     api_rig.api.setup_code = api_rig.setup_code;
     api_rig.api.document = "{\"openapi\": \"3.1.0\"}";
     api_rig.api.server = api_rig.web.server;
+    assert_int_equal(web_turns_new(api_rig.web.event, &api_rig.api, &api_rig.api.turns), 0);
     web_rig_connect(&api_rig.web, &api_rig.client);
     return 0;
 }
@@ -75,6 +83,7 @@ int api_rig_setup(void **state)
 int api_rig_teardown(void **state)
 {
     https_close(&api_rig.client);
+    web_turns_free(api_rig.api.turns);
     web_rig_stop(&api_rig.web);
     web_accounts_close(api_rig.api.accounts);
     return scratch_teardown(state);

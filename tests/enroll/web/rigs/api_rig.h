@@ -20,6 +20,7 @@ struct api_rig {
     char said[1024];           /* "account act person\n" for each record */
     const sd_bus_error *error; /* of the records; NULL: they succeed */
     bool waits;                /* the next answer comes when the test calls api_rig_reply */
+    size_t n_waiting;          /* what web_daemon_waiting says */
     web_daemon_reply_fn on_reply;
     void *context;
 };

@@ -28,6 +28,9 @@ void rig_begin(struct rig *rig, const char *address)
     enrolment.feed = api->feed;
     enrolment.sessions = api->sessions;
     assert_int_equal(web_enrolment_new(&enrolment, &api->enrolment), 0);
+    if (rig->sessions.last_id == 0) {
+        assert_int_equal(rig_session(rig), RIG_SESSION);
+    }
     rig_wait_daemon(rig, true);
 }
 

@@ -21,6 +21,9 @@ struct rig {
     struct web_api api;
 };
 
+/* The id of the session of an administrator that every test has. */
+enum { RIG_SESSION = 1 };
+
 /* Makes the parts on a bus, and waits until the daemon answers. */
 void rig_begin(struct rig *rig, const char *address);
 void rig_end(struct rig *rig);
