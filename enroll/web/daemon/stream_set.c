@@ -8,7 +8,7 @@ struct web_stream *web_stream_set_open(struct web_stream_set *set, struct web_ex
     const enum web_role role = web_exchange_role(exchange);
     const uint64_t session = web_exchange_session(exchange);
     if (set->n == WEB_CONNECTIONS_MOST) {
-        web_exchange_problem(exchange, 503, "busy", "There are too many streams.");
+        web_exchange_problem(exchange, 503, "busy", "there are too many streams");
         return NULL;
     }
     struct web_stream *stream = web_exchange_stream(exchange, content_type, kind, on_closed,

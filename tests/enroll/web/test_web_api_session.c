@@ -240,7 +240,7 @@ static void an_own_password_is_changed(void **state)
 static void the_document_is_served(void **state)
 {
     (void)state;
-    api_rig_expect_body("GET", "/api/v1/openapi.json", "", 200, "{\"openapi\":\"3.1.0\"}");
+    api_rig_expect_body("GET", "/api/v1/openapi.json", "", 200, "{\"openapi\": \"3.1.0\"}");
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, api_rig_setup, api_rig_teardown)

@@ -4,6 +4,7 @@ import {N_} from './i18n.js';
 
 export const FAULTS = {
     'account-exists': N_('There is an account of this name already.'),
+    busy: N_('The web server is busy. Please try again.'),
     'camera-in-use': N_('Another program uses the camera.'),
     'consent-required': N_('The person has to consent first.'),
     'daemon-busy': N_('The door service is busy. Please try again.'),
