@@ -15,7 +15,6 @@ static const char library_name[] = "libSDL2-2.0.so.0";
 #define FUNCTIONS(USE)            \
     USE(SDL_SetHint)              \
     USE(SDL_Init)                 \
-    USE(SDL_QuitSubSystem)        \
     USE(SDL_GetError)             \
     USE(SDL_CreateWindow)         \
     USE(SDL_DestroyWindow)        \
@@ -34,7 +33,6 @@ struct sdl {
 struct window {
     void *library;
     struct sdl sdl;
-    bool initialised;
     SDL_Window *window;
     cairo_surface_t *surface; /* of the size of the window; NULL: it has to be made */
 };
@@ -67,7 +65,6 @@ static int open_window(struct window *window, int width_px, int height_px, struc
         return iso_fault_set(fault, -ENODEV, "there is no desktop for a window: %s",
                              sdl->SDL_GetError());
     }
-    window->initialised = true;
     window->window = sdl->SDL_CreateWindow("Isotherm", SDL_WINDOWPOS_UNDEFINED,
                                            SDL_WINDOWPOS_UNDEFINED, width_px, height_px,
                                            SDL_WINDOW_RESIZABLE);
@@ -134,18 +131,14 @@ static bool look(void *self)
     return anew;
 }
 
+/* The library and the connection to the desktop stay until the process ends, which follows at once.
+ */
 static void close_window(void *self)
 {
     struct window *window = self;
     cairo_surface_destroy(window->surface);
     if (window->window) {
         window->sdl.SDL_DestroyWindow(window->window);
-    }
-    if (window->initialised) {
-        window->sdl.SDL_QuitSubSystem(SDL_INIT_VIDEO);
-    }
-    if (window->library) {
-        (void)dlclose(window->library);
     }
     free(window);
 }

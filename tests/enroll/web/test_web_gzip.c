@@ -52,7 +52,7 @@ static void a_text_comes_back_from_gzip(void **state)
     (void)state;
     assert_non_null(text);
     for (int i = 0; i < SIZE; i++) {
-        original[i] = (char)('a' + (i * i / 7 + i) % 23);
+        original[i] = (char)('a' + (i % 317 * i / 7 + i) % 23);
     }
     memcpy(text, original, SIZE);
     assert_true(web__gzip(&text, &size));
