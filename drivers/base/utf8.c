@@ -43,3 +43,16 @@ int iso_utf8_decode(const char *text, uint32_t *character)
     *character = c;
     return length;
 }
+
+bool iso_utf8_is_valid(const char *text)
+{
+    uint32_t character;
+    while (*text) {
+        const int n = iso_utf8_decode(text, &character);
+        if (n == 0) {
+            return false;
+        }
+        text += n;
+    }
+    return true;
+}

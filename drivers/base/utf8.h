@@ -2,6 +2,7 @@
 #ifndef ISO_DRIVERS_BASE_UTF8_H
 #define ISO_DRIVERS_BASE_UTF8_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* Decodes the character at the beginning of a NUL-terminated text. Returns its length in bytes,
@@ -9,5 +10,8 @@
  * surrogate, a character beyond U+10FFFF, or one that is cut short). The terminating NUL counts as
  * a character of length 1. */
 int iso_utf8_decode(const char *text, uint32_t *character);
+
+/* Whether all of a NUL-terminated text is UTF-8. */
+bool iso_utf8_is_valid(const char *text);
 
 #endif

@@ -18,10 +18,11 @@ struct screen_fingerprint {
     char text[SCREEN_FINGERPRINT_SIZE];
 };
 
-/* The fingerprint in the file `path` at this monotonic time; the file is read again when it was
- * last read SCREEN_FINGERPRINT_NS ago. "" if `path` is "", if the file is missing or is no regular
- * file, or if it has anything else than 1 to 95 of the characters 0-9, A-F and ':', which a line
- * end may follow. The text is valid until the next call. */
+/* Returns the fingerprint that the file `path` contains. It reads the file again if the last
+ * reading was SCREEN_FINGERPRINT_NS ago; now_ns is the monotonic time. The file has 1 to 95 of the
+ * characters 0-9, A-F and ':', and may have a line end after them. The result is "" if the file has
+ * anything else, is missing or is no regular file, and if `path` is "". It is valid until the next
+ * call. */
 const char *screen_fingerprint_look(struct screen_fingerprint *fingerprint, const char *path,
                                     int64_t now_ns);
 

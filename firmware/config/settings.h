@@ -6,7 +6,7 @@
 
 #include "firmware/config/config.h"
 
-/* One setting. The texts are valid during a call of the visitor; those that come from the file may
+/* One setting. The texts are valid while the visitor runs. A text from the configuration file may
  * contain bytes that are not UTF-8. */
 struct iso_setting {
     const char *section, *key;

@@ -17,10 +17,10 @@
 #include "isotherm/metric.h"
 #include "isotherm/template.h"
 
-/* Which rows teach the metric: those of templates that the record does not exclude, and that were
- * made before this class of sensor. The class is what a template stores: the model that the driver
- * tells, of which the first ISO_TEMPLATE_SENSOR_MAX - 1 bytes count. Two cameras of one model are
- * one class. All zero: all rows teach. */
+/* Which rows teach the metric. A row teaches if the record does not exclude its template, and if a
+ * sensor of this class made the template. The class is the text that a template stores: the first
+ * ISO_TEMPLATE_SENSOR_MAX - 1 bytes of the model that the driver reports. Two cameras of one model
+ * are of one class. All zero: all rows teach. */
 struct iso_site_teaching {
     struct iso_site_record record;
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* "": not known, and templates of every class teach */

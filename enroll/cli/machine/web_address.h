@@ -16,13 +16,15 @@ struct cli_web_addresses {
     char urls[CLI_WEB_ADDRESSES_MOST][CLI_WEB_ADDRESS_SIZE]; /* "https://door:8443/" */
 };
 
-/* Adds the addresses for one line that systemd prints about a socket, such as "[::]:8443 (Stream)":
- * for a socket on every address those of this machine, its name first and without the loop-back
- * ones; otherwise that of the socket. A line of another form adds nothing. */
+/* Adds the addresses of a socket, which systemd describes by a line such as "[::]:8443 (Stream)".
+ * If the socket listens on every address, these are the name of this machine and then its
+ * addresses, without those of the loop-back interface. Otherwise it is the address of the socket. A
+ * line of another form adds nothing. */
 void cli_web_addresses_add(struct cli_web_addresses *addresses, const char *listen);
 
-/* Asks systemd, by the program `systemctl`, where the web server listens. If systemd does not
- * answer or does not know the socket, the port is CLI_WEB_PORT. There is at least one address. */
+/* Finds where the web server listens. It asks systemd by the program `systemctl`. If systemd does
+ * not answer or does not know the socket, the port is CLI_WEB_PORT. The result has at least one
+ * address. */
 void cli_web_addresses_find(const char *systemctl, struct cli_web_addresses *out);
 
 #endif

@@ -1,5 +1,5 @@
-/* A window on a desktop (Wayland or X11), by SDL. The library is loaded when a window is asked for,
- * so that the program on a door's monitor does not carry it. */
+/* A window on a desktop (Wayland or X11), by SDL. The program loads the library only
+ * with the option --window: on the monitor of a door it would need memory for nothing. */
 #include <SDL2/SDL.h>
 #include <dlfcn.h>
 #include <errno.h>

@@ -6,9 +6,10 @@
  * the count of the account, but not the others: otherwise somebody with an account could go on
  * guessing the others.
  *
- * The counts are in tables of fixed size. A name or an address belongs to an entry by a keyed hash;
- * those that share one also share its delay. Names that are no accounts are counted as well, so
- * that a delay does not tell which accounts exist. Nothing is allocated; the clock is passed in. */
+ * The counts are in tables of fixed size. A keyed hash selects the entry of a name or an
+ * address. If two of them have the same entry, they have the same delay. Names of accounts that do
+ * not exist are counted, too, so that a delay does not show which accounts exist. Nothing is
+ * allocated; the clock is passed in. */
 #ifndef WEB_ACCOUNT_GUESS_H
 #define WEB_ACCOUNT_GUESS_H
 

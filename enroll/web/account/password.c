@@ -5,20 +5,6 @@
 
 #include "drivers/base/utf8.h"
 
-static bool is_utf8(const char *text)
-{
-    uint32_t character;
-
-    while (*text) {
-        const int n = iso_utf8_decode(text, &character);
-        if (n == 0) {
-            return false;
-        }
-        text += n;
-    }
-    return true;
-}
-
 const char *web_password_flaw(const char *name, const char *password)
 {
     const size_t n = strlen(password);
@@ -29,7 +15,7 @@ const char *web_password_flaw(const char *name, const char *password)
     if (n > WEB_PASSWORD_MOST_BYTES) {
         return "the password is longer than 128 bytes";
     }
-    if (!is_utf8(password)) {
+    if (!iso_utf8_is_valid(password)) {
         return "the password is not UTF-8";
     }
     if (strspn(password, (const char[]){password[0], '\0'}) == n) {

@@ -1,7 +1,7 @@
-/* The one-time code with which the first administrator gets an account. Whoever may write into the
- * state of the service (root, by `isotherm-web setup-code`) makes the code and reads it aloud or
- * types it; the file contains only its hash and its end. A new code replaces the old one. Whoever
- * has forgotten all passwords makes a code, too, and gets a further account. */
+/* The one-time code with which the first administrator gets an account. Root makes
+ * the code by the command `isotherm web setup` and gives it to the administrator. The file contains
+ * only the hash of the code and the time at which it ends. A new code replaces the old one. If all
+ * passwords are forgotten, a new code gives a further account. */
 #ifndef WEB_ACCOUNT_SETUP_CODE_H
 #define WEB_ACCOUNT_SETUP_CODE_H
 

@@ -5,19 +5,13 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "enroll/web/http/now.h"
+
 struct act {
     struct web_api *api;
     struct web_exchange *exchange;
     void (*go)(struct web_api *api, struct web_exchange *exchange);
 };
-
-int64_t web__api_now_ns(void)
-{
-    struct timespec now;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
-}
 
 int64_t web__api_now_s(void)
 {
@@ -92,7 +86,7 @@ void web__api_account_problem(struct web_exchange *exchange, int error,
 bool web__api_must_wait(struct web_api *api, struct web_exchange *exchange, const char *account)
 {
     const int64_t wait_ns = web_guess_wait_ns(api->guess, account, web_exchange_address(exchange),
-                                              web__api_now_ns());
+                                              web_now_ns());
     char seconds[24];
 
     if (wait_ns == 0) {

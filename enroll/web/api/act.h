@@ -1,4 +1,4 @@
-/* What the handlers of accounts share. Internal to enroll/web/api.
+/* Acts of an account, and what the handlers of accounts share. Internal to enroll/web/api.
  *
  * A change is put on record before it is made. Between the two, the daemon answers, so everything
  * that the change depends on is looked at again. */
@@ -7,8 +7,7 @@
 
 #include "enroll/web/api/api.h"
 
-/* Nanoseconds, monotonic; and seconds since 1970. */
-int64_t web__api_now_ns(void);
+/* The date, in seconds since 1970. */
 int64_t web__api_now_s(void);
 
 /* Puts on record that the account of the exchange does `act` to `concerned` (an account, a person

@@ -72,7 +72,7 @@ void web_api_end_enrolment(void *api, struct web_exchange *exchange);
 void web_api_read_log(void *api, struct web_exchange *exchange);
 void web_api_verify_log(void *api, struct web_exchange *exchange);
 
-/* ---- for all handlers (api_fault.c) ---- */
+/* ---- for all handlers (api_fault.c, goes_on.c) ---- */
 
 /* Answers an error of the daemon as a problem: 409 "camera-in-use", 404 "no-such-person", 503
  * "no-daemon", and so on by one table of the names in firmware/contract/contract.h. */

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "enroll/web/api/api.h"
-#include "enroll/web/daemon/now.h"
 #include "firmware/contract/contract.h"
 
 struct problem {
@@ -61,15 +60,6 @@ void web_api_daemon_problem(struct web_exchange *exchange, const sd_bus_error *e
         }
     }
     web_exchange_problem(exchange, 500, "internal", text);
-}
-
-bool web_api_goes_on(const struct web_api *api, struct web_exchange *exchange)
-{
-    if (web_session_goes_on(api->sessions, web_exchange_session(exchange), web_now_ns())) {
-        return true;
-    }
-    web_exchange_problem(exchange, 401, "login-required", "the session has ended");
-    return false;
 }
 
 const char *web_api_text(struct web_exchange *exchange, const char *member, size_t most)

@@ -82,6 +82,21 @@ static void refuse(struct request *request, const sd_bus_error *error)
     free(request);
 }
 
+/* Whether what was put on record may be done: there was no error, and the session goes on. If not,
+ * the request has been answered and freed. */
+static bool may_act(struct request *request, const sd_bus_error *error)
+{
+    if (error) {
+        refuse(request, error);
+        return false;
+    }
+    if (!web_api_goes_on(request->api, request->exchange)) {
+        free(request);
+        return false;
+    }
+    return true;
+}
+
 /* Takes over the name as the gallery spells it. */
 static void on_limits(void *context, sd_bus_message *reply, const sd_bus_error *error)
 {
@@ -121,12 +136,7 @@ static void on_limits_recorded(void *context, sd_bus_message *reply, const sd_bu
     struct request *request = context;
     struct web_daemon *daemon = request->api->daemon;
     (void)reply;
-    if (error) {
-        refuse(request, error);
-        return;
-    }
-    if (!web_api_goes_on(request->api, request->exchange)) {
-        free(request);
+    if (!may_act(request, error)) {
         return;
     }
     sd_bus_message *call = web_daemon_message(daemon, ISO_CONTRACT_SET_VALIDITY);
@@ -170,12 +180,7 @@ static void on_rename_recorded(void *context, sd_bus_message *reply, const sd_bu
     struct request *request = context;
     struct web_daemon *daemon = request->api->daemon;
     (void)reply;
-    if (error) {
-        refuse(request, error);
-        return;
-    }
-    if (!web_api_goes_on(request->api, request->exchange)) {
-        free(request);
+    if (!may_act(request, error)) {
         return;
     }
     sd_bus_message *call = web_daemon_message(daemon, ISO_CONTRACT_RENAME_PERSON);

@@ -4,6 +4,7 @@
 #include "enroll/web/account/setup_code.h"
 #include "enroll/web/api/act.h"
 #include "enroll/web/api/turns.h"
+#include "enroll/web/http/now.h"
 
 enum {
     CODE_MOST_BYTES = 64, /* with blanks and hyphens as a person types it */
@@ -53,7 +54,7 @@ static void begin_session(struct web_api *api, struct web_exchange *exchange,
     if (web_exchange_session(exchange) != 0) {
         end_session(api, exchange);
     }
-    (void)web_session_begin(api->sessions, account, web__api_now_ns(), token);
+    (void)web_session_begin(api->sessions, account, web_now_ns(), token);
     web_exchange_header(exchange, "Set-Cookie", web_session_set_cookie(token, cookie));
     web_exchange_json(exchange, 201, web__api_session_json(account->name, account->role));
     sodium_memzero(token, sizeof token);
@@ -83,7 +84,7 @@ static void log_in(struct web_api *api, struct web_exchange *exchange)
     }
     /* Takes as long for an account that does not exist. */
     if (!web_password_is(password, account ? account->hash : NULL)) {
-        web_guess_failed(api->guess, name, web_exchange_address(exchange), web__api_now_ns());
+        web_guess_failed(api->guess, name, web_exchange_address(exchange), web_now_ns());
         web_exchange_problem(exchange, 401, "wrong-password",
                              "the account or the password is wrong");
         return;
@@ -143,7 +144,7 @@ static void check_own_password(struct web_api *api, struct web_exchange *exchang
         return;
     }
     if (!web_password_is(text_of(exchange, "old"), account ? account->hash : NULL)) {
-        web_guess_failed(api->guess, name, web_exchange_address(exchange), web__api_now_ns());
+        web_guess_failed(api->guess, name, web_exchange_address(exchange), web_now_ns());
         web_exchange_problem(exchange, 401, "wrong-password", "the old password is wrong");
         return;
     }
@@ -214,7 +215,7 @@ void web_api_setup(void *context, struct web_exchange *exchange)
     } else if (web_password_flaw(name, password)) {
         web_exchange_problem(exchange, 400, "invalid-password", web_password_flaw(name, password));
     } else if (!web_setup_code_is(api->setup_code, web__api_now_s(), code)) {
-        web_guess_failed(api->guess, setup_name, web_exchange_address(exchange), web__api_now_ns());
+        web_guess_failed(api->guess, setup_name, web_exchange_address(exchange), web_now_ns());
         web_exchange_problem(exchange, 401, "wrong-code", "the code is wrong or has ended");
     } else if (!is_refused(api, exchange, name)) {
         set_up(api, exchange, code, name, password);

@@ -7,7 +7,7 @@
 #include <sys/queue.h>
 
 #include "enroll/cli/client/state.h"
-#include "enroll/web/daemon/now.h"
+#include "enroll/web/http/now.h"
 #include "firmware/contract/bus_connect.h"
 #include "firmware/contract/contract.h"
 

@@ -9,9 +9,9 @@
 #include "enroll/cli/client/state.h"
 #include "enroll/web/daemon/enrolment_call.h"
 #include "enroll/web/daemon/enrolment_report.h"
-#include "enroll/web/daemon/now.h"
 #include "enroll/web/daemon/relief.h"
 #include "enroll/web/daemon/stream_set.h"
+#include "enroll/web/http/now.h"
 #include "firmware/contract/contract.h"
 
 static const uint64_t look_us = 250000; /* how often it is looked whether somebody watches */

@@ -9,9 +9,9 @@
 #include "enroll/cli/client/state.h"
 #include "enroll/web/daemon/history.h"
 #include "enroll/web/daemon/json_text.h"
-#include "enroll/web/daemon/now.h"
 #include "enroll/web/daemon/outline.h"
 #include "enroll/web/daemon/stream_set.h"
+#include "enroll/web/http/now.h"
 #include "firmware/contract/contract.h"
 
 static const int64_t repeat_ns = 10000000000;

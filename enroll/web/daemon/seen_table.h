@@ -31,8 +31,8 @@ int64_t web_seen_table_find(const struct web_seen_table *table, const char *name
  * people, and without memory, others are not noted. */
 void web_seen_table_note(struct web_seen_table *table, const char *name, int64_t time_s);
 
-/* The person got another name, or was removed, at this time. What was noted later belongs to
- * somebody else and stays. */
+/* The person got another name, or was removed, at this time. A later visit under the old name was
+ * that of another person, who got the name afterwards: it stays. */
 void web_seen_table_rename(struct web_seen_table *table, const char *before, const char *after,
                            int64_t time_s);
 void web_seen_table_remove(struct web_seen_table *table, const char *name, int64_t time_s);

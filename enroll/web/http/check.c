@@ -4,6 +4,7 @@
 #include <strings.h>
 
 #include "enroll/web/http/inner.h"
+#include "enroll/web/http/now.h"
 #include "enroll/web/session/origin.h"
 
 static const char api[] = "/api/v1";
@@ -90,7 +91,7 @@ static void find_session(struct web_exchange *exchange)
     const struct web_session *session = NULL;
 
     if (cookie && web_session_cookie_token(cookie, token)) {
-        session = web_session_use(exchange->server->setup.sessions, token, web__now_ns());
+        session = web_session_use(exchange->server->setup.sessions, token, web_now_ns());
     }
     if (session) {
         exchange->session = session->id;

@@ -92,9 +92,6 @@ struct web_server {
     int n_streams;
 };
 
-/* Nanoseconds, monotonic. */
-int64_t web__now_ns(void);
-
 /* Goes on with a connection that was suspended. */
 void web__server_resume(struct web_server *server, struct MHD_Connection *connection);
 

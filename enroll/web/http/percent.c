@@ -16,20 +16,6 @@ static int digit(char c)
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-static bool is_utf8(const char *text)
-{
-    uint32_t character;
-
-    while (*text) {
-        const int n = iso_utf8_decode(text, &character);
-        if (n == 0) {
-            return false;
-        }
-        text += n;
-    }
-    return true;
-}
-
 bool web_percent_decode(char *text, bool is_form)
 {
     const char *from = text;
@@ -49,7 +35,7 @@ bool web_percent_decode(char *text, bool is_form)
         from += 3;
     }
     *to = '\0';
-    return is_utf8(text);
+    return iso_utf8_is_valid(text);
 }
 
 bool web_query_read(char *text, struct web_query *out)

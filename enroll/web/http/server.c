@@ -8,7 +8,6 @@
 #include <string.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "enroll/web/http/inner.h"
@@ -19,14 +18,6 @@ static const char priorities[] = "SECURE128:-VERS-ALL:+VERS-TLS1.3:+VERS-TLS1.2:
 
 /* Of a connection: a request with its headers, and what is sent. */
 static const size_t CONNECTION_MEMORY_BYTES = 32 << 10;
-
-int64_t web__now_ns(void)
-{
-    struct timespec now;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
-}
 
 /* ---- the event loop ---- */
 

@@ -9,6 +9,7 @@
 
 #include "enroll/web/http/answer.h"
 #include "enroll/web/http/inner.h"
+#include "enroll/web/http/now.h"
 
 /* What the kernel keeps for a client that does not read. More would only make frames old. */
 static const int UNSENT_MOST_BYTES = 32 << 10;
@@ -213,7 +214,7 @@ void web_stream_end(struct web_stream *stream)
 
 void web_server_end_stale_streams(struct web_server *server)
 {
-    const int64_t now = web__now_ns();
+    const int64_t now = web_now_ns();
 
     for (struct web_stream *stream = server->streams; stream; stream = stream->next) {
         if (stream->session == 0 ||

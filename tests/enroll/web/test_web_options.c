@@ -1,4 +1,4 @@
-/* The command line of isotherm-web, and the socket on which it listens. */
+/* The options of isotherm-web, and the socket on which it listens. */
 #include <errno.h>
 #include <getopt.h>
 #include <netinet/in.h>

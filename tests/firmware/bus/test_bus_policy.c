@@ -1,7 +1,7 @@
-/* Which client may call which method of the daemon: the installed policies on a private bus, a
- * stand-in for the daemon that answers every call, and clients in the groups of the policy, and one
- * that is the web server. Existing groups and users of Debian replace those of the policies. The
- * test needs root, because it changes its user. */
+/* Which client may call which method of the daemon. A private bus reads the installed policies. A
+ * stand-in for the daemon answers every call. One client is in each group of the policy, and one is
+ * the web server. Groups and users that every Debian has replace those of the policies. The test
+ * needs root, because it changes its user. */
 #include <errno.h>
 #include <grp.h>
 #include <pwd.h>

@@ -14,30 +14,6 @@
 
 enum { WAIT_MS = 20000, LOOK_MS = 20 };
 
-/* ---- chunks ---- */
-
-struct web_chunk *web_chunk_new(size_t size)
-{
-    struct web_chunk *chunk = malloc(sizeof *chunk + size);
-    assert_non_null(chunk);
-    chunk->references = 1;
-    chunk->size = size;
-    return chunk;
-}
-
-struct web_chunk *web_chunk_ref(struct web_chunk *chunk)
-{
-    chunk->references++;
-    return chunk;
-}
-
-void web_chunk_unref(struct web_chunk *chunk)
-{
-    if (chunk && --chunk->references == 0) {
-        free(chunk);
-    }
-}
-
 /* ---- streams ---- */
 
 static void receive(struct web_stream *stream, struct web_chunk *chunk)
@@ -135,20 +111,6 @@ const char *web_exchange_query(const struct web_exchange *exchange, const char *
         }
     }
     return NULL;
-}
-
-bool web_exchange_number(struct web_exchange *exchange, const char *name, int64_t least,
-                         int64_t most, int64_t otherwise, int64_t *out)
-{
-    const char *text = web_exchange_query(exchange, name);
-    char *end = NULL;
-    const long long value = text ? strtoll(text, &end, 10) : otherwise;
-    if (text && (*text == '\0' || *end || value < least || value > most)) {
-        web_exchange_problem(exchange, 400, "invalid-parameter", name);
-        return false;
-    }
-    *out = value;
-    return true;
 }
 
 json_t *web_exchange_body(const struct web_exchange *exchange)

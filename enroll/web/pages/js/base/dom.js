@@ -27,13 +27,13 @@ function set(element, attributes) {
     return element;
 }
 
-/* An element of HTML. An attribute "onclick" is a listener; true is an attribute without a value;
- * false, null and undefined are left out. */
+/* Makes an element of HTML. An attribute such as "onclick" adds a listener. The value true sets an
+ * attribute without a value. An attribute with the value false, null or undefined is left out. */
 export function h(tag, attributes, ...children) {
     return append(set(document.createElement(tag), attributes), children);
 }
 
-/* The same of SVG. */
+/* Makes an element of SVG in the same way. */
 export function svg(tag, attributes, ...children) {
     return append(set(document.createElementNS(SVG, tag), attributes), children);
 }

@@ -1,6 +1,6 @@
 /* The clock by which the web server measures times: nanoseconds, monotonic. */
-#ifndef WEB_DAEMON_NOW_H
-#define WEB_DAEMON_NOW_H
+#ifndef WEB_HTTP_NOW_H
+#define WEB_HTTP_NOW_H
 
 #include <stdint.h>
 #include <time.h>
