@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 #include "firmware/appliance/appliance.h"
-#include "firmware/gallery/transfer.h"
+#include "firmware/transfer/transfer.h"
 
 /* Errors of all these functions: -EBUSY while an action of a client goes on, or an error of the log
  * if the act could not be recorded; then nothing was done.  */

@@ -26,12 +26,12 @@
  *                                        reply contains the limits that are stored now
  *   RenamePerson(s person, s name) -> s remark
  *                                        gives a person another name; a remark for people, or ""
- *   GetStatus() -> a{sv}                 the keys below
+ *   GetStatus() -> a{sv}                 the keys of status_keys.h
  *   GetSettings() -> a(ssssss)           for administrators: each key of the configuration, with the
  *                                        options of the chosen sensor and door: section, key, value in
  *                                        force, default, allowed values, help (firmware/config/settings.h)
  *   GetSite() -> a{sv}                   what the people have taught the metric, and the error rates
- *                                        that their templates show: the keys below
+ *                                        that their templates show: the keys of status_keys.h
  *   ListLookAlikes() -> a(ssd)           pairs of people who look alike, for clients that may call
  *                                        ListPeople: two names and the highest score of a template of
  *                                        one with the other, by falling score; at most 16, or none yet
@@ -113,7 +113,7 @@
  *       hint, which held for some frames; the action goes on
  * Signal to clients that have called AimStart:
  *   View(a{sv})
- *       what the sensor sees, at most ten times a second: the keys marked + below
+ *       what the sensor sees, at most ten times a second: the keys of status_keys.h marked +
  * Signal to the caller of ExportPeople, ImportPeople, RotateKeys or VerifyLog during the call:
  *   Progress(t done, t total)
  *       how much of the work is done. It counts people of an export or an import (which stores
@@ -134,105 +134,16 @@
  *   DoorChanged(s state, s cause)
  *       words of firmware/door/door.h
  *
- * GetStatus keys:
- *   "version" s, "uptime-ms" x, "frames" t, "last-outcome" s, "log-sequence" t
- *   "mode" s                  "watch", "claimed", "enroll", "verify", "identify"
- *   "sensor" s                its back end
- *   "sensor-model" s          "" while unknown
- *   "sensor-state" s          "started"; "silent": it runs, but nothing is seen; "repeats": it
- *                             delivers frames of the last ten minutes again; "lost"
- *   "sensor-fault" s
- *   "sensor-health" s         what its driver reports while it runs; "" while all is well
- *   "sensor-calibration" s    the calibration; "" if the sensor calibrates itself. It begins with
- *                             "nominal" if the intrinsics are those of the model and were not
- *                             measured on this camera
- *   "sensor-devices" s        the devices that the back end sees; "" if it cannot tell. If the
- *                             state is not "started", only a back end that answers at once is asked
- *   "clock-fault" s           the clock was set back to before the newest record of the log; ""
- *                             while it is right
- *   "stale-fault" s           a grant has hardly enough time; "" while it has enough
- *   "storage-fault" s         the last error of the disk; "" once it works again
- *   "counter-fault" s         a fault of the counter of the state; "" while it works or none is
- *                             configured
- *   "door" s                  its back end
- *   "door-state" s
- *   "door-lines" s            the lines that are wired
- *   "door-fault" s            "" while its lines work
- *   "door-realtime" b         false: its thread has no real-time priority, and may be late on a
- *                             busy machine
- *   "people" u                of these, "people-valid" u may come in at this time
- *   "templates" u             of these, the running algorithm can use "templates-usable" u
- *   "capacity" u, "threshold" d, "algorithm" s, "model" s (checksum)
- *   "site" s                  "off"; "provisional": the metric shall adapt to the people and has
- *                             not done so yet, because they are too few or have just changed; the
- *                             threshold is stricter then; "adapted". If it is not "off":
- *   "site-people" u           people it has learned from; of these, "site-taught" u have at least
- *                             two templates
- *   "site-least" u            people that it needs to adapt
- *   "site-excluded" u         templates that do not teach it, because of ResetSite or RollBackSite
- *   "site-other-sensor" u     people who do not teach it, because no template of theirs was made
- *                             before this class of sensor (its model); they are identified all the same
- *   "site-offset" d           length of what they have in common, in standard deviations of a
- *                             rendered person, where "site-expected" d is expected of rendered ones
- *   "site-growth" d           variance within a person as a multiple of the rendered one; 0: not
- *                             known
- *   "image-check" s           "off", "flag", "veto", "absent"
- *   "lockdown" b
- *   "lockout-ms" x            how long nobody is let in; 0: not locked out
- *   "visits-allowed" t, "visits-denied" t       since the start; of the denied visits,
- *   "visits-attack" t                           so many looked like a picture, screen or mask
- *   "attack-frames" t                           frames that looked so, since the start
- *   "sensor-fault-code" s, "sensor-health-code" s, "sensor-calibration-code" s,
- *   "sensor-devices-code" s, "door-fault-code" s, "clock-fault-code" s, "stale-fault-code" s,
- *   "storage-fault-code" s, "counter-fault-code" s
- *                             the kind of fault that the text of that key describes: a name of
- *                             core/base/fault_code.h such as "disk-full", which keeps its meaning
- *                             in later versions. "" while there is no fault, or if it has no code
- *                             ("clock-unset" has no text)
- *
- * GetSite keys: "site" and the "site-..." keys above. If the thread of the site has compared the
- * templates of the present people (firmware/site/site_estimate.h):
- *   "estimate-people" u       people who were compared; of these, "estimate-repeated" u have at
- *                             least two templates
- *   "estimate-same" t         comparisons of a template with the same person's other templates
- *   "estimate-others" t       comparisons of a template with another person
- *   "LEVEL-score" d           LEVEL is a word ISO_CONTRACT_LEVEL_...; the score of the level
- *   "LEVEL-fmr" d, "LEVEL-fmr-low" d, "LEVEL-fmr-high" d
- *                             the share of comparisons with another person that reach it, with a
- *                             95 % interval that takes people as independent; none without such a
- *                             comparison
- *   "LEVEL-fnmr" d, "LEVEL-fnmr-low" d, "LEVEL-fnmr-high" d
- *                             the same for comparisons with the same person that do not reach it
- *   "look-alikes" u           pairs of people who reach "look-alike-score" d, which is one below the
- *                             threshold; at most 16 are counted
- * Scores are those of the metric alone. At the door the surfaces are compared, too.
- *
- * Keys of the last frame that was examined, as far as they are known:
- * + "capture" s               a word of isotherm/capture.h
- * + "distance-mm" d, + "right-mm" d, + "down-mm" d        of the nose tip, from the sensor's axis
- * + "yaw-deg" d, + "pitch-deg" d, + "roll-deg" d          of the head
- * + "residual-mm" d, + "fit-coverage" d (0..1)            of the fitted head model
- * + "coverage" d (0..1)                                   of the face patch
- * + "landmark-sigma-mm" d                                 of the least certain landmark
- * + "expression" d                                        its strength in standard deviations
- * + "speed-mm-s" d, + "speed-deg-s" d
- * None of these tells one face from another. */
+ * The keys of GetStatus, GetSite and View are in status_keys.h. */
 /* clang-format on */
 /* A file of exported people begins with ISO_CONTRACT_PEOPLE_MAGIC. The byte at ..._LOCK_AT is
  * ..._PASSPHRASE or ..._APPLIANCE: what opens the file. The key of a passphrase is 32 bytes of
- * Argon2id (crypto_pwhash of libsodium, 3 passes, 256 MiB) with the salt at ..._SALT_AT.
- *
- * An audit record has "sequence" (1, 2, ...), "time" (UTC, RFC 3339), "event" and, where they
- * apply, "monotonic_ns", "person", "verdict", "door", "door_fault", "grant", "reason", "score",
- * "threshold", "frames", "attack_frames", "sensor", "gallery" (which one, ":" and how often it was
- * changed), "before" and "after" (the values that an administrator changed), "note".
- *
- * The admission of a person is recorded twice: as a "grant" before the lock is switched, and as a
- * "visit" after it. The visit says what the door did ("door", "door_fault") and which record was
- * the grant ("grant", a sequence). If a grant has no visit, the daemon ended in between, or its
- * disk was full. */
+ * Argon2id (crypto_pwhash of libsodium, 3 passes, 256 MiB) with the salt at ..._SALT_AT. */
 #ifndef ISO_FIRMWARE_CONTRACT_CONTRACT_H
 #define ISO_FIRMWARE_CONTRACT_CONTRACT_H
+
+#include "firmware/contract/log_events.h"
+#include "firmware/contract/status_keys.h"
 
 #define ISO_CONTRACT_NAME      "org.isotherm.Isotherm"
 #define ISO_CONTRACT_PATH      "/org/isotherm/Door0"
@@ -359,26 +270,8 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_DOOR_OPEN         "open"         /* it stood open already */
 #define ISO_CONTRACT_DOOR_NOT_UNLOCKED "not-unlocked" /* its lock could not be switched */
 
-/* The words of "site" in GetStatus. */
-#define ISO_CONTRACT_SITE_OFF         "off"
-#define ISO_CONTRACT_SITE_PROVISIONAL "provisional"
-#define ISO_CONTRACT_SITE_ADAPTED     "adapted"
-
-/* The words of the levels in GetSite. */
-#define ISO_CONTRACT_LEVEL_CONVENIENT "convenient"
-#define ISO_CONTRACT_LEVEL_BALANCED   "balanced"
-#define ISO_CONTRACT_LEVEL_STRICT     "strict"
-
 /* The longest account and act of RecordAct, in bytes without the NUL. */
 enum { ISO_CONTRACT_ACCOUNT_BYTES = 32, ISO_CONTRACT_ACT_BYTES = 32 };
-
-/* Every "event" of an audit record, in alphabetical order: the values of an array of texts. */
-#define ISO_CONTRACT_EVENTS                                                                       \
-    "act", "attack", "clock", "counter", "delete", "door", "door-test", "enroll", "export",       \
-        "forget", "gallery", "grant", "identify", "import", "learn", "lockdown", "lockout",       \
-        "log-recovered", "log-rotated", "log-sealed", "picture", "records-lost", "relief",        \
-        "rename", "rotate-keys", "sensor", "site", "start", "state-accepted", "stop", "validity", \
-        "verify", "visit"
 
 /* Errors: what a call is refused for. A fault of the appliance itself has a code in GetStatus. */
 #define ISO_CONTRACT_ERROR_ALREADY_IN_USE   "org.isotherm.Error.AlreadyInUse"

@@ -101,7 +101,7 @@ static size_t expect_known(const char *path, const char *source, const char *cal
         at += strlen(call);
         (void)snprintf(word, sizeof word, "%.*s", (int)strcspn(at, "\""), at);
         if (!is_known(word)) {
-            fail_msg("%s records the event %s, which firmware/contract/contract.h does not name",
+            fail_msg("%s records the event %s, which firmware/contract/log_events.h does not name",
                      path, word);
         }
     }

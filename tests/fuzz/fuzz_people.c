@@ -1,5 +1,5 @@
 /* Exported people: the sealed file, and its opened contents. */
-#include "firmware/gallery/transfer.h"
+#include "firmware/transfer/transfer.h"
 #include "tests/fuzz/fuzz.h"
 
 static void check_items(const struct iso_transfer *transfer)

@@ -7,7 +7,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/gallery/transfer.h"
+#include "firmware/transfer/transfer.h"
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/support/scratch.h"
 

@@ -6,7 +6,7 @@
 
 #include "core/base/bytes.h"
 #include "firmware/contract/contract.h"
-#include "firmware/gallery/transfer_format.h"
+#include "firmware/transfer/transfer_format.h"
 
 struct iso_transfer {
     uint8_t *plain; /* the items point into this memory */

@@ -1,4 +1,4 @@
-#include "firmware/gallery/transfer.h"
+#include "firmware/transfer/transfer.h"
 
 #include <errno.h>
 #include <sodium.h>
@@ -8,7 +8,7 @@
 
 #include "core/base/bytes.h"
 #include "firmware/contract/contract.h"
-#include "firmware/gallery/transfer_format.h"
+#include "firmware/transfer/transfer_format.h"
 
 /* ---- key pairs ---- */
 

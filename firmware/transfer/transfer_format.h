@@ -5,7 +5,7 @@
 
 #include <sodium.h>
 
-#include "firmware/gallery/transfer.h"
+#include "firmware/transfer/transfer.h"
 
 enum {
     ISO__TRANSFER_KEY_AT = 32,
