@@ -47,8 +47,10 @@
 enum {
     ISO_GALLERY_APPLICATION_ID = 0x49534f54, /* the characters "ISOT" */
     ISO_GALLERY_SCHEMA_SEALED = 2,           /* the first version that is sealed */
-    ISO_GALLERY_SCHEMA = 3, /* the newest version; it records which templates are excluded */
+    ISO_GALLERY_SCHEMA_SITE = 3,             /* records which templates are excluded */
+    ISO_GALLERY_SCHEMA = 4,                  /* the newest version; it has access records */
     ISO_GALLERY_TEMPLATES_MAX = ISO_CONTRACT_TEMPLATES_MAX, /* of one person */
+    ISO_GALLERY_ACCESS_MAX = 2 << 20,                       /* bytes of an access record */
 };
 
 struct iso_person {
@@ -178,6 +180,23 @@ int iso_gallery_export(struct iso_gallery *gallery, const char *name,
  * learned templates keep them. Errors of iso_gallery_export and iso_gallery_import; then nothing
  * has changed. */
 int iso_gallery_forget_learned(struct iso_gallery *gallery, size_t *n, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* ---- who may enter, where and when ---- */
+
+/* An access record is bytes that the gallery seals and keeps, and does not interpret: of a person
+ * (id 1 or more), or of the site (0). It moves with a person who gets another id, and is deleted
+ * with the person. An earlier program, which knows no access records, refuses to open a gallery
+ * that has ever had one. */
+
+/* The record of a person or of the site, and its size. NULL: there is none, or the gallery is out
+ * of service. Valid until the next change. */
+const void *iso_gallery_access(const struct iso_gallery *gallery, int64_t person, size_t *size);
+
+/* Stores a record in place of the earlier one; size 0 deletes it. -ENOENT there is no such person,
+ * -EFBIG more than ISO_GALLERY_ACCESS_MAX bytes, else as iso_gallery_add. */
+int iso_gallery_set_access(struct iso_gallery *gallery, int64_t person, const void *bytes,
+                           size_t size, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* ---- keys, and which gallery it is ---- */

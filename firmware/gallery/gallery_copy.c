@@ -95,9 +95,14 @@ static int check_item(const struct iso_gallery *gallery, const struct iso_galler
     return 0;
 }
 
+/* `earlier` is the id of the person whom this one replaces, and whose access record stays; 0:
+ * none. */
 static int put_item(struct iso_gallery *gallery, const struct iso_gallery_item *item,
-                    struct iso_fault *fault)
+                    int64_t earlier, struct iso_fault *fault)
 {
+    const struct iso_gallery_access *access = earlier ? iso_gallery_access_find(
+                                                            &gallery->memory.access, earlier)
+                                                      : NULL;
     struct iso_person row = item->person;
     row.id = 0;
     int64_t number = 0;
@@ -110,6 +115,9 @@ static int put_item(struct iso_gallery *gallery, const struct iso_gallery_item *
             iso_site_record_exclude(iso_gallery_db_site(gallery->db), (uint64_t)number,
                                     (uint64_t)number + 1);
         }
+    }
+    if (!error && access) {
+        error = iso_gallery_db_put_access(gallery->db, row.id, access->bytes, access->size, fault);
     }
     return error;
 }
@@ -144,7 +152,7 @@ static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item 
             error = iso_gallery_db_drop_person(gallery->db, known->id, fault);
         }
         if (!error) {
-            error = put_item(gallery, &items[i], fault);
+            error = put_item(gallery, &items[i], known ? known->id : 0, fault);
         }
         *added += error ? 0 : 1;
     }
@@ -249,6 +257,13 @@ static int export_person(void *context, const struct iso_person *person, struct 
     return 0;
 }
 
+static int export_access(void *context, const struct iso_gallery_place *place, const void *bytes,
+                         size_t size, struct iso_fault *fault)
+{
+    (void)context, (void)place, (void)bytes, (void)size, (void)fault; /* stays at this door */
+    return 0;
+}
+
 static int export_template(void *context, const struct iso_gallery_place *place, const void *bytes,
                            size_t size, struct iso_fault *fault)
 {
@@ -296,7 +311,8 @@ int iso_gallery_export(struct iso_gallery *gallery, const char *name,
     exporting->only = only;
     exporting->each = each;
     exporting->context = context;
-    const struct iso_gallery_visitor visitor = {export_person, export_template, exporting};
+    const struct iso_gallery_visitor visitor = {export_person, export_template, export_access,
+                                                exporting};
     int error = iso_gallery_db_load(gallery->db, &visitor, fault);
     if (!error) {
         error = hand_on(exporting, fault);

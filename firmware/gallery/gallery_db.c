@@ -186,6 +186,9 @@ static int check_database(struct iso_gallery_db *db, int *version, struct iso_fa
     if (!error && *version >= ISO_GALLERY_SCHEMA_SEALED) {
         error = iso__gallery_read_head(db, fault);
     }
+    if (!error) {
+        error = iso__gallery_find_access(db, fault);
+    }
     return error ? error : iso__gallery_execute(db, "COMMIT", fault);
 }
 

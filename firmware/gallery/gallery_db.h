@@ -4,6 +4,9 @@
  *   head      one row: gallery (its random id), key (number in the key ring), record (sealed)
  *   person    id, record (sealed: dates and name)
  *   template  id, person_id -> person, algorithm, record (sealed: iso_template_serialise)
+ *   access    id, person_id (0: the site), part (0, 1, ...), record (sealed: a part of the access
+ *             record, because a record is at most as long as a template). The table exists since
+ *             the first access record
  *
  * gallery_seal.h says how records are sealed. PATH.anchor contains the number of changes
  * (anchor.h), and the gallery's id. */
@@ -33,11 +36,15 @@ struct iso_gallery_visitor {
     int (*person)(void *context, const struct iso_person *person, struct iso_fault *fault);
     int (*template)(void *context, const struct iso_gallery_place *place, const void *bytes,
                     size_t size, struct iso_fault *fault);
+    /* A part of an access record; place->algorithm is its number. */
+    int (*access)(void *context, const struct iso_gallery_place *place, const void *bytes,
+                  size_t size, struct iso_fault *fault);
     void *context;
 };
 
-/* Passes first all people by rising id, then all templates by rising person and id. Checks that no
- * record is missing, also within a transaction. */
+/* Passes first all people by rising id, then all templates by rising person and id, then all parts
+ * of access records by rising person and part. Checks that no record is missing, also within a
+ * transaction. */
 int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visitor *visitor,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
@@ -72,7 +79,13 @@ int iso_gallery_db_put_template(struct iso_gallery_db *db, int64_t person_id, ui
                                 const void *bytes, size_t size, int64_t *number,
                                 struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Deletes a person with all templates. */
+/* Stores the access record of a person, or of the site (0), in place of the earlier one; size 0
+ * only deletes that. */
+int iso_gallery_db_put_access(struct iso_gallery_db *db, int64_t person_id, const void *bytes,
+                              size_t size, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Deletes a person with all templates and the access record. */
 int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -111,4 +111,18 @@ int iso__gallery_insert_person(struct iso_gallery_db *db, int64_t id,
 int iso__gallery_insert_template(struct iso_gallery_db *db, const struct iso_gallery_place *place,
                                  const void *bytes, size_t size, struct iso_fault *fault);
 
+/* Seals a record, adds it to the draft's digest, and runs a statement with it: ?1 number, ?2 person
+ * and ?3 algorithm of its place, ?4 the sealed record. */
+int iso__gallery_write_record(struct iso_gallery_db *db, const char *sql,
+                              const struct iso_gallery_place *place, const void *plain, size_t size,
+                              struct iso_fault *fault);
+
+/* Removes the rows that a query finds (id, person_id, algorithm, record) for its parameter `id`
+ * from the draft's digest. */
+int iso__gallery_take_out(struct iso_gallery_db *db, const char *sql, enum iso_gallery_kind kind,
+                          int64_t id, struct iso_fault *fault);
+
+/* Looks whether the table of access records exists. (gallery_access_rows.c) */
+int iso__gallery_find_access(struct iso_gallery_db *db, struct iso_fault *fault);
+
 #endif

@@ -30,6 +30,7 @@ void iso_gallery_memory_done(struct iso_gallery_memory *memory)
     iso_site_index_free(memory->site);
     sodium_memzero(memory->people, memory->n_people * sizeof *memory->people);
     free(memory->people);
+    iso_gallery_access_done(&memory->access);
     *memory = (struct iso_gallery_memory){0};
 }
 
@@ -236,6 +237,7 @@ void iso_gallery_memory_remove(struct iso_gallery_memory *memory, int64_t person
     if (memory->site) {
         iso_site_index_remove(memory->site, person);
     }
+    iso_gallery_access_remove(&memory->access, person);
     if (own) {
         const size_t behind = memory->n_people - (size_t)(own - memory->people) - 1;
         memmove(own, own + 1, behind * sizeof *own);
@@ -314,6 +316,21 @@ static int load_template(void *context, const struct iso_gallery_place *place, c
                : 0;
 }
 
+static int load_access(void *context, const struct iso_gallery_place *place, const void *bytes,
+                       size_t size, struct iso_fault *fault)
+{
+    struct loading *loading = context;
+    if (place->person != 0 && !iso_gallery_memory_find(&loading->memory, place->person)) {
+        return iso_gallery_db_damaged(loading->db, "an access record belongs to nobody", fault);
+    }
+    const int error = iso_gallery_access_load(&loading->memory.access, place->person,
+                                              place->algorithm, bytes, size);
+    if (error == -ENOMEM) {
+        return iso_fault_set(fault, error, "gallery: out of memory");
+    }
+    return error ? iso_gallery_db_damaged(loading->db, "an access record is not whole", fault) : 0;
+}
+
 /* Sorts by key, and people with the same key by spelling. */
 static int by_name(const void *a, const void *b)
 {
@@ -359,7 +376,7 @@ int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
         .listener = listener,
         .memory = {.algorithm = algorithm, .metric = metric, .adapt = adapt},
     };
-    const struct iso_gallery_visitor visitor = {load_person, load_template, &loading};
+    const struct iso_gallery_visitor visitor = {load_person, load_template, load_access, &loading};
     int error = 0;
     if (metric && iso_site_index_new(metric, adapt, &loading.memory.site)) {
         return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");

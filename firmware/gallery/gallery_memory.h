@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 
+#include "firmware/gallery/gallery_access.h"
 #include "firmware/gallery/gallery_db.h"
 #include "firmware/site/site_index.h"
 
@@ -23,6 +24,7 @@ struct iso_gallery_memory {
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* class of the running sensor; "": not known */
     struct iso_search_entry *entries;     /* only without a metric, in the order of people */
     size_t n_entries, entries_capacity;
+    struct iso_gallery_access_list access;
 };
 
 /* Loads the whole database, within a transaction or not. `out` is written on success; done frees

@@ -40,7 +40,8 @@ static int copy_person(const struct iso_gallery_db *from, sqlite3_stmt *row,
 static int copy_template(const struct iso_gallery_db *from, sqlite3_stmt *row,
                          struct iso_gallery_db *to, struct iso_fault *fault)
 {
-    const struct iso_gallery_place place = {.number = sqlite3_column_int64(row, 0),
+    const struct iso_gallery_place place = {.kind = ISO_GALLERY_TEMPLATE,
+                                            .number = sqlite3_column_int64(row, 0),
                                             .person = sqlite3_column_int64(row, 1),
                                             .algorithm = (uint32_t)sqlite3_column_int64(row, 2)};
     const void *bytes = sqlite3_column_blob(row, 3);

@@ -34,9 +34,10 @@ static int open_column(struct iso_gallery_db *db, sqlite3_stmt *row, int column,
     return (int)(size - ISO_SEAL_OVERHEAD);
 }
 
-static struct iso_gallery_place template_place(sqlite3_stmt *row)
+static struct iso_gallery_place place_of(sqlite3_stmt *row, enum iso_gallery_kind kind)
 {
-    return (struct iso_gallery_place){.number = sqlite3_column_int64(row, 0),
+    return (struct iso_gallery_place){.kind = kind,
+                                      .number = sqlite3_column_int64(row, 0),
                                       .person = sqlite3_column_int64(row, 1),
                                       .algorithm = (uint32_t)sqlite3_column_int64(row, 2)};
 }
@@ -62,12 +63,24 @@ static int visit_template(struct iso_gallery_db *db, sqlite3_stmt *row,
                           const struct iso_gallery_visitor *visitor, uint8_t *digest,
                           struct iso_fault *fault)
 {
-    const struct iso_gallery_place place = template_place(row);
+    const struct iso_gallery_place place = place_of(row, ISO_GALLERY_TEMPLATE);
     const int size = place.person > 0 ? open_column(db, row, 3, &place, digest) : -EBADMSG;
     if (size < 0) {
         return is_not_what_it_was(db, "template", place.number, fault);
     }
     return visitor->template(visitor->context, &place, db->plain, (size_t)size, fault);
+}
+
+static int visit_access(struct iso_gallery_db *db, sqlite3_stmt *row,
+                        const struct iso_gallery_visitor *visitor, uint8_t *digest,
+                        struct iso_fault *fault)
+{
+    const struct iso_gallery_place place = place_of(row, ISO_GALLERY_ACCESS);
+    const int size = open_column(db, row, 3, &place, digest);
+    if (size < 0) {
+        return is_not_what_it_was(db, "access", place.number, fault);
+    }
+    return visitor->access(visitor->context, &place, db->plain, (size_t)size, fault);
 }
 
 typedef int (*visit_fn)(struct iso_gallery_db *db, sqlite3_stmt *row,
@@ -111,6 +124,11 @@ int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visi
                          "ORDER BY person_id, id",
                          0, visit_template, visitor, digest, fault);
     }
+    if (!error && db->draft.has_access) {
+        error = each_row(db,
+                         "SELECT id, person_id, part, record FROM access ORDER BY person_id, part",
+                         0, visit_access, visitor, digest, fault);
+    }
     if (!error && sodium_memcmp(digest, db->draft.digest, sizeof digest) != 0) {
         error = iso_gallery_db_damaged(db, "records are missing, or are old ones", fault);
     }
@@ -130,11 +148,9 @@ int iso_gallery_db_templates(struct iso_gallery_db *db, int64_t person,
 
 /* ---- writing ---- */
 
-/* Seals a record, adds it to the draft's digest, and runs a statement with it: ?1 number, ?2 person
- * and ?3 algorithm of its place, ?4 the sealed record. */
-static int write_record(struct iso_gallery_db *db, const char *sql,
-                        const struct iso_gallery_place *place, const void *plain, size_t size,
-                        struct iso_fault *fault)
+int iso__gallery_write_record(struct iso_gallery_db *db, const char *sql,
+                              const struct iso_gallery_place *place, const void *plain, size_t size,
+                              struct iso_fault *fault)
 {
     sqlite3_stmt *statement = NULL;
     const int error = iso__gallery_prepare(db, sql, &statement, fault);
@@ -145,7 +161,7 @@ static int write_record(struct iso_gallery_db *db, const char *sql,
     iso_gallery_record_toggle(&db->seal, place, db->sealed, size + ISO_SEAL_OVERHEAD,
                               db->draft.digest);
     (void)sqlite3_bind_int64(statement, 1, place->number);
-    if (place->person) {
+    if (place->kind != ISO_GALLERY_PERSON) {
         (void)sqlite3_bind_int64(statement, 2, place->person);
         (void)sqlite3_bind_int64(statement, 3, place->algorithm);
     }
@@ -159,8 +175,8 @@ int iso__gallery_insert_person(struct iso_gallery_db *db, int64_t id,
     const struct iso_gallery_place place = {.number = id};
     uint8_t plain[ISO_GALLERY_PERSON_BYTES];
     iso_gallery_person_put(person, plain);
-    const int error = write_record(db, "INSERT INTO person (id, record) VALUES (?1, ?4)", &place,
-                                   plain, sizeof plain, fault);
+    const int error = iso__gallery_write_record(
+        db, "INSERT INTO person (id, record) VALUES (?1, ?4)", &place, plain, sizeof plain, fault);
     sodium_memzero(plain, sizeof plain);
     return error;
 }
@@ -168,15 +184,14 @@ int iso__gallery_insert_person(struct iso_gallery_db *db, int64_t id,
 int iso__gallery_insert_template(struct iso_gallery_db *db, const struct iso_gallery_place *place,
                                  const void *bytes, size_t size, struct iso_fault *fault)
 {
-    return write_record(db,
-                        "INSERT INTO template (id, person_id, algorithm, record) "
-                        "VALUES (?1, ?2, ?3, ?4)",
-                        place, bytes, size, fault);
+    return iso__gallery_write_record(db,
+                                     "INSERT INTO template (id, person_id, algorithm, record) "
+                                     "VALUES (?1, ?2, ?3, ?4)",
+                                     place, bytes, size, fault);
 }
 
-/* Removes the rows that a query finds (id, person_id, algorithm, record) from the draft's
- * digest. */
-static int take_out(struct iso_gallery_db *db, const char *sql, int64_t id, struct iso_fault *fault)
+int iso__gallery_take_out(struct iso_gallery_db *db, const char *sql, enum iso_gallery_kind kind,
+                          int64_t id, struct iso_fault *fault)
 {
     sqlite3_stmt *query = NULL;
     int step = SQLITE_DONE;
@@ -186,7 +201,7 @@ static int take_out(struct iso_gallery_db *db, const char *sql, int64_t id, stru
     }
     (void)sqlite3_bind_int64(query, 1, id);
     while ((step = sqlite3_step(query)) == SQLITE_ROW) {
-        const struct iso_gallery_place place = template_place(query);
+        const struct iso_gallery_place place = place_of(query, kind);
         const void *record = sqlite3_column_blob(query, 3);
         iso_gallery_record_toggle(&db->seal, &place, record ? record : "",
                                   (size_t)sqlite3_column_bytes(query, 3), db->draft.digest);
@@ -205,13 +220,13 @@ static int update_person(struct iso_gallery_db *db, const struct iso_person *per
 {
     const struct iso_gallery_place place = {.number = person->id};
     uint8_t plain[ISO_GALLERY_PERSON_BYTES];
-    int error = take_out(db, the_person, person->id, fault);
+    int error = iso__gallery_take_out(db, the_person, ISO_GALLERY_PERSON, person->id, fault);
     if (error) {
         return error;
     }
     iso_gallery_person_put(person, plain);
-    error = write_record(db, "UPDATE person SET record = ?4 WHERE id = ?1", &place, plain,
-                         sizeof plain, fault);
+    error = iso__gallery_write_record(db, "UPDATE person SET record = ?4 WHERE id = ?1", &place,
+                                      plain, sizeof plain, fault);
     sodium_memzero(plain, sizeof plain);
     return error;
 }
@@ -233,8 +248,10 @@ int iso_gallery_db_put_template(struct iso_gallery_db *db, int64_t person_id, ui
                                 const void *bytes, size_t size, int64_t *number,
                                 struct iso_fault *fault)
 {
-    const struct iso_gallery_place place = {
-        .number = (int64_t)db->draft.next, .person = person_id, .algorithm = algorithm};
+    const struct iso_gallery_place place = {.kind = ISO_GALLERY_TEMPLATE,
+                                            .number = (int64_t)db->draft.next,
+                                            .person = person_id,
+                                            .algorithm = algorithm};
     const int error = iso__gallery_insert_template(db, &place, bytes, size, fault);
     db->draft.next += error ? 0 : 1;
     *number = place.number;
@@ -244,9 +261,12 @@ int iso_gallery_db_put_template(struct iso_gallery_db *db, int64_t person_id, ui
 int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso_fault *fault)
 {
     sqlite3_stmt *statement = NULL;
-    int error = take_out(db, their_templates, id, fault);
+    int error = iso_gallery_db_put_access(db, id, NULL, 0, fault);
     if (!error) {
-        error = take_out(db, the_person, id, fault);
+        error = iso__gallery_take_out(db, their_templates, ISO_GALLERY_TEMPLATE, id, fault);
+    }
+    if (!error) {
+        error = iso__gallery_take_out(db, the_person, ISO_GALLERY_PERSON, id, fault);
     }
     if (!error) {
         error = iso__gallery_prepare(db, "DELETE FROM person WHERE id = ?1", &statement, fault);
@@ -260,15 +280,21 @@ int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso
 
 /* ---- another key ---- */
 
+/* How the rows of a table are sealed again. */
+struct reseal_table {
+    enum iso_gallery_kind kind;
+    const char *name; /* in a fault */
+    const char *select, *update;
+};
+
 /* Seals one row again: the first whose number is above *after. It was sealed with `old`, and is
  * then sealed with db->seal. *after becomes its number. Returns 1, 0 if there is no such row, or a
  * negative errno. */
 static int reseal_next(struct iso_gallery_db *db, const struct iso_gallery_seal *old,
-                       const char *select, const char *update, int64_t *after,
-                       struct iso_fault *fault)
+                       const struct reseal_table *table, int64_t *after, struct iso_fault *fault)
 {
     sqlite3_stmt *query = NULL;
-    int error = iso__gallery_prepare(db, select, &query, fault);
+    int error = iso__gallery_prepare(db, table->select, &query, fault);
     if (error) {
         return error;
     }
@@ -279,27 +305,32 @@ static int reseal_next(struct iso_gallery_db *db, const struct iso_gallery_seal 
         (void)sqlite3_finalize(query);
         return error;
     }
-    const struct iso_gallery_place place = template_place(query);
+    const struct iso_gallery_place place = place_of(query, table->kind);
     const size_t size = (size_t)sqlite3_column_bytes(query, 3);
     const void *sealed = sqlite3_column_blob(query, 3);
     const bool sound = sealed && size >= ISO_SEAL_OVERHEAD && size <= sizeof db->sealed &&
                        iso_gallery_record_open(old, &place, sealed, size, db->plain) == 0;
     (void)sqlite3_finalize(query);
     if (!sound) {
-        return is_not_what_it_was(db, place.person ? "template" : "person", place.number, fault);
+        return is_not_what_it_was(db, table->name, place.number, fault);
     }
     *after = place.number;
-    error = write_record(db, update, &place, db->plain, size - ISO_SEAL_OVERHEAD, fault);
+    error = iso__gallery_write_record(db, table->update, &place, db->plain,
+                                      size - ISO_SEAL_OVERHEAD, fault);
     return error ? error : 1;
 }
 
-/* Counts the records to be sealed, of people and of templates. */
+/* Counts the records to be sealed. */
 static int count_records(const struct iso_gallery_db *db, uint64_t *n, struct iso_fault *fault)
 {
     char answer[32];
     const int error = iso__gallery_ask(
-        db, "SELECT (SELECT count(*) FROM person) + (SELECT count(*) FROM template)", answer,
-        sizeof answer, fault);
+        db,
+        db->draft.has_access
+            ? "SELECT (SELECT count(*) FROM person) + (SELECT count(*) FROM template) "
+              "+ (SELECT count(*) FROM access)"
+            : "SELECT (SELECT count(*) FROM person) + (SELECT count(*) FROM template)",
+        answer, sizeof answer, fault);
     *n = error ? 0 : strtoull(answer, NULL, 10);
     return error;
 }
@@ -307,20 +338,24 @@ static int count_records(const struct iso_gallery_db *db, uint64_t *n, struct is
 static int reseal_rows(struct iso_gallery_db *db, const struct iso_gallery_seal *old,
                        const struct iso_work_listener *listener, struct iso_fault *fault)
 {
-    static const struct {
-        const char *select, *update;
-    } tables[] = {
-        {"SELECT id, 0, 0, record FROM person WHERE id > ?1 ORDER BY id LIMIT 1",
+    static const struct reseal_table tables[] = {
+        {ISO_GALLERY_PERSON, "person",
+         "SELECT id, 0, 0, record FROM person WHERE id > ?1 ORDER BY id LIMIT 1",
          "UPDATE person SET record = ?4 WHERE id = ?1"},
-        {"SELECT id, person_id, algorithm, record FROM template WHERE id > ?1 ORDER BY id LIMIT 1",
+        {ISO_GALLERY_TEMPLATE, "template",
+         "SELECT id, person_id, algorithm, record FROM template WHERE id > ?1 ORDER BY id LIMIT 1",
          "UPDATE template SET record = ?4 WHERE id = ?1 AND person_id = ?2 AND algorithm = ?3"},
+        {ISO_GALLERY_ACCESS, "access",
+         "SELECT id, person_id, part, record FROM access WHERE id > ?1 ORDER BY id LIMIT 1",
+         "UPDATE access SET record = ?4 WHERE id = ?1 AND person_id = ?2 AND part = ?3"},
     };
+    const size_t n = sizeof tables / sizeof *tables - (db->draft.has_access ? 0 : 1);
     uint64_t done = 0, total = 0;
     int more = count_records(db, &total, fault);
-    for (size_t i = 0; more >= 0 && i < sizeof tables / sizeof *tables; i++) {
+    for (size_t i = 0; more >= 0 && i < n; i++) {
         int64_t after = 0;
         do {
-            more = reseal_next(db, old, tables[i].select, tables[i].update, &after, fault);
+            more = reseal_next(db, old, &tables[i], &after, fault);
             if (more > 0) {
                 iso_work_step(listener, ++done, total);
             }

@@ -34,8 +34,12 @@ static struct iso_seal_label label_of(const struct iso_gallery_seal *seal, const
 static struct iso_seal_label record_label(const struct iso_gallery_seal *seal,
                                           const struct iso_gallery_place *place)
 {
-    struct iso_seal_label label = label_of(seal, place->person ? "isotherm gallery template 1"
-                                                               : "isotherm gallery person 1");
+    static const char *const kinds[] = {
+        [ISO_GALLERY_PERSON] = "isotherm gallery person 1",
+        [ISO_GALLERY_TEMPLATE] = "isotherm gallery template 1",
+        [ISO_GALLERY_ACCESS] = "isotherm gallery access 1",
+    };
+    struct iso_seal_label label = label_of(seal, kinds[place->kind]);
     iso_seal_label_number(&label, (uint64_t)place->number);
     iso_seal_label_number(&label, (uint64_t)place->person);
     iso_seal_label_number(&label, place->algorithm);
@@ -98,14 +102,18 @@ int iso_gallery_person_get(const uint8_t *plain, size_t size, struct iso_person 
 
 int iso_gallery_head_version(const struct iso_gallery_head *head)
 {
-    return iso_site_record_is_empty(&head->site) ? ISO_GALLERY_SCHEMA_SEALED : ISO_GALLERY_SCHEMA;
+    if (head->has_access) {
+        return ISO_GALLERY_SCHEMA;
+    }
+    return iso_site_record_is_empty(&head->site) ? ISO_GALLERY_SCHEMA_SEALED
+                                                 : ISO_GALLERY_SCHEMA_SITE;
 }
 
 size_t iso_gallery_head_close(const struct iso_gallery_seal *seal,
                               const struct iso_gallery_head *head,
                               uint8_t sealed[ISO_GALLERY_HEAD_SEALED])
 {
-    const bool has_site = iso_gallery_head_version(head) == ISO_GALLERY_SCHEMA;
+    const bool has_site = !iso_site_record_is_empty(&head->site);
     const struct iso_seal_label label = label_of(seal, has_site ? "isotherm gallery head 3"
                                                                 : "isotherm gallery head 2");
     const size_t size = has_site ? ISO_GALLERY_HEAD_BYTES : ISO_GALLERY_HEAD_2_BYTES;

@@ -44,13 +44,22 @@ struct iso_gallery_head {
     uint8_t digest[ISO_SEAL_DIGEST_BYTES];
     struct iso_heads known;      /* about the other stores, when this was written (heads.h) */
     struct iso_site_record site; /* which templates teach the metric */
+    bool has_access; /* the table of access records exists; the version of the database says so, and
+                      * not the sealed head: the digest protects its records */
+};
+
+enum iso_gallery_kind {
+    ISO_GALLERY_PERSON = 0,
+    ISO_GALLERY_TEMPLATE,
+    ISO_GALLERY_ACCESS, /* a part of an access record */
 };
 
 /* The place of a record. */
 struct iso_gallery_place {
-    int64_t number; /* number of the row */
-    int64_t person; /* the person of a template; 0: this is a person's record */
-    uint32_t algorithm;
+    enum iso_gallery_kind kind;
+    int64_t number;     /* number of the row */
+    int64_t person;     /* the person of a template or an access record; 0: none */
+    uint32_t algorithm; /* of a template; the number of a part */
 };
 
 /* The seal of a gallery, with keys derived from key `key_number` of the ring. */
@@ -79,15 +88,15 @@ void iso_gallery_person_put(const struct iso_person *person,
 int iso_gallery_person_get(const uint8_t *plain, size_t size, struct iso_person *out)
     __attribute__((warn_unused_result));
 
-/* The version of the database whose head is sealed in the format that this head needs:
- * ISO_GALLERY_SCHEMA if its record of the site is not empty, else ISO_GALLERY_SCHEMA_SEALED, which
- * earlier programs can read. */
+/* The version of the database that this head needs: ISO_GALLERY_SCHEMA with access records,
+ * ISO_GALLERY_SCHEMA_SITE if its record of the site is not empty, else ISO_GALLERY_SCHEMA_SEALED,
+ * which earlier programs can read. */
 int iso_gallery_head_version(const struct iso_gallery_head *head);
 
-/* Seals the head in that format, and returns the size; or opens a sealed head. Opening fails with
- * -EBADMSG if the bytes were not sealed with this key. A head of an earlier format has no record of
- * the site, and the earliest also no state of the other stores; it can be opened as well, and these
- * members are then zero. */
+/* Seals the head, in the format of version 3 only if that is needed, and returns the size; or opens
+ * a sealed head. Opening fails with -EBADMSG if the bytes were not sealed with this key. A head of
+ * an earlier format has no record of the site, and the earliest also no state of the other stores;
+ * it can be opened as well, and these members are then zero. */
 size_t iso_gallery_head_close(const struct iso_gallery_seal *seal,
                               const struct iso_gallery_head *head,
                               uint8_t sealed[ISO_GALLERY_HEAD_SEALED]);

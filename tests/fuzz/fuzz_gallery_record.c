@@ -21,7 +21,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     static const uint8_t gallery[ISO_GALLERY_ID_BYTES] = {1};
     static const struct iso_seal_key key = {{5}};
     static uint8_t plain[ISO_TEMPLATE_BYTES_MAX], sealed[ISO_GALLERY_TEMPLATE_SEALED];
-    const struct iso_gallery_place place = {.number = 3, .person = 2, .algorithm = 9};
+    const struct iso_gallery_place place = {
+        .kind = ISO_GALLERY_TEMPLATE, .number = 3, .person = 2, .algorithm = 9};
     const struct iso_gallery_place other = {.number = 3, .person = 4, .algorithm = 9};
     struct iso_gallery_head head;
     struct iso_fault fault = {.text = ""};

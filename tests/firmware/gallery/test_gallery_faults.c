@@ -76,8 +76,8 @@ static void a_database_of_others_is_no_gallery(void **state)
 static void a_newer_gallery_is_left_alone(void **state)
 {
     gallery_rig_make(*state, 2);
-    gallery_rig_execute(*state, "PRAGMA user_version = 4");
-    expect_refusal(*state, -EPROTONOSUPPORT, "of version 4, this program knows version 3");
+    gallery_rig_execute(*state, "PRAGMA user_version = 5");
+    expect_refusal(*state, -EPROTONOSUPPORT, "of version 5, this program knows version 4");
 }
 
 static void needs_its_directory(void **state)

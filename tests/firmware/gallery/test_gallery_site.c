@@ -68,7 +68,7 @@ static void it_rolls_back_enrolment_by_enrolment(void **state)
     assert_int_equal(iso_gallery_site_excluded(gallery), 3);
     assert_int_equal(iso_gallery_find(gallery, "ada")->usable, 2);
     iso_gallery_close(gallery);
-    assert_int_equal(version_of(*state), ISO_GALLERY_SCHEMA);
+    assert_int_equal(version_of(*state), ISO_GALLERY_SCHEMA_SITE);
     iso_metric_free(metric);
 }
 
