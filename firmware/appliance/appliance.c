@@ -6,6 +6,7 @@
 #include <string.h>
 #include <syslog.h>
 
+#include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
 
 const char *iso_appliance_mode_name(enum iso_appliance_mode mode)
@@ -29,6 +30,9 @@ int iso_appliance_new(const struct iso_appliance_borrowed *borrowed, struct iso_
         error = iso__appliance_new_repeats(appliance);
     }
     if (!error) {
+        error = iso__appliance_new_access(appliance);
+    }
+    if (!error) {
         error = iso_audit_writer_new(borrowed->audit, &appliance->borrowed.times, borrowed->threads,
                                      &appliance->log);
     }
@@ -48,6 +52,7 @@ void iso_appliance_free(struct iso_appliance *appliance)
         iso__appliance_close_sensor(appliance);
         iso__appliance_wipe_enrolment(appliance);
         iso__appliance_free_repeats(appliance);
+        iso__appliance_free_access(appliance);
         explicit_bzero(appliance, sizeof *appliance); /* the frame worked on last */
         free(appliance);
     }
@@ -108,6 +113,10 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     iso__appliance_record_gallery(appliance, "start", ISOTHERM_VERSION);
     iso__appliance_record_door(appliance);
     iso__appliance_unlearn(appliance);
+    error = iso__appliance_load_policy(appliance);
+    if (error) {
+        return iso_fault_set(fault, error, "policy: out of memory");
+    }
     tell_unusable(appliance);
     tell_same_names(appliance);
     iso__appliance_start_lockout(appliance);
@@ -144,6 +153,7 @@ static int64_t next_step_ns(struct iso_appliance *appliance, int64_t now_ns)
         iso__appliance_storage_due_ns(appliance),
         iso__appliance_picture_due_ns(appliance),
         iso__appliance_action_due_ns(appliance),
+        iso__appliance_access_due_ns(appliance),
     };
     int64_t next_ns = ISO_NEVER_NS;
     for (size_t i = 0; i < sizeof due_ns / sizeof *due_ns; i++) {
@@ -167,6 +177,7 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     iso__appliance_counter_time(appliance, now_ns);
     iso__appliance_action_deadline(appliance, now_ns);
     iso__appliance_picture_time(appliance, now_ns);
+    iso__appliance_access_time(appliance, now_ns);
     return next_step_ns(appliance, now_ns);
 }
 

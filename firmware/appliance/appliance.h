@@ -29,6 +29,7 @@
 #include "core/base/fault.h"
 #include "drivers/base/times.h"
 #include "drivers/door/door_io.h"
+#include "firmware/access/site_access.h"
 #include "firmware/audit/audit.h"
 #include "firmware/audit/audit_writer.h"
 #include "firmware/config/config.h"
@@ -73,7 +74,8 @@ struct iso_seen_frame {
     double distance_mm;                       /* of the nose tip; 0: no face */
     enum iso_appliance_mode mode;
     enum iso_capture hint; /* what most of the last frames say; OK: nothing hinders */
-    /* The verdict of the visit that goes on, "allow" or "deny", and its reason; "" before that. */
+    /* The verdict of the visit that goes on, "allow" or "deny", and its reason; "" before that. Or
+     * ISO_CONTRACT_VERDICT_WAIT, and what the policy wants besides, ISO_CONTRACT_WANTED_.... */
     const char *verdict, *reason;
     bool lockdown, locked_out;
 };
@@ -95,6 +97,8 @@ struct iso_appliance_events {
     void (*recognition_status)(void *context, enum iso_appliance_mode mode, const char *result,
                                bool done, const char *person, double score, double threshold);
     void (*visit)(void *context, const struct iso_visit *visit);
+    /* WATCH: the policy wants more of the person at the door: a word ISO_CONTRACT_WANTED_.... */
+    void (*wanted)(void *context, const char *what);
     /* WATCH: a hint for the person at the door. */
     void (*hint)(void *context, enum iso_capture capture);
     /* What the sensor sees; only while iso_appliance_aim is on, at most ten times a second. */
@@ -127,6 +131,8 @@ struct iso_appliance_borrowed {
     const struct iso_cards *cards;     /* sent to an access controller; NULL: there is none */
     struct iso_key_ring *ring;         /* the keys of gallery and log */
     struct iso_state_counter *counter; /* NULL: there is none (state_counter.h) */
+    const struct iso_zone_source
+        *zones;               /* of policies; NULL: none, so that every zone is unknown */
     const char *lockout_path; /* see lockout_file.h; NULL or "": the state is lost at the end */
     struct iso_gallery *gallery;
     struct iso_audit *audit;
@@ -216,6 +222,11 @@ int iso_appliance_clear_lockout(struct iso_appliance *appliance, struct iso_faul
  * which is returned. */
 int iso_appliance_lockdown(struct iso_appliance *appliance, bool on, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* WATCH: somebody showed a card to a reader, or pressed a key ('0' to '9', '*', '#') of a keypad.
+ * Without a policy, and while nobody is let in, neither counts. */
+void iso_appliance_card(struct iso_appliance *appliance, const struct iso_card_number *card);
+void iso_appliance_key(struct iso_appliance *appliance, char key);
 
 /* Turns the event `view` on or off, in every mode that examines frames. Nothing else changes: the
  * door stays in service. */

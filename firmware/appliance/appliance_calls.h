@@ -245,10 +245,18 @@ void iso__appliance_picture_drop(struct iso_appliance *appliance);
 void iso__appliance_picture_time(struct iso_appliance *appliance, int64_t now_ns);
 int64_t iso__appliance_picture_due_ns(const struct iso_appliance *appliance);
 
-/* ---- acts of an administrator (administration.c) ---- */
+/* ---- acts of an administrator (administration/administration.c) ---- */
 
 /* Returns 0, or -EBUSY while an action of a client goes on. */
 int iso__appliance_may_begin(const struct iso_appliance *appliance, struct iso_fault *fault);
+
+/* Records a change of one person, or of the policy, before it is made; and its result after it, if
+ * it could not be made. Names go only into the sealed log. (administration/administration.c) */
+int iso__appliance_record_change(struct iso_appliance *appliance,
+                                 const struct iso_audit_record *record, struct iso_fault *fault);
+void iso__appliance_conclude_change(struct iso_appliance *appliance,
+                                    struct iso_audit_record *record, int error,
+                                    const struct iso_fault *fault);
 
 /* ---- visits (appliance_visit.c, appliance_learn.c) ---- */
 
@@ -258,9 +266,14 @@ struct iso_decision_options iso__appliance_decision_options(const struct iso_con
 /* The score that a face needs now. It depends on how many people the face is compared with. */
 double iso__appliance_threshold(const struct iso_appliance *appliance);
 
-/* WATCH: handles the verdict of a visit. Records it, switches the door, reports it, and may learn
- * from it. */
-void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict verdict);
+/* WATCH: handles the verdict of a visit. Asks the policy, records the verdict, switches the door,
+ * reports it, and may learn from it. Returns false if the policy wants more, so that this is no
+ * verdict yet; otherwise *verdict is that of the policy. */
+bool iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict *verdict);
+
+/* WATCH: the same for a verdict that a card, a PIN or the time has brought. The policy has been
+ * asked. */
+void iso__appliance_finish_factor(struct iso_appliance *appliance, struct iso_verdict *verdict);
 
 /* Counts a frame with a cue of an attack. */
 void iso__appliance_count_attack_frame(struct iso_appliance *appliance);

@@ -6,6 +6,7 @@
 #include <syslog.h>
 
 #include "drivers/terminal/words.h"
+#include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
 
 /* An attempt that lasts longer becomes several records. */
@@ -27,6 +28,7 @@ void iso__appliance_init_visit(struct iso_appliance *appliance)
 void iso__appliance_decide_anew(struct iso_appliance *appliance)
 {
     iso_decision_reset(&appliance->visit.decision);
+    iso__appliance_end_wait(appliance);
 }
 
 void iso__appliance_reset_hints(struct iso_appliance *appliance)
@@ -43,7 +45,9 @@ static void finish_verdict(struct iso_appliance *appliance, struct iso_verdict *
 {
     iso__appliance_shut_out(appliance, verdict);
     if (appliance->mode == ISO_APPLIANCE_WATCH) {
-        iso__appliance_finish_visit(appliance, *verdict);
+        if (!iso__appliance_finish_visit(appliance, verdict)) {
+            return; /* the policy wants more */
+        }
     } else {
         iso__appliance_finish_recognition(appliance, verdict);
     }
@@ -92,10 +96,11 @@ static int compare_face(const struct iso_appliance *appliance, struct iso_decisi
 {
     const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
     struct iso_gallery *gallery = appliance->borrowed.gallery;
-    const struct iso_candidate_list among = appliance->mode == ISO_APPLIANCE_VERIFY
-                                                ? iso_gallery_only(gallery,
-                                                                   appliance->claim.person.id)
-                                                : iso_gallery_everybody(gallery);
+    const int64_t only = appliance->mode == ISO_APPLIANCE_VERIFY
+                             ? appliance->claim.person.id
+                             : iso__appliance_only_person(appliance);
+    const struct iso_candidate_list among = only ? iso_gallery_only(gallery, only)
+                                                 : iso_gallery_everybody(gallery);
     struct iso_search_hit hits[2];
     int n = 0;
     const int error = pipeline->ops->search(pipeline->self, &among,

@@ -2,6 +2,7 @@
  * those who watch. */
 #include <errno.h>
 
+#include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
 
 /* A camera that works delivers a frame in less time. */
@@ -98,6 +99,7 @@ static void report_frame(const struct iso_appliance *appliance, const struct iso
     const struct iso_rigid *pose = &appliance->face.extraction.camera_from_face;
     const enum iso_reason lock = iso__appliance_lock_reason(appliance);
     const struct iso_verdict *verdict = &appliance->outcome.verdict;
+    const char *wanted = iso__appliance_wanted(appliance);
     const bool has_face = capture != ISO_CAPTURE_NOBODY && capture != ISO_CAPTURE_NO_FACE &&
                           pose->translation_mm.z > 0.0;
     const struct iso_seen_frame seen = {
@@ -108,10 +110,13 @@ static void report_frame(const struct iso_appliance *appliance, const struct iso
         .hint = appliance->mode == ISO_APPLIANCE_CLAIMED
                     ? ISO_CAPTURE_OK
                     : iso_hint_filter_word(&appliance->visit.hints),
-        .verdict = !has_verdict(appliance) ? ""
-                   : verdict->allow        ? "allow"
-                                           : "deny",
-        .reason = has_verdict(appliance) ? iso_reason_name(verdict->reason) : "",
+        .verdict = *wanted                   ? ISO_CONTRACT_VERDICT_WAIT
+                   : !has_verdict(appliance) ? ""
+                   : verdict->allow          ? "allow"
+                                             : "deny",
+        .reason = *wanted                  ? wanted
+                  : has_verdict(appliance) ? iso_reason_name(verdict->reason)
+                                           : "",
         .lockdown = appliance->lockout.state.lockdown,
         .locked_out = lock == ISO_REASON_LOCKED_OUT,
     };

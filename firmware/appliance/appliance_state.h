@@ -11,6 +11,7 @@
 #include "core/find/scene_motion.h"
 #include "core/presentation/frame_memory.h"
 #include "core/presentation/liveness.h"
+#include "firmware/access/factor_wait.h"
 #include "firmware/appliance/appliance.h"
 #include "firmware/audit/audit_writer.h"
 #include "firmware/door/door_events.h"
@@ -74,6 +75,14 @@ struct iso_appliance_door_news {
     pthread_mutex_t mutex; /* protects `recorded`, which the thread of the door uses, too */
     struct iso_door_events recorded;
     struct iso_door_events reported; /* the same for the reports to people */
+};
+
+/* The policy, and the people who still have to show more. (appliance_access.c) */
+struct iso_appliance_access {
+    struct iso_site_access *site;
+    struct iso_factor_wait wait;
+    struct iso_verdict verdict; /* of the last face that was recognised while waiting */
+    bool duress;                /* a duress PIN was entered; recorded with the grant */
 };
 
 /* Refusals of everybody, whatever the face. (appliance_refusal.c) */
@@ -151,6 +160,7 @@ struct iso_appliance {
     struct iso_appliance_visit visit;
     struct iso_appliance_outcome outcome;
     struct iso_appliance_door_news door_news;
+    struct iso_appliance_access access;
     struct iso_appliance_lockout lockout;
     struct iso_appliance_storage storage;
     struct iso_fault clock_fault; /* the clock was set back; "": it was not (appliance_clock.c) */

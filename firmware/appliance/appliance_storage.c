@@ -5,6 +5,7 @@
 #include <syslog.h>
 
 #include "drivers/file/storage_fault.h"
+#include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
 #include "firmware/keys/state_counter.h"
 

@@ -5,6 +5,7 @@
 #include <syslog.h>
 
 #include "drivers/terminal/words.h"
+#include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
 
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config)
@@ -25,7 +26,7 @@ struct iso_decision_options iso__appliance_decision_options(const struct iso_con
 double iso__appliance_threshold(const struct iso_appliance *appliance)
 {
     size_t n_people = 1;
-    if (appliance->mode != ISO_APPLIANCE_VERIFY) {
+    if (appliance->mode != ISO_APPLIANCE_VERIFY && !iso__appliance_only_person(appliance)) {
         (void)iso_gallery_people(appliance->borrowed.gallery, &n_people);
     }
     return iso_config_threshold_among(
@@ -66,10 +67,39 @@ static const char *verdict_word(const struct iso_verdict *verdict)
     return verdict->allow ? "allow" : "deny";
 }
 
-/* Makes a record of a verdict. Its note may point into `image`. */
+/* The note of a record: what the images showed, the companion, a soft violation of antipassback. */
+struct visit_note {
+    char text[ISO_IMAGE_TALLY_TEXT_SIZE + ISO_PERSON_NAME_SIZE + 48];
+};
+
+/* Adds a part to the note, with a comma before all parts but the first. */
+static void add_note(struct visit_note *note, const char *before, const char *what)
+{
+    const size_t length = strlen(note->text);
+    (void)snprintf(note->text + length, sizeof note->text - length, "%s%s%s", length ? ", " : "",
+                   before, what);
+}
+
+static void write_note(const struct iso_appliance *appliance, const struct iso_verdict *verdict,
+                       struct visit_note *note)
+{
+    const struct iso_person *companion = iso_gallery_find_id(appliance->borrowed.gallery,
+                                                             verdict->companion);
+    if (!iso_image_tally_text(&appliance->visit.image, note->text)) {
+        note->text[0] = '\0';
+    }
+    if (companion) {
+        add_note(note, "with ", companion->name);
+    }
+    if (verdict->passback) {
+        add_note(note, "soft violation of antipassback", "");
+    }
+}
+
+/* Makes a record of a verdict. Its note may point into `note`. */
 static struct iso_audit_record record_of(const struct iso_appliance *appliance, const char *event,
                                          const char *person, const struct iso_verdict *verdict,
-                                         char image[ISO_IMAGE_TALLY_TEXT_SIZE])
+                                         struct visit_note *note)
 {
     struct iso_audit_record record = iso_audit_record_of(event);
     record.person = *person ? person : NULL;
@@ -79,8 +109,9 @@ static struct iso_audit_record record_of(const struct iso_appliance *appliance, 
     record.threshold = iso__appliance_threshold(appliance);
     record.frames = verdict->frames;
     record.sensor = iso__appliance_sensor_state(appliance);
-    if (iso_image_tally_text(&appliance->visit.image, image)) {
-        record.note = image;
+    write_note(appliance, verdict, note);
+    if (*note->text) {
+        record.note = note->text;
     }
     if (verdict->attack_frames > 0) {
         record.attack_frames = verdict->attack_frames;
@@ -105,9 +136,9 @@ static enum iso_reason reason_of(int error)
 
 static void refuse_visit(struct iso_appliance *appliance, struct iso_visit *visit)
 {
-    char image[ISO_IMAGE_TALLY_TEXT_SIZE];
+    struct visit_note note;
     const struct iso_audit_record record = record_of(appliance, "visit", visit->person,
-                                                     &visit->verdict, image);
+                                                     &visit->verdict, &note);
     iso__appliance_refuse_at_door(appliance);
     const int error = iso__appliance_note(appliance, &record);
     if (error) {
@@ -187,16 +218,16 @@ static enum iso_reason open_door(struct iso_appliance *appliance, struct iso_vis
  * grant without a visit. If a grant gets to the disk too late, its "visit" is a denial. */
 static void let_in(struct iso_appliance *appliance, struct iso_visit *visit)
 {
-    char image[ISO_IMAGE_TALLY_TEXT_SIZE];
+    struct visit_note note;
     struct iso_fault fault = {.text = ""};
     struct iso_audit_record record = record_of(appliance, "grant", visit->person, &visit->verdict,
-                                               image);
+                                               &note);
     const int error = iso__appliance_record_grant(appliance, &record, &fault);
     const enum iso_reason refusal = error ? reason_of(error) : open_door(appliance, visit);
     if (refusal != ISO_REASON_NONE) {
         deny_verdict(&visit->verdict, refusal);
         iso__appliance_refuse_at_door(appliance);
-        record = record_of(appliance, "visit", visit->person, &visit->verdict, image);
+        record = record_of(appliance, "visit", visit->person, &visit->verdict, &note);
     }
     if (refusal == ISO_REASON_UNLOGGED) {
         return; /* the log refuses records */
@@ -206,6 +237,18 @@ static void let_in(struct iso_appliance *appliance, struct iso_visit *visit)
     record.door_fault = *visit->door_fault ? visit->door_fault : NULL;
     (void)!iso_audit_writer_post_outcome(appliance->log, &record, NULL);
     iso__appliance_tell_door(appliance);
+    if (refusal == ISO_REASON_NONE) {
+        iso__appliance_entered(appliance, &visit->verdict);
+    }
+}
+
+/* Nothing at the door shows that a duress PIN was entered: only the log tells those who read it. */
+static void record_duress(struct iso_appliance *appliance, const struct iso_visit *visit)
+{
+    struct iso_audit_record record = iso_audit_record_of("duress");
+    record.person = *visit->person ? visit->person : NULL;
+    record.verdict = verdict_word(&visit->verdict);
+    (void)iso__appliance_note(appliance, &record);
 }
 
 static void count_verdict(struct iso_appliance_counts *counts, const struct iso_verdict *verdict)
@@ -252,24 +295,49 @@ static void tell_visit(struct iso_appliance *appliance, const struct iso_visit *
     appliance->borrowed.events.visit(appliance->borrowed.events.context, visit);
 }
 
-void iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict verdict)
+/* Records, switches, reports. `arrival_ns` is when the visit began. */
+static void finish(struct iso_appliance *appliance, const struct iso_verdict *verdict,
+                   int64_t arrival_ns)
 {
     const struct iso_person *person = iso_gallery_find_id(appliance->borrowed.gallery,
-                                                          verdict.person);
+                                                          verdict->person);
     struct iso_visit visit = {
-        .verdict = verdict,
+        .verdict = *verdict,
         .door_fault = "",
         .person = person ? person->name : "",
         .threshold = iso__appliance_threshold(appliance),
-        .latency_ns = iso_times_now_ns(&appliance->borrowed.times) - appliance->visit.arrival_ns,
+        .latency_ns = iso_times_now_ns(&appliance->borrowed.times) - arrival_ns,
     };
-    if (verdict.allow) {
+    if (verdict->allow) {
         let_in(appliance, &visit);
     } else {
         refuse_visit(appliance, &visit);
     }
+    if (verdict->duress) {
+        record_duress(appliance, &visit);
+    }
     count_verdict(&appliance->outcome.counts, &visit.verdict);
     appliance->outcome.verdict = visit.verdict;
     tell_visit(appliance, &visit);
-    iso__appliance_learn(appliance, &visit.verdict);
+}
+
+bool iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_verdict *verdict)
+{
+    if (!iso__appliance_ask_policy(appliance, verdict)) {
+        return false;
+    }
+    finish(appliance, verdict, appliance->visit.arrival_ns);
+    if (appliance->outcome.verdict.reason == ISO_REASON_MATCH) {
+        iso__appliance_learn(appliance, &appliance->outcome.verdict);
+    }
+    return true;
+}
+
+void iso__appliance_finish_factor(struct iso_appliance *appliance, struct iso_verdict *verdict)
+{
+    const bool has_face = verdict->frames > 0;
+    iso__appliance_shut_out(appliance, verdict);
+    finish(appliance, verdict,
+           has_face ? appliance->visit.arrival_ns : iso_times_now_ns(&appliance->borrowed.times));
+    iso__appliance_count_verdict(appliance, verdict);
 }

@@ -74,3 +74,14 @@ int iso__bus_record_consent(struct iso_bus *bus, sd_bus_message *call, const cha
     (void)snprintf(note, sizeof note, "consent, asked by user %u", (unsigned)user);
     return iso_appliance_record_act(bus->appliance, person, note, fault);
 }
+
+void iso__bus_describe_caller(sd_bus_message *call, char *who, size_t size)
+{
+    uid_t uid = 0;
+    const int r = iso__bus_user_of(call, &uid);
+    if (r >= 0) {
+        (void)snprintf(who, size, "asked by user %u", (unsigned)uid);
+    } else {
+        (void)snprintf(who, size, "asked by a user who is not known");
+    }
+}

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "firmware/appliance/administration.h"
+#include "firmware/appliance/administration/administration.h"
 #include "firmware/bus/bus_state.h"
 #include "firmware/contract/contract.h"
 

@@ -1,4 +1,5 @@
-/* The methods of the contract. */
+/* The methods of the claim and its actions, of the status, of lock-out and lockdown, and of the
+ * log; and the error of the contract for an errno. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -22,6 +23,7 @@ int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
         {-ENOENT, ISO_CONTRACT_ERROR_NO_SUCH_PERSON},
         {-EDQUOT, ISO_CONTRACT_ERROR_GALLERY_FULL},
         {-EEXIST, ISO_CONTRACT_ERROR_NAME_IN_USE},
+        {-ECANCELED, ISO_CONTRACT_ERROR_CONFLICT},
         {-ENODATA, ISO_CONTRACT_ERROR_NO_ACTION},
         {-EINVAL, ISO_CONTRACT_ERROR_INVALID_ARGUMENT},
         {-EKEYREJECTED, ISO_CONTRACT_ERROR_REJECTED},
@@ -77,7 +79,7 @@ int iso__bus_require_claim(const struct iso_bus *bus, sd_bus_message *call, sd_b
     return 0;
 }
 
-static int on_claim(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_claim(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
     const char *sender = sd_bus_message_get_sender(call);
@@ -102,7 +104,7 @@ static int on_claim(sd_bus_message *call, void *context, sd_bus_error *out)
     return sd_bus_reply_method_return(call, NULL);
 }
 
-static int on_release(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_release(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
     const int r = iso__bus_require_claim(bus, call, out);
@@ -162,7 +164,7 @@ static int read_options(sd_bus_message *call, struct wish *wish, sd_bus_error *o
     return r;
 }
 
-static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_enroll_start(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
     struct wish wish = {.consent = false};
@@ -191,7 +193,7 @@ static int on_enroll_start(sd_bus_message *call, void *context, sd_bus_error *ou
                  : iso__bus_reply_enrolment(call, iso_gallery_find(bus->borrowed->gallery, person));
 }
 
-static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_verify_start(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
     struct iso_fault fault = {.text = ""};
@@ -207,7 +209,7 @@ static int on_verify_start(sd_bus_message *call, void *context, sd_bus_error *ou
     return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
 }
 
-static int on_identify_start(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_identify_start(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
     struct iso_fault fault = {.text = ""};
@@ -233,17 +235,17 @@ static int stop_action(struct iso_bus *bus, sd_bus_message *call, enum iso_appli
     return sd_bus_reply_method_return(call, NULL);
 }
 
-static int on_enroll_stop(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_enroll_stop(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     return stop_action(context, call, ISO_APPLIANCE_ENROLL, out);
 }
 
-static int on_verify_stop(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_verify_stop(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     return stop_action(context, call, ISO_APPLIANCE_VERIFY, out);
 }
 
-static int on_identify_stop(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_identify_stop(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     return stop_action(context, call, ISO_APPLIANCE_IDENTIFY, out);
 }
@@ -259,7 +261,7 @@ int iso__bus_send_reply(sd_bus_message *reply, int r)
     return r;
 }
 
-static int on_get_status(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_get_status(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     const struct iso_bus *bus = context;
     sd_bus_message *reply = NULL;
@@ -270,7 +272,7 @@ static int on_get_status(sd_bus_message *call, void *context, sd_bus_error *out)
 
 /* ---- refusal ---- */
 
-static int on_clear_lockout(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_clear_lockout(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
     struct iso_fault fault = {.text = ""};
@@ -278,7 +280,7 @@ static int on_clear_lockout(sd_bus_message *call, void *context, sd_bus_error *o
     return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
 }
 
-static int on_set_lockdown(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_set_lockdown(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_bus *bus = context;
     struct iso_fault fault = {.text = ""};
@@ -299,7 +301,7 @@ static int append_line(void *context, const char *line)
     return r < 0 ? r : 0;
 }
 
-static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *out)
+int iso__bus_read_log(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     const struct iso_bus *bus = context;
     struct iso_audit_writer *log = iso_appliance_log(bus->appliance);
@@ -325,70 +327,3 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *out)
     }
     return iso__bus_send_reply(reply, r);
 }
-
-/* ---- the table ---- */
-
-/* The names of the arguments, each followed by a NUL. The list ends with an empty name. */
-#define NOTHING ""
-#define METHOD(name, in, in_names, out, out_names, handler)               \
-    SD_BUS_METHOD_WITH_NAMES(name, in, in_names, out, out_names, handler, \
-                             SD_BUS_VTABLE_UNPRIVILEGED)
-#define SIGNAL(name, signature, names) SD_BUS_SIGNAL_WITH_NAMES(name, signature, names, 0)
-
-const sd_bus_vtable iso__bus_vtable[] = {
-    SD_BUS_VTABLE_START(0),
-    METHOD(ISO_CONTRACT_CLAIM, "", NOTHING, "", NOTHING, on_claim),
-    METHOD(ISO_CONTRACT_RELEASE, "", NOTHING, "", NOTHING, on_release),
-    METHOD(ISO_CONTRACT_ENROLL_START, "sa{sv}", "person\0options\0", "a{sv}", "known\0",
-           on_enroll_start),
-    METHOD(ISO_CONTRACT_ENROLL_STOP, "", NOTHING, "", NOTHING, on_enroll_stop),
-    METHOD(ISO_CONTRACT_VERIFY_START, "s", "person\0", "", NOTHING, on_verify_start),
-    METHOD(ISO_CONTRACT_VERIFY_STOP, "", NOTHING, "", NOTHING, on_verify_stop),
-    METHOD(ISO_CONTRACT_IDENTIFY_START, "", NOTHING, "", NOTHING, on_identify_start),
-    METHOD(ISO_CONTRACT_IDENTIFY_STOP, "", NOTHING, "", NOTHING, on_identify_stop),
-    METHOD(ISO_CONTRACT_LIST_PEOPLE, "", NOTHING, "a(sxxxu)", "people\0", iso__bus_list_people),
-    METHOD(ISO_CONTRACT_DELETE_PERSON, "s", "person\0", "", NOTHING, iso__bus_delete_person),
-    METHOD(ISO_CONTRACT_SET_VALIDITY, "sa{sv}", "person\0options\0", "sxx",
-           "person\0valid_from\0valid_until\0", iso__bus_set_validity),
-    METHOD(ISO_CONTRACT_RENAME_PERSON, "ss", "person\0name\0", "s", "remark\0", iso__bus_rename),
-    METHOD(ISO_CONTRACT_GET_STATUS, "", NOTHING, "a{sv}", "status\0", on_get_status),
-    METHOD(ISO_CONTRACT_GET_SETTINGS, "", NOTHING, "a(ssssss)", "settings\0",
-           iso__bus_get_settings),
-    METHOD(ISO_CONTRACT_GET_SITE, "", NOTHING, "a{sv}", "site\0", iso__bus_get_site),
-    METHOD(ISO_CONTRACT_LIST_LOOK_ALIKES, "", NOTHING, "a(ssd)", "pairs\0",
-           iso__bus_list_look_alikes),
-    METHOD(ISO_CONTRACT_LIST_OTHER, "", NOTHING, "as", "people\0", iso__bus_list_other),
-    METHOD(ISO_CONTRACT_RESET_SITE, "", NOTHING, "u", "templates\0", iso__bus_reset_site),
-    METHOD(ISO_CONTRACT_ROLL_BACK_SITE, "", NOTHING, "u", "templates\0", iso__bus_roll_back_site),
-    METHOD(ISO_CONTRACT_READ_LOG, "tu", "from\0max\0", "as", "records\0", on_read_log),
-    METHOD(ISO_CONTRACT_VERIFY_LOG, "ts", "sequence\0head\0", "bttsts",
-           "sound\0first\0last\0head\0flaw_at\0flaw\0", iso__bus_verify_log),
-    METHOD(ISO_CONTRACT_EXPORT_PEOPLE, "hasa{sv}", "file\0people\0options\0", "u", "people\0",
-           iso__bus_export),
-    METHOD(ISO_CONTRACT_IMPORT_PEOPLE, "ha{sv}", "file\0options\0", "uu", "added\0known\0",
-           iso__bus_import),
-    METHOD(ISO_CONTRACT_ROTATE_KEYS, "", NOTHING, "s", "remark\0", iso__bus_rotate_keys),
-    METHOD(ISO_CONTRACT_GET_ADDRESS, "", NOTHING, "s", "address\0", iso__bus_get_address),
-    METHOD(ISO_CONTRACT_CLEAR_LOCKOUT, "", NOTHING, "", NOTHING, on_clear_lockout),
-    METHOD(ISO_CONTRACT_SET_LOCKDOWN, "b", "on\0", "", NOTHING, on_set_lockdown),
-    METHOD(ISO_CONTRACT_TEST_DOOR, "", NOTHING, "", NOTHING, iso__bus_test_door),
-    METHOD(ISO_CONTRACT_RECORD_ACT, "sss", "account\0act\0person\0", "", NOTHING,
-           iso__bus_record_act),
-    METHOD(ISO_CONTRACT_AIM_START, "", NOTHING, "", NOTHING, iso__bus_aim_start),
-    METHOD(ISO_CONTRACT_AIM_STOP, "", NOTHING, "", NOTHING, iso__bus_aim_stop),
-    METHOD(ISO_CONTRACT_WATCH, "s", "what\0", "h", "stream\0", iso__bus_watch),
-    METHOD(ISO_CONTRACT_WATCH_RELIEF, "", NOTHING, "h", "stream\0", iso__bus_watch_relief),
-    METHOD(ISO_CONTRACT_PICTURE, "", NOTHING, "h", "file\0", iso__bus_picture),
-    SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuuds", "result\0done\0stage\0stages\0quality\0person\0"),
-    SIGNAL(ISO_CONTRACT_ENROLL_STEP, "ssuud", "pose\0state\0step\0steps\0turn_deg\0"),
-    SIGNAL(ISO_CONTRACT_VERIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
-    SIGNAL(ISO_CONTRACT_IDENTIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
-    SIGNAL(ISO_CONTRACT_VISIT, "ssdduxsss",
-           "verdict\0person\0score\0threshold\0frames\0latency_us\0reason\0door\0"
-           "door_fault\0"),
-    SIGNAL(ISO_CONTRACT_HINT, "s", "word\0"),
-    SIGNAL(ISO_CONTRACT_VIEW, "a{sv}", "view\0"),
-    SIGNAL(ISO_CONTRACT_DOOR_CHANGED, "ss", "state\0cause\0"),
-    SIGNAL(ISO_CONTRACT_PROGRESS, "tt", "done\0total\0"),
-    SD_BUS_VTABLE_END,
-};

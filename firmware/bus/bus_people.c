@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
-#include "firmware/appliance/administration.h"
+#include "firmware/appliance/administration/administration.h"
 #include "firmware/bus/bus_state.h"
 #include "firmware/contract/contract.h"
 

@@ -83,6 +83,14 @@ static void on_visit(void *context, const struct iso_visit *visit)
     iso__bus_send_signal(signal, NULL, r);
 }
 
+static void on_wanted(void *context, const char *what)
+{
+    sd_bus_message *signal = NULL;
+    int r = iso__bus_new_signal(context, ISO_CONTRACT_WANTED, &signal);
+    r = r < 0 ? r : sd_bus_message_append(signal, "s", what);
+    iso__bus_send_signal(signal, NULL, r);
+}
+
 static void on_hint(void *context, enum iso_capture capture)
 {
     const struct iso_bus *bus = context;
@@ -119,6 +127,7 @@ struct iso_appliance_events iso_bus_events(struct iso_bus *bus,
         .enroll_step = on_enroll_step,
         .recognition_status = on_recognition_status,
         .visit = on_visit,
+        .wanted = on_wanted,
         .hint = on_hint,
         .view = iso__bus_on_view,
         .seen = iso__bus_on_seen,

@@ -83,6 +83,33 @@ int iso__bus_record_consent(struct iso_bus *bus, sd_bus_message *call, const cha
                             struct iso_fault *fault);
 int iso__bus_record_act(sd_bus_message *call, void *context, sd_bus_error *out);
 
+/* The methods of the claim and its actions, of the status, of lock-out and lockdown, and of the log
+ * (bus_methods.c). */
+int iso__bus_claim(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_release(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_enroll_start(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_enroll_stop(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_verify_start(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_verify_stop(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_identify_start(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_identify_stop(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_get_status(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_clear_lockout(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_set_lockdown(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_read_log(sd_bus_message *call, void *context, sd_bus_error *out);
+
+/* The methods of the policy and of credentials (bus_access.c). */
+int iso__bus_get_policy(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_set_policy(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_check_policy(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_test_access(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_get_credential(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_set_credential(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_list_credentials(sd_bus_message *call, void *context, sd_bus_error *out);
+
+/* Describes the user who makes a call, for the record: "asked by user 1000" (bus_act.c). */
+void iso__bus_describe_caller(sd_bus_message *call, char *who, size_t size);
+
 /* Returns 0 if the sender of a call has the claim. Otherwise returns a negative errno and sets the
  * error (bus_methods.c). */
 int iso__bus_require_claim(const struct iso_bus *bus, sd_bus_message *call, sd_bus_error *out);

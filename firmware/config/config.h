@@ -90,6 +90,13 @@ struct iso_config_lockout {
     char path[ISO_CONFIG_TEXT_SIZE];
 };
 
+/* Who may enter where and when (firmware/access/site_access.h). */
+struct iso_config_policy {
+    char access_point[ISO_CONFIG_TEXT_SIZE]; /* of this door in the policy; "": the only one */
+    int factor_ms;   /* how long a card, a PIN or a second person is waited for */
+    bool card_alone; /* a card is enough while the sensor does not work */
+};
+
 struct iso_config_motion {
     double still_mm_s, still_deg_s, jump_mm_s, jump_deg_s;
     int lifeless_ms, frozen_frames; /* 0: not checked */
@@ -149,6 +156,7 @@ struct iso_config {
     struct iso_config_decision decision;
     struct iso_config_update update;
     struct iso_config_lockout lockout;
+    struct iso_config_policy policy;
     struct iso_config_motion motion;
     struct iso_config_hint hint;
     struct iso_config_enroll enroll;

@@ -132,6 +132,14 @@ const struct iso_config_key iso_config_keys[] = {
     {"lockout", "path", ISO_CONFIG_TEXT, AT(lockout, path), 0, 0, NULL, "",
      "file that keeps the lock over a restart; empty: \"lockout\" next to the audit log"},
 
+    {"policy", "access_point", ISO_CONFIG_TEXT, AT(policy, access_point), 0, 0, NULL, "",
+     "access point of the stored policy that this door is; empty: the only one of the policy"},
+    {"policy", "factor_ms", ISO_CONFIG_COUNT, AT(policy, factor_ms), 1000, 120000, NULL, "15000",
+     "how long the door waits for a card, a PIN or a second person that the policy asks for"},
+    {"policy", "card_alone", ISO_CONFIG_SWITCH, AT(policy, card_alone), 0, 0, NULL, "no",
+     "whether a card, with the PIN of a person who has one, replaces the face while the sensor "
+     "does not work"},
+
     {"motion", "still_mm_s", ISO_CONFIG_NUMBER, AT(motion, still_mm_s), 1, 100000, NULL, "300",
      "a face that moves faster is ignored until it is still"},
     {"motion", "still_deg_s", ISO_CONFIG_NUMBER, AT(motion, still_deg_s), 1, 100000, NULL, "90",

@@ -43,6 +43,28 @@
  *                                        is recorded with the user. A second call changes nothing
  *   RollBackSite() -> u                  the same for the last enrolment or import from which the
  *                                        metric still learns, of the last 16; 0: there is none
+ *   GetPolicy() -> s document, t revision
+ *                                        for administrators, as the next six: who may enter where and
+ *                                        when, as a JSON document (isotherm-policy(5)); "" and 0: there
+ *                                        is no policy, and whoever is recognised may enter
+ *   SetPolicy(s document, t revision) -> t revision, as remarks
+ *                                        stores a policy in place of the one of this revision and uses
+ *                                        it at once; "" removes it. It is recorded with the user. The
+ *                                        reply has the new revision, and the findings of CheckPolicy
+ *   CheckPolicy() -> as findings         what in the policy can never let anybody in: one sentence each
+ *   TestAccess(s person, s access_point, x time, as shown) -> a{sv}
+ *                                        what the door would decide: for a person, at an access point
+ *                                        ("": this door) and a time (seconds since 1970), if "face",
+ *                                        "card" and "pin" were shown as listed. The reply: "outcome" s
+ *                                        ("allow", "deny", "want"), "reason" s (ONVIF's word for a
+ *                                        refusal), "wanted" as (what besides), "companion" b (a second
+ *                                        person is wanted), "level" s, "access-point" s. It lets nobody in
+ *   GetCredential(s person) -> s credential
+ *                                        cards, profiles and flags of a person, as JSON
+ *                                        (firmware/policy/credential/credential_json.h); no PIN
+ *   SetCredential(s person, s patch) -> s credential
+ *                                        changes them by a JSON merge patch; recorded with the user
+ *   ListCredentials() -> a(ss)           all people who have a stored credential: name and JSON
  *   ReadLog(t from, u max) -> as         audit records from number `from` on, one JSON object each;
  *                                        at most 1000, and only records that are still kept
  *   VerifyLog(t sequence, s head) -> b sound, t first, t last, s head, t flaw_at, s flaw
@@ -131,6 +153,8 @@
  *   Hint(s word)
  *       what hinders the person at the door: a word of isotherm/capture.h, which held for some
  *       frames
+ *   Wanted(s what)
+ *       the policy wants more of the person at the door: a word ISO_CONTRACT_WANTED_...
  *   DoorChanged(s state, s cause)
  *       words of firmware/door/door.h
  *
@@ -169,6 +193,13 @@
 #define ISO_CONTRACT_LIST_OTHER       "ListOtherSensor"
 #define ISO_CONTRACT_RESET_SITE       "ResetSite"
 #define ISO_CONTRACT_ROLL_BACK_SITE   "RollBackSite"
+#define ISO_CONTRACT_GET_POLICY       "GetPolicy"
+#define ISO_CONTRACT_SET_POLICY       "SetPolicy"
+#define ISO_CONTRACT_CHECK_POLICY     "CheckPolicy"
+#define ISO_CONTRACT_TEST_ACCESS      "TestAccess"
+#define ISO_CONTRACT_GET_CREDENTIAL   "GetCredential"
+#define ISO_CONTRACT_SET_CREDENTIAL   "SetCredential"
+#define ISO_CONTRACT_LIST_CREDENTIALS "ListCredentials"
 #define ISO_CONTRACT_READ_LOG         "ReadLog"
 #define ISO_CONTRACT_VERIFY_LOG       "VerifyLog"
 #define ISO_CONTRACT_EXPORT_PEOPLE    "ExportPeople"
@@ -244,6 +275,7 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_VISIT           "Visit"
 #define ISO_CONTRACT_HINT            "Hint"
 #define ISO_CONTRACT_VIEW            "View"
+#define ISO_CONTRACT_WANTED          "Wanted"
 #define ISO_CONTRACT_DOOR_CHANGED    "DoorChanged"
 #define ISO_CONTRACT_PROGRESS        "Progress"
 
@@ -270,6 +302,17 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_DOOR_OPEN         "open"         /* it stood open already */
 #define ISO_CONTRACT_DOOR_NOT_UNLOCKED "not-unlocked" /* its lock could not be switched */
 
+/* Keys of the reply of TestAccess, and the outcomes. */
+#define ISO_CONTRACT_ACCESS_OUTCOME   "outcome"
+#define ISO_CONTRACT_ACCESS_REASON    "reason"
+#define ISO_CONTRACT_ACCESS_WANTED    "wanted"
+#define ISO_CONTRACT_ACCESS_COMPANION "companion"
+#define ISO_CONTRACT_ACCESS_LEVEL     "level"
+#define ISO_CONTRACT_ACCESS_POINT     "access-point"
+#define ISO_CONTRACT_ACCESS_ALLOW     "allow"
+#define ISO_CONTRACT_ACCESS_DENY      "deny"
+#define ISO_CONTRACT_ACCESS_WANT      "want"
+
 /* The longest account and act of RecordAct, in bytes without the NUL. */
 enum { ISO_CONTRACT_ACCOUNT_BYTES = 32, ISO_CONTRACT_ACT_BYTES = 32 };
 
@@ -282,6 +325,7 @@ enum { ISO_CONTRACT_ACCOUNT_BYTES = 32, ISO_CONTRACT_ACT_BYTES = 32 };
 #define ISO_CONTRACT_ERROR_INVALID_NAME     "org.isotherm.Error.InvalidName"
 #define ISO_CONTRACT_ERROR_NAME_IN_USE      "org.isotherm.Error.NameInUse"
 #define ISO_CONTRACT_ERROR_INVALID_ARGUMENT "org.isotherm.Error.InvalidArgument"
+#define ISO_CONTRACT_ERROR_CONFLICT         "org.isotherm.Error.Conflict" /* changed meanwhile */
 #define ISO_CONTRACT_ERROR_GALLERY_FULL     "org.isotherm.Error.GalleryFull"
 #define ISO_CONTRACT_ERROR_REJECTED         "org.isotherm.Error.Rejected"
 #define ISO_CONTRACT_ERROR_LOCKED_OUT       "org.isotherm.Error.LockedOut"

@@ -93,6 +93,14 @@
 #define ISO_CONTRACT_SITE_PROVISIONAL "provisional"
 #define ISO_CONTRACT_SITE_ADAPTED     "adapted"
 
+/* What the policy wants of the person at the door besides what was shown: the signal Wanted, and
+ * the reason in a record of Watch whose verdict is ISO_CONTRACT_VERDICT_WAIT. */
+#define ISO_CONTRACT_VERDICT_WAIT  "wait"
+#define ISO_CONTRACT_WANTED_FACE   "face"
+#define ISO_CONTRACT_WANTED_CARD   "card"
+#define ISO_CONTRACT_WANTED_PIN    "pin"
+#define ISO_CONTRACT_WANTED_PERSON "person" /* a second person, or an escort */
+
 /* The words of the levels in GetSite. */
 #define ISO_CONTRACT_LEVEL_CONVENIENT "convenient"
 #define ISO_CONTRACT_LEVEL_BALANCED   "balanced"

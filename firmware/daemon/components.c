@@ -9,6 +9,7 @@
 #include "drivers/counter/tpm2_counter.h"
 #include "drivers/vision/face_detector.h"
 #include "firmware/config/door_options.h"
+#include "firmware/policy/zones/zone_file.h"
 
 static const char *or_shipped(const char *path, const char *shipped)
 {
@@ -252,6 +253,8 @@ static int open_sensor(void *context, struct iso_sensor **out, struct iso_fault 
                            &components->times.monotonic, out, fault);
 }
 
+static const struct iso_zone_source zones = {iso_zone_file_read, ISO_ZONE_FOLDER};
+
 struct iso_appliance_borrowed iso_components_lend(struct iso_components *components,
                                                   const struct iso_appliance_events *events)
 {
@@ -266,6 +269,7 @@ struct iso_appliance_borrowed iso_components_lend(struct iso_components *compone
         .cards = components->cards,
         .ring = components->ring,
         .counter = components->counter,
+        .zones = &zones,
         .lockout_path = components->lockout_path,
         .gallery = components->gallery,
         .audit = components->audit,

@@ -35,7 +35,7 @@ enum { ISO_DECISION_FRAMES_MAX = 64 };
 
 enum iso_reason {
     ISO_REASON_NONE = 0,
-    ISO_REASON_MATCH,     /* the only reason that allows */
+    ISO_REASON_MATCH,     /* an enrolled person; the only reason of this file that allows */
     ISO_REASON_UNKNOWN,   /* max_frames frames without agreement */
     ISO_REASON_LEFT,      /* the person left before there was agreement */
     ISO_REASON_NOT_VALID, /* a known person who may not enter at this time */
@@ -50,11 +50,25 @@ enum iso_reason {
     /* Reasons that replace an admission after the decision. */
     ISO_REASON_NOT_ON_RECORD, /* the record did not get to the disk in time */
     ISO_REASON_STALE,         /* the frames were too old when the lock was to be switched */
+    /* Reasons of the policy (firmware/access/site_access.h). The first two allow, the others
+     * replace an admission. */
+    ISO_REASON_OPEN,         /* the door is open to everybody at this time */
+    ISO_REASON_CREDENTIAL,   /* an enrolled person by card or PIN alone, as the policy permits */
+    ISO_REASON_DISABLED,     /* the person's credential is disabled */
+    ISO_REASON_NOT_HERE,     /* the person may never enter at this door */
+    ISO_REASON_NOT_NOW,      /* the person may enter at other times */
+    ISO_REASON_NOT_ENOUGH,   /* a card, a PIN or a second person was wanted and did not come */
+    ISO_REASON_WRONG_FACTOR, /* a card of somebody else, or a wrong PIN */
+    ISO_REASON_ANTIPASSBACK, /* the person is, as far as is known, inside already */
+    ISO_REASON_NO_PAIR,      /* these two people may not enter together */
+    ISO_REASON_NO_POLICY,    /* the policy cannot be used, or the date is not known */
     ISO_REASONS
 };
 
 /* "none", "match", "unknown", "left", "not-valid", "unlogged", "attack", "locked-out", "lockdown",
- * "no-gallery", "no-lockout", "not-on-record", "stale"; NULL outside. */
+ * "no-gallery", "no-lockout", "not-on-record", "stale", "open", "credential", "disabled",
+ * "not-here", "not-now", "not-enough", "wrong-factor", "antipassback", "no-pair", "no-policy"; NULL
+ * outside. */
 const char *iso_reason_name(enum iso_reason reason);
 
 /* All-zero is DENY. */
@@ -67,6 +81,10 @@ struct iso_verdict {
     int64_t since_ns; /* if allowed: time of the oldest of the agreeing frames */
     int attack_frames;
     enum iso_capture cue; /* the cue of most attack frames; ISO_CAPTURE_OK: there were none */
+    /* From the policy: a second person who enters, too (0: nobody); the duress PIN was entered; let
+     * in although the person should be inside already. */
+    int64_t companion;
+    bool duress, passback;
 };
 
 struct iso_decision_options {

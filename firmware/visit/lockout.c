@@ -71,6 +71,7 @@ bool iso_lockout_counts(const struct iso_verdict *verdict, int agree)
     switch (verdict->reason) {
     case ISO_REASON_UNKNOWN:
     case ISO_REASON_ATTACK:
+    case ISO_REASON_WRONG_FACTOR: /* PINs can be guessed */
         return true;
     case ISO_REASON_LEFT:
         return verdict->frames >= agree;

@@ -100,6 +100,12 @@ static void on_claim_lost(void *context)
     (void)context;
 }
 
+static void on_wanted(void *context, const char *what)
+{
+    (void)context;
+    (void)what;
+}
+
 static void on_message(void *context, int priority, const char *text)
 {
     (void)context;
@@ -142,6 +148,7 @@ static const struct iso_appliance_events all_events = {
     .enroll_step = on_enroll_step,
     .recognition_status = on_recognition,
     .visit = on_visit,
+    .wanted = on_wanted,
     .hint = on_hint,
     .view = on_view,
     .picture = on_picture,

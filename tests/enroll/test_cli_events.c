@@ -122,6 +122,7 @@ static void the_daemon_records_the_events_that_are_known(void **state)
 
     (void)state;
     assert_int_equal(glob(ISOTHERM_SOURCE_DIR "/firmware/*/*.c", 0, NULL, &files), 0);
+    assert_int_equal(glob(ISOTHERM_SOURCE_DIR "/firmware/*/*/*.c", GLOB_APPEND, NULL, &files), 0);
     for (size_t i = 0; i < files.gl_pathc; i++) {
         char *source = read_text(files.gl_pathv[i]), word[64];
         for (size_t j = 0; j < COUNT(calls); j++) {

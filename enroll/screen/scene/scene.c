@@ -3,10 +3,12 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "firmware/contract/status_keys.h"
+
 const char *screen_scene_name(enum screen_scene_kind kind)
 {
     static const char *const names[SCREEN_SCENES] = {
-        "out-of-service", "allowed", "refused", "closed", "enrol", "busy", "near", "idle",
+        "out-of-service", "wanted", "allowed", "refused", "closed", "enrol", "busy", "near", "idle",
     };
     return kind >= 0 && kind < SCREEN_SCENES ? names[kind] : NULL;
 }
@@ -38,6 +40,15 @@ static struct screen_scene of_visit(const struct screen_state *state)
                                          SCREEN_TICK);
     (void)snprintf(scene.person, sizeof scene.person, "%s", state->person);
     return scene;
+}
+
+/* What the policy wants besides, by a record that still counts; NULL: nothing. */
+static const struct screen_words *wanted_now(const struct screen_state *state, int64_t now_ns)
+{
+    const bool waits = state->connected && state->sees && state->has_record &&
+                       now_ns - state->record_ns < SCREEN_RECORD_NS &&
+                       strcmp(state->record.verdict, ISO_CONTRACT_VERDICT_WAIT) == 0;
+    return waits ? screen_wanted_words(state->record.reason) : NULL;
 }
 
 static struct screen_scene of_closed(const struct screen_state *state)
@@ -85,6 +96,11 @@ struct screen_scene screen_scene_of(struct screen_scene_memory *memory,
 {
     const bool enrols = strcmp(state->mode, "enroll") == 0;
     const bool busy = *state->mode && strcmp(state->mode, "watch") != 0;
+    const struct screen_words *wanted = wanted_now(state, now_ns);
+    if (wanted) {
+        *memory = (struct screen_scene_memory){.hint = NULL};
+        return of_words(SCREEN_WANTED, wanted->title, wanted->advice, wanted->symbol);
+    }
     if (state->connected && state->sees && !shows_visit(state, now_ns) && !state->lockdown &&
         !state->locked_out && (enrols || (!busy && has_face(state, now_ns)))) {
         return of_face(memory, state, now_ns, enrols);

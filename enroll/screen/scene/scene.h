@@ -2,6 +2,7 @@
  *
  * The first of these that holds is shown:
  *   OUT_OF_SERVICE  the daemon does not answer, or its sensor delivers nothing
+ *   WANTED          the policy wants a card, a PIN, a face or a second person besides
  *   ALLOWED         for some seconds after a visit that was allowed
  *   REFUSED         the same after one that was refused
  *   CLOSED          lockdown, or locked out
@@ -19,6 +20,7 @@
 
 enum screen_scene_kind {
     SCREEN_OUT_OF_SERVICE = 0,
+    SCREEN_WANTED,
     SCREEN_ALLOWED,
     SCREEN_REFUSED,
     SCREEN_CLOSED,

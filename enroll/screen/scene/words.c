@@ -35,6 +35,7 @@ static const struct screen_words hints[] = {
 
 static const char use_card[] = N_("Please use your card or ask for help");
 static const char try_later[] = N_("Please try again later");
+static const char ask[] = N_("Please ask for help");
 
 static const struct screen_words refusals[] = {
     {"unknown", N_("Not recognised"), use_card, SCREEN_CROSS},
@@ -49,9 +50,29 @@ static const struct screen_words refusals[] = {
     {"no-gallery", N_("Out of order"), try_later, SCREEN_WRENCH},
     {"no-lockout", N_("Out of order"), try_later, SCREEN_WRENCH},
     {"not-on-record", N_("Out of order"), try_later, SCREEN_WRENCH},
+    {"no-policy", N_("Out of order"), try_later, SCREEN_WRENCH},
+    {"disabled", N_("Access is suspended"), ask, SCREEN_CROSS},
+    {"not-here", N_("Not at this door"), ask, SCREEN_CROSS},
+    {"not-now", N_("Not at this time"), N_("You may enter at other times"), SCREEN_CLOCK},
+    {"not-enough", N_("Not finished"), N_("Please show everything in time"), SCREEN_CLOCK},
+    {"wrong-factor", N_("Wrong card or PIN"), N_("Please try again"), SCREEN_CROSS},
+    {"antipassback", N_("You are inside already"), ask, SCREEN_CROSS},
+    {"no-pair", N_("You cannot enter together"), ask, SCREEN_CROSS},
 };
 
-enum { HINTS = sizeof hints / sizeof *hints, REFUSALS = sizeof refusals / sizeof *refusals };
+static const struct screen_words wanted[] = {
+    {"face", N_("Look at the camera"), N_("Your face is needed, too"), SCREEN_PERSON},
+    {"card", N_("Show your card"), N_("Hold it to the reader"), SCREEN_HAND},
+    {"pin", N_("Type your PIN"), N_("End it with the # key"), SCREEN_HAND},
+    {"person", N_("Two people are needed"), N_("The second one looks at the camera now"),
+     SCREEN_PERSON},
+};
+
+enum {
+    HINTS = sizeof hints / sizeof *hints,
+    REFUSALS = sizeof refusals / sizeof *refusals,
+    WANTED = sizeof wanted / sizeof *wanted
+};
 
 static const struct screen_words *find(const struct screen_words *words, size_t n, const char *word)
 {
@@ -72,6 +93,17 @@ const struct screen_words *screen_refusal_words(const char *reason)
 {
     const struct screen_words *words = find(refusals, REFUSALS, reason);
     return words ? words : find(refusals, REFUSALS, "unlogged");
+}
+
+const struct screen_words *screen_wanted_words(const char *what)
+{
+    return find(wanted, WANTED, what);
+}
+
+const struct screen_words *screen_all_wanted(size_t *n)
+{
+    *n = WANTED;
+    return wanted;
 }
 
 const struct screen_words *screen_all_hints(size_t *n)

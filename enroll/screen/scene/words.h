@@ -44,7 +44,12 @@ const struct screen_words *screen_hint_words(const char *capture_word);
  * fault. */
 const struct screen_words *screen_refusal_words(const char *reason);
 
-/* Both tables, for the tests; *n receives the length. */
+/* The words of what the policy wants besides (ISO_CONTRACT_WANTED_... of status_keys.h). NULL: the
+ * word is unknown. */
+const struct screen_words *screen_wanted_words(const char *what);
+
+/* The tables, for the tests; *n receives the length. */
+const struct screen_words *screen_all_wanted(size_t *n);
 const struct screen_words *screen_all_hints(size_t *n);
 const struct screen_words *screen_all_refusals(size_t *n);
 

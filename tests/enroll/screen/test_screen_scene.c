@@ -10,6 +10,7 @@
 
 #include "enroll/screen/draw/palette.h"
 #include "enroll/screen/scene/scene.h"
+#include "firmware/contract/status_keys.h"
 #include "firmware/visit/decision.h"
 #include "isotherm/capture.h"
 
@@ -145,7 +146,9 @@ static void every_word_of_the_daemon_has_its_words(void **state)
     known = 0;
     for (int i = 0; iso_reason_name((enum iso_reason)i); i++) {
         const char *name = iso_reason_name((enum iso_reason)i);
-        if (strcmp(name, "match") != 0) {
+        const bool allows = i == ISO_REASON_MATCH || i == ISO_REASON_OPEN ||
+                            i == ISO_REASON_CREDENTIAL;
+        if (!allows) {
             assert_string_equal(screen_refusal_words(name)->word, name);
             assert_non_null(screen_refusal_words(name)->advice);
             known++;
@@ -154,6 +157,32 @@ static void every_word_of_the_daemon_has_its_words(void **state)
     (void)screen_all_refusals(&n);
     assert_int_equal(n, known);
     assert_string_equal(screen_refusal_words("a word of a later version")->title, "Out of order");
+}
+
+/* The policy wants more: the words come at once, also while the last visit is still shown, and end
+ * with the records. */
+static void what_is_wanted_is_said(void **state)
+{
+    static const char *const words[] = {ISO_CONTRACT_WANTED_FACE, ISO_CONTRACT_WANTED_CARD,
+                                        ISO_CONTRACT_WANTED_PIN, ISO_CONTRACT_WANTED_PERSON};
+    struct screen_state waiting = face("ok", 0);
+    size_t n = 0;
+    (void)state;
+    waiting.has_visit = true;
+    waiting.visit_ns = waiting.record_ns;
+    (void)screen_all_wanted(&n);
+    assert_int_equal(n, sizeof words / sizeof *words);
+    for (size_t i = 0; i < n; i++) {
+        (void)snprintf(waiting.record.verdict, sizeof waiting.record.verdict, "wait");
+        (void)snprintf(waiting.record.reason, sizeof waiting.record.reason, "%s", words[i]);
+        const struct screen_scene scene = show(&waiting, waiting.record_ns);
+        assert_int_equal(scene.kind, SCREEN_WANTED);
+        assert_string_equal(scene.title, screen_wanted_words(words[i])->title);
+        assert_true(scene.symbol != SCREEN_NO_SYMBOL);
+        assert_true(show(&waiting, waiting.record_ns + 2 * SCREEN_RECORD_NS).kind != SCREEN_WANTED);
+    }
+    waiting.connected = false;
+    assert_int_equal(show(&waiting, waiting.record_ns).kind, SCREEN_OUT_OF_SERVICE);
 }
 
 static void every_colour_is_readable(void **state)
@@ -181,6 +210,7 @@ int main(void)
         cmocka_unit_test(a_client_with_the_camera_makes_visitors_wait),
         cmocka_unit_test(a_hint_stays_until_it_has_been_read),
         cmocka_unit_test(every_word_of_the_daemon_has_its_words),
+        cmocka_unit_test(what_is_wanted_is_said),
         cmocka_unit_test(every_colour_is_readable),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

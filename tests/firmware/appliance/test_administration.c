@@ -11,7 +11,7 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
-#include "firmware/appliance/administration.h"
+#include "firmware/appliance/administration/administration.h"
 #include "firmware/audit/journal.h"
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/firmware/rigs/rig.h"

@@ -8,7 +8,7 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
-#include "firmware/appliance/administration.h"
+#include "firmware/appliance/administration/administration.h"
 #include "tests/firmware/rigs/rig.h"
 #include "tests/firmware/rigs/stores.h"
 #include "tests/support/devices/manual_clock.h"

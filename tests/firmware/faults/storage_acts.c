@@ -10,7 +10,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "firmware/appliance/administration.h"
+#include "firmware/appliance/administration/administration.h"
 #include "tests/firmware/rigs/stores.h"
 #include "tests/support/scratch.h"
 

@@ -9,7 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "firmware/appliance/administration.h"
+#include "firmware/appliance/administration/administration.h"
 #include "firmware/keys/heads.h"
 #include "firmware/keys/key_ring.h"
 #include "tests/firmware/rigs/stores.h"

@@ -11,6 +11,7 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/door/door_null.h"
+#include "firmware/policy/zones/zone_file.h"
 #include "tests/firmware/rigs/stores.h"
 #include "tests/support/devices/manual_clock.h"
 #include "tests/support/scratch.h"
@@ -66,6 +67,13 @@ static void on_visit(void *context, const struct iso_visit *visit)
     tell(context, "visit %s%s%s %s %d%s%s; ", visit->verdict.allow ? "allow" : "deny",
          *visit->person ? " " : "", visit->person, iso_reason_name(visit->verdict.reason),
          visit->verdict.frames, stuck ? " not-unlocked: " : "", visit->door_fault);
+}
+
+const struct iso_zone_source rig_zones = {iso_zone_file_read, ISO_ZONE_FOLDER};
+
+static void on_wanted(void *context, const char *what)
+{
+    tell(context, "wanted %s; ", what);
 }
 
 static void on_hint(void *context, enum iso_capture capture)
@@ -124,8 +132,10 @@ static void open_parts(struct rig *rig)
         .times = {clock, manual_clock_now_ns, &rig->wall_ns, {boot_ns, rig}},
         .sensor = puppet_sensor_source(&rig->sensor),
         .pipeline = puppet_pipeline(&rig->puppet),
-        .events = {on_enroll_status, on_enroll_step, on_recognition_status, on_visit, on_hint,
-                   on_view, NULL, on_picture, on_door_changed, on_claim_lost, on_message, rig},
+        .zones = &rig_zones,
+        .events = {on_enroll_status, on_enroll_step, on_recognition_status, on_visit, on_wanted,
+                   on_hint, on_view, NULL, on_picture, on_door_changed, on_claim_lost, on_message,
+                   rig},
     };
     assert_int_equal(iso_door_io_open("null", NULL, 0, &clock, &unpowered, &rig->door_io, NULL), 0);
     struct iso_gallery_options gallery = stores_gallery(rig->directory);

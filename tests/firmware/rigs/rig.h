@@ -7,6 +7,9 @@
 #include "firmware/appliance/appliance.h"
 #include "tests/firmware/rigs/puppets.h"
 
+/* The time zones of the system. */
+extern const struct iso_zone_source rig_zones;
+
 struct rig {
     char *directory;
     int64_t now_ns, wall_ns;

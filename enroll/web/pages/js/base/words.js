@@ -56,6 +56,16 @@ export const REASONS = {
     'no-lockout': N_('The lock-out file cannot be read'),
     'not-on-record': N_('Not recorded in time'),
     stale: N_('The measurement was too old'),
+    open: N_('Open to everybody at this time'),
+    credential: N_('By card or PIN alone'),
+    disabled: N_('Access is suspended'),
+    'not-here': N_('Never at this door'),
+    'not-now': N_('Outside the schedule'),
+    'not-enough': N_('Card, PIN or second person missing'),
+    'wrong-factor': N_('Wrong card or PIN'),
+    antipassback: N_('Inside already'),
+    'no-pair': N_('Not allowed together'),
+    'no-policy': N_('The policy could not be used'),
 };
 
 /* What an attack looked like: the cues of isotherm/capture.h, for the people who run the door. */

@@ -1,4 +1,4 @@
-/* The events of the audit log (ISO_CONTRACT_EVENTS in firmware/contract/contract.h) in the language
+/* The events of the audit log (ISO_CONTRACT_EVENTS in firmware/contract/log_events.h) in the language
  * of the page. */
 
 import {N_} from './i18n.js';
@@ -8,9 +8,11 @@ export const EVENTS = {
     attack: N_('Attack'),
     clock: N_('Clock'),
     counter: N_('Counter of the state'),
+    credential: N_('Credential changed'),
     delete: N_('Person removed'),
     door: N_('Door'),
     'door-test': N_('Test of the relay'),
+    duress: N_('Duress PIN entered'),
     enroll: N_('Enrolment'),
     export: N_('People exported'),
     forget: N_('Learned template dropped'),
@@ -25,6 +27,7 @@ export const EVENTS = {
     'log-rotated': N_('Log rotated'),
     'log-sealed': N_('Log sealed'),
     picture: N_('Picture taken'),
+    policy: N_('Policy changed'),
     'records-lost': N_('Records lost'),
     relief: N_('Relief watched'),
     rename: N_('Person renamed'),

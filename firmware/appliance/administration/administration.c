@@ -1,4 +1,4 @@
-#include "firmware/appliance/administration.h"
+#include "firmware/appliance/administration/administration.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -190,17 +190,16 @@ int iso_appliance_import(struct iso_appliance *appliance, const struct iso_impor
     return 0;
 }
 
-/* Records a change of one person before it is made; conclude_change records again if it could not
- * be made. Names go only into the sealed log. */
-static int record_change(struct iso_appliance *appliance, const struct iso_audit_record *record,
-                         struct iso_fault *fault)
+int iso__appliance_record_change(struct iso_appliance *appliance,
+                                 const struct iso_audit_record *record, struct iso_fault *fault)
 {
     const int error = iso__appliance_may_begin(appliance, fault);
     return error ? error : iso__appliance_record_first(appliance, record, fault);
 }
 
-static void conclude_change(struct iso_appliance *appliance, struct iso_audit_record *record,
-                            int error, const struct iso_fault *fault)
+void iso__appliance_conclude_change(struct iso_appliance *appliance,
+                                    struct iso_audit_record *record, int error,
+                                    const struct iso_fault *fault)
 {
     if (error) {
         record->reason = "failed";
@@ -246,12 +245,12 @@ int iso_appliance_rename(struct iso_appliance *appliance, const char *person, co
     struct iso_audit_record record = iso_audit_record_of("rename");
     record.person = record.before = before;
     record.after = name;
-    error = record_change(appliance, &record, fault);
+    error = iso__appliance_record_change(appliance, &record, fault);
     if (error) {
         return error;
     }
     error = iso_gallery_rename(gallery, before, name, &own);
-    conclude_change(appliance, &record, error, &own);
+    iso__appliance_conclude_change(appliance, &record, error, &own);
     if (error) {
         return iso_fault_set_code(fault, own.code, error, "%s", own.text);
     }
@@ -284,12 +283,12 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
     record.person = known->name;
     record.before = before_text;
     record.after = after_text;
-    int error = record_change(appliance, &record, fault);
+    int error = iso__appliance_record_change(appliance, &record, fault);
     if (error) {
         return error;
     }
     error = iso_gallery_set_validity(appliance->borrowed.gallery, known->name, &after, &own);
-    conclude_change(appliance, &record, error, &own);
+    iso__appliance_conclude_change(appliance, &record, error, &own);
     return error ? iso_fault_set_code(fault, own.code, error, "%s", own.text) : 0;
 }
 

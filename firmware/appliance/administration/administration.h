@@ -1,9 +1,9 @@
-/* The acts of an administrator: renames people, limits the time of their access, copies them from
- * door to door, rotates keys, tests the relay,
- * takes back what people have taught the metric. Each act is recorded before it is done. Its result
+/* The acts of an administrator: renames people, limits the time of their access, changes their
+ * credentials and the policy, copies people from door to door, rotates keys, tests the relay, takes
+ * back what people have taught the metric. Each act is recorded before it is done. Its result
  * is recorded after it. */
-#ifndef ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_H
-#define ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_H
+#ifndef ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_ADMINISTRATION_H
+#define ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_ADMINISTRATION_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -62,7 +62,7 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
  * those of the last enrolment that is not excluded (iso_gallery_reset_site()). `who` describes the
  * user who asks, for the record. *n is the number of templates that this call has excluded; 0:
  * nothing has changed. -EINVAL if the metric does not adapt, or an error of the gallery; then
- * nothing has changed. (appliance_learn.c) */
+ * nothing has changed. (site.c) */
 int iso_appliance_reset_site(struct iso_appliance *appliance, const char *who, size_t *n,
                              struct iso_fault *fault) __attribute__((warn_unused_result));
 int iso_appliance_roll_back_site(struct iso_appliance *appliance, const char *who, size_t *n,
@@ -76,5 +76,29 @@ int iso_appliance_roll_back_site(struct iso_appliance *appliance, const char *wh
 int iso_appliance_rotate_keys(struct iso_appliance *appliance,
                               const struct iso_work_listener *listener, const char **remark,
                               struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* ---- the policy (policy.c) ---- */
+
+/* Stores a policy in place of the one of revision `based_on` (0: there is none), and uses it at
+ * once; "" removes it. `who` describes the user who asks, for the record. Each record of the policy
+ * that changes is put on record before it is done, with its text before and after. *revision is
+ * that of the new policy. -ECANCELED another revision is stored, -EINVAL the document is refused
+ * (iso_site_access_prepare()), -EFBIG; or an error of the gallery; then nothing has changed. */
+int iso_appliance_set_policy(struct iso_appliance *appliance, const char *json, uint64_t based_on,
+                             const char *who, uint64_t *revision, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Changes a person's credential by a patch (credential_json.h), and records its text before and
+ * after, without PINs. -ENOENT, -EINVAL the patch is refused, -EEXIST somebody else has one of the
+ * cards, or an error of the gallery; then nothing has changed. */
+int iso_appliance_set_credential(struct iso_appliance *appliance, const char *person,
+                                 const char *patch, const char *who, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The policy and what it would decide. Nothing is recorded. */
+struct iso_site_access *iso_appliance_access(const struct iso_appliance *appliance);
+
+/* The date by which the policy decides, and whether it is known. */
+int64_t iso_appliance_date_s(const struct iso_appliance *appliance, bool *known);
 
 #endif

@@ -1,4 +1,4 @@
-#include "firmware/appliance/enroll_gate.h"
+#include "firmware/appliance/gate/enroll_gate.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* The additional requirements of an enrolment for a frame: a template is kept for years, and every
  * later visit is compared with it. Pure. */
-#ifndef ISO_FIRMWARE_APPLIANCE_ENROLL_GATE_H
-#define ISO_FIRMWARE_APPLIANCE_ENROLL_GATE_H
+#ifndef ISO_FIRMWARE_APPLIANCE_GATE_ENROLL_GATE_H
+#define ISO_FIRMWARE_APPLIANCE_GATE_ENROLL_GATE_H
 
 #include "firmware/config/config.h"
 #include "firmware/recognise/enroll_pose.h"

@@ -1,0 +1,195 @@
+/* What the policy wants besides a face: a card, a PIN, a second person. */
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "tests/firmware/rigs/cmocka_headers.h"
+
+#include "tests/firmware/appliance/access_rig.h"
+
+/* ---- more than a face ---- */
+
+static void a_card_follows_a_face(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(
+        rig, access_rig_always("\"recognition_groups\": [[\"face\", \"card\"]]", false, ""));
+    access_rig_set_credential(rig, "anna", "{\"cards\": [\"17/4711\", \"56:04a2b3c4d5e6f7\"]}");
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_expect(rig_news(rig), "wanted card");
+    assert_false(rig_relay(rig));
+    access_rig_show_card(rig, "56:04a2b3c4d5e6f7");
+    access_rig_expect(rig_news(rig), "visit allow anna match");
+    assert_true(rig_relay(rig));
+    rig_run(rig, 20000);
+    (void)rig_news(rig);
+
+    access_rig_expect_visit(rig, ACCESS_BEN,
+                            "visit deny ben not-here"); /* ben has no card, so he can never pass */
+    rig_run(rig, 20000);
+    (void)rig_news(rig);
+
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_expect(rig_news(rig), "wanted card");
+    access_rig_show_card(rig, "17/4712");
+    access_rig_expect(rig_news(rig), "visit deny anna wrong-factor");
+    assert_false(rig_relay(rig));
+}
+
+static void who_does_not_show_more_is_refused(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(
+        rig, access_rig_always("\"recognition_groups\": [[\"face\", \"card\"]]", false, ""));
+    access_rig_set_credential(rig, "anna", "{\"cards\": [\"17/4711\"]}");
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_expect(rig_news(rig), "wanted card");
+    rig_run(rig, 14000);
+    assert_null(strstr(rig_news(rig), "visit"));
+    rig_run(rig, 2000);
+    access_rig_expect(rig_news(rig), "visit deny anna not-enough");
+    access_rig_show_card(rig, "17/4711"); /* too late: the card alone begins anew */
+    access_rig_expect(rig_news(rig), "wanted face");
+    assert_false(rig_relay(rig));
+}
+
+/* After a card a face is compared with its holder alone, and a stolen card is of no use. */
+static void a_face_follows_a_card(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(
+        rig, access_rig_always("\"recognition_groups\": [[\"face\", \"card\"]]", false, ""));
+    access_rig_set_credential(rig, "anna", "{\"cards\": [\"17/4711\"]}");
+    access_rig_show_card(rig, "17/4711");
+    access_rig_expect(rig_news(rig), "wanted face");
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_expect(rig_news(rig), "visit allow anna match");
+    rig_run(rig, 30000);
+    (void)rig_news(rig);
+    access_rig_show_card(rig, "17/4711");
+    rig_show(rig, ACCESS_BEN, 30);
+    rig_run(rig, 1100);
+    const char *news = rig_news(rig);
+    access_rig_expect(news, "visit deny");
+    assert_null(strstr(news, "allow"));
+    assert_false(rig_relay(rig));
+    rig_run(rig, 30000);
+    (void)rig_news(rig);
+    access_rig_show_card(rig, "17/9999");
+    access_rig_expect(rig_news(rig), "visit deny unknown");
+}
+
+static void a_pin_follows_a_face(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(rig,
+                     access_rig_always("\"recognition_groups\": [[\"face\", \"pin\"]]", false, ""));
+    access_rig_set_credential(rig, "anna", "{\"pin\": \"0042\", \"duress_pin\": \"0911\"}");
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_expect(rig_news(rig), "wanted pin");
+    access_rig_type(rig, "99*0042");
+    assert_string_equal(rig_news(rig), "");
+    access_rig_type(rig, "#");
+    access_rig_expect(rig_news(rig), "visit allow anna match");
+    assert_string_equal(rig_record(rig, "duress"), "");
+    rig_run(rig, 30000);
+    (void)rig_news(rig);
+
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_type(rig, "1234#");
+    access_rig_expect(rig_news(rig), "visit deny anna wrong-factor");
+    rig_run(rig, 30000);
+    (void)rig_news(rig);
+
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_type(rig, "0911#");
+    const char *news = rig_news(rig);
+    access_rig_expect(news, "visit allow anna match");
+    assert_null(strstr(news, "duress"));
+    access_rig_expect(rig_record(rig, "duress"), "\"person\":\"anna\"");
+}
+
+/* Wrong PINs count as failures, so that nobody can try them all. */
+static void guessing_a_pin_locks_the_door(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(rig,
+                     access_rig_always("\"recognition_groups\": [[\"card\", \"pin\"]]", false, ""));
+    access_rig_set_credential(rig, "anna", "{\"cards\": [\"17/4711\"], \"pin\": \"2580\"}");
+    for (int i = 0; i < 5; i++) {
+        access_rig_show_card(rig, "17/4711");
+        access_rig_expect(rig_news(rig), "wanted pin");
+        access_rig_type(rig, "1234#");
+        access_rig_expect(rig_news(rig), "visit deny anna wrong-factor");
+    }
+    access_rig_show_card(rig, "17/4711");
+    access_rig_type(rig, "2580#");
+    assert_string_equal(rig_news(rig), "");
+    assert_false(rig_relay(rig));
+    rig_run(rig, 31000);
+    (void)rig_news(rig);
+    access_rig_show_card(rig, "17/4711");
+    access_rig_type(rig, "2580#");
+    access_rig_expect(rig_news(rig), "visit allow anna credential");
+    assert_true(rig_relay(rig));
+}
+
+static void two_people_come_together(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(rig, access_rig_always("\"recognition_groups\": [[\"face\"]]", true, ""));
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_expect(rig_news(rig), "wanted person");
+    rig_run(rig, 2000);
+    access_rig_look(rig, ACCESS_BEN);
+    access_rig_expect(rig_news(rig), "visit allow anna match");
+    access_rig_expect(rig_record(rig, "grant"), "with ben");
+    rig_run(rig, 30000);
+    (void)rig_news(rig);
+    access_rig_set_credential(rig, "anna", "{\"needs_escort\": true}");
+    access_rig_set_credential(rig, "ben", "{\"needs_escort\": true}");
+    access_rig_look(rig, ACCESS_ANNA);
+    rig_run(rig, 2000);
+    access_rig_look(rig, ACCESS_BEN);
+    access_rig_expect(rig_news(rig), "no-pair");
+    assert_false(rig_relay(rig));
+}
+
+/* A card alone counts only while the camera does not work, and only if the site wants it. */
+static void a_card_replaces_a_camera_at_fault(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(rig, access_rig_always("\"recognition_groups\": [[\"face\"]]", false, ""));
+    access_rig_set_credential(rig, "anna", "{\"cards\": [\"17/4711\"], \"pin\": \"2580\"}");
+    access_rig_set_credential(rig, "ben", "{\"cards\": [\"17/4712\"]}");
+    rig->config.policy.card_alone = true;
+    access_rig_show_card(rig, "17/4712");
+    access_rig_expect(rig_news(rig), "wanted face");
+    rig_run(rig, 20000);
+    rig->sensor.open_error = rig->sensor.wait_error = -ENODEV;
+    rig_run(rig, 2000);
+    (void)rig_news(rig);
+    access_rig_show_card(rig, "17/4712");
+    access_rig_expect(rig_news(rig), "ben credential");
+    rig_run(rig, 20000);
+    (void)rig_news(rig);
+    access_rig_show_card(rig, "17/4711");
+    access_rig_expect(rig_news(rig), "wanted pin");
+    access_rig_type(rig, "2580#");
+    access_rig_expect(rig_news(rig), "anna credential");
+}
+
+int main(void)
+{
+#define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(a_card_follows_a_face),
+        TEST(who_does_not_show_more_is_refused),
+        TEST(a_face_follows_a_card),
+        TEST(a_pin_follows_a_face),
+        TEST(guessing_a_pin_locks_the_door),
+        TEST(two_people_come_together),
+        TEST(a_card_replaces_a_camera_at_fault),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
