@@ -27,6 +27,7 @@ int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
         {-EKEYREJECTED, ISO_CONTRACT_ERROR_REJECTED},
         {-EBADMSG, ISO_CONTRACT_ERROR_REJECTED},
         {-EPERM, ISO_CONTRACT_ERROR_LOCKED_OUT},
+        {-EOPNOTSUPP, ISO_CONTRACT_ERROR_NO_LOGINS},
         {-EIO, ISO_CONTRACT_ERROR_STORAGE},
         {-ENOSPC, ISO_CONTRACT_ERROR_STORAGE},
         {-EROFS, ISO_CONTRACT_ERROR_STORAGE},
@@ -45,73 +46,6 @@ int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
 static int invalid_name(sd_bus_error *out, const char *flaw)
 {
     return sd_bus_error_set(out, ISO_CONTRACT_ERROR_INVALID_NAME, flaw);
-}
-
-/* ---- claim ---- */
-
-void iso__bus_forget_claimant(struct iso_bus *bus)
-{
-    bus->track = sd_bus_track_unref(bus->track);
-    bus->claimant[0] = '\0';
-    iso__bus_end_relief(bus);
-}
-
-static int on_claimant_gone(sd_bus_track *track, void *context)
-{
-    struct iso_bus *bus = context;
-    (void)track;
-    iso_appliance_release(bus->appliance);
-    iso__bus_forget_claimant(bus);
-    return 0;
-}
-
-int iso__bus_require_claim(const struct iso_bus *bus, sd_bus_message *call, sd_bus_error *out)
-{
-    if (!bus->claimant[0]) {
-        return sd_bus_error_set(out, ISO_CONTRACT_ERROR_CLAIM_DEVICE, "claim the camera first");
-    }
-    if (strcmp(bus->claimant, sd_bus_message_get_sender(call)) != 0) {
-        return sd_bus_error_set(out, ISO_CONTRACT_ERROR_ALREADY_IN_USE,
-                                "another client has the camera");
-    }
-    return 0;
-}
-
-static int on_claim(sd_bus_message *call, void *context, sd_bus_error *out)
-{
-    struct iso_bus *bus = context;
-    const char *sender = sd_bus_message_get_sender(call);
-    if (bus->claimant[0]) {
-        return sd_bus_error_set(out, ISO_CONTRACT_ERROR_ALREADY_IN_USE,
-                                strcmp(bus->claimant, sender) == 0
-                                    ? "this client has the camera already"
-                                    : "another client has the camera");
-    }
-    int r = sd_bus_track_new(bus->bus, &bus->track, on_claimant_gone, bus);
-    if (r >= 0) {
-        r = sd_bus_track_add_sender(bus->track, call);
-    }
-    if (r >= 0) {
-        r = iso_appliance_claim(bus->appliance);
-    }
-    if (r < 0) {
-        bus->track = sd_bus_track_unref(bus->track);
-        return r;
-    }
-    (void)snprintf(bus->claimant, sizeof bus->claimant, "%s", sender);
-    return sd_bus_reply_method_return(call, NULL);
-}
-
-static int on_release(sd_bus_message *call, void *context, sd_bus_error *out)
-{
-    struct iso_bus *bus = context;
-    const int r = iso__bus_require_claim(bus, call, out);
-    if (r < 0) {
-        return r;
-    }
-    iso_appliance_release(bus->appliance);
-    iso__bus_forget_claimant(bus);
-    return sd_bus_reply_method_return(call, NULL);
 }
 
 /* ---- actions ---- */
@@ -337,8 +271,8 @@ static int on_read_log(sd_bus_message *call, void *context, sd_bus_error *out)
 
 const sd_bus_vtable iso__bus_vtable[] = {
     SD_BUS_VTABLE_START(0),
-    METHOD(ISO_CONTRACT_CLAIM, "", NOTHING, "", NOTHING, on_claim),
-    METHOD(ISO_CONTRACT_RELEASE, "", NOTHING, "", NOTHING, on_release),
+    METHOD(ISO_CONTRACT_CLAIM, "", NOTHING, "", NOTHING, iso__bus_claim),
+    METHOD(ISO_CONTRACT_RELEASE, "", NOTHING, "", NOTHING, iso__bus_release),
     METHOD(ISO_CONTRACT_ENROLL_START, "sa{sv}", "person\0options\0", "a{sv}", "known\0",
            on_enroll_start),
     METHOD(ISO_CONTRACT_ENROLL_STOP, "", NOTHING, "", NOTHING, on_enroll_stop),
@@ -346,6 +280,8 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_VERIFY_STOP, "", NOTHING, "", NOTHING, on_verify_stop),
     METHOD(ISO_CONTRACT_IDENTIFY_START, "", NOTHING, "", NOTHING, on_identify_start),
     METHOD(ISO_CONTRACT_IDENTIFY_STOP, "", NOTHING, "", NOTHING, on_identify_stop),
+    METHOD(ISO_CONTRACT_VERIFY_SELF, "", NOTHING, "u", "user\0", iso__bus_verify_self),
+    METHOD(ISO_CONTRACT_VERIFY_LOGIN, "s", "person\0", "", NOTHING, iso__bus_verify_login),
     METHOD(ISO_CONTRACT_LIST_PEOPLE, "", NOTHING, "a(sxxxu)", "people\0", iso__bus_list_people),
     METHOD(ISO_CONTRACT_DELETE_PERSON, "s", "person\0", "", NOTHING, iso__bus_delete_person),
     METHOD(ISO_CONTRACT_SET_VALIDITY, "sa{sv}", "person\0options\0", "sxx",
