@@ -40,7 +40,7 @@ static void send_status(sd_bus *bus, const char *to, const char *result, bool do
     sd_bus_message_unref(signal);
 }
 
-/* VerifySelf is answered with the user of the caller, or with another one. */
+/* VerifySelf is answered with the user of the caller, or with root. */
 static int accept_call(sd_bus_message *call, bool other)
 {
     sd_bus_creds *creds = NULL;
@@ -51,7 +51,7 @@ static int accept_call(sd_bus_message *call, bool other)
     }
     sd_bus_creds_unref(creds);
     return sd_bus_message_is_method_call(call, NULL, ISO_CONTRACT_VERIFY_SELF)
-               ? sd_bus_reply_method_return(call, "u", (uint32_t)(user + other))
+               ? sd_bus_reply_method_return(call, "u", other ? 0 : (uint32_t)user)
                : sd_bus_reply_method_return(call, NULL);
 }
 

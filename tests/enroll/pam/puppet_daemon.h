@@ -16,7 +16,7 @@ enum puppet_act {
     PUPPET_IS_EARLY, /* sends "verify-match" before it accepts the call, then "verify-no-match" */
     PUPPET_GIVES_HINTS,      /* two hints, one of them twice, and "verify-timed-out" */
     PUPPET_SPEAKS_OTHERWISE, /* other words that must not be taken for a match, then "-attack" */
-    PUPPET_IS_OTHER_USER,    /* VerifySelf answers with another user, then "verify-match" */
+    PUPPET_IS_OTHER_USER,    /* VerifySelf answers that it verifies root, then "verify-match" */
 };
 
 /* Starts it on this bus, and waits until it has the name. Returns its process. */

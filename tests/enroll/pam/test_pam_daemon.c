@@ -218,6 +218,7 @@ static void a_user_is_verified_as_himself_alone(void **state)
     (void)state;
     assert_int_equal(log_in_as_nobody(PUPPET_MATCHES, "nobody"), PAM_SUCCESS);
     assert_int_equal(log_in_as_nobody(PUPPET_IS_OTHER_USER, "nobody"), PAM_AUTHINFO_UNAVAIL);
+    assert_int_equal(log_in_as_nobody(PUPPET_IS_OTHER_USER, "root"), PAM_AUTHINFO_UNAVAIL);
     assert_int_equal(log_in_as_nobody(PUPPET_MATCHES, "root"), PAM_AUTHINFO_UNAVAIL);
     assert_int_equal(log_in_as_nobody(PUPPET_MATCHES, "ada"), PAM_AUTHINFO_UNAVAIL);
 }

@@ -196,6 +196,7 @@ static void a_user_waits_before_the_next_turn(void **state)
     connect_as_nobody(f);
     assert_string_equal(verify_self(f, 0), "");
     assert_string_equal(verify_self(f, 1), "AlreadyInUse");
+    bus_rig_run(f, 3000); /* the wait begins at the end of the login */
     rig_show(f->rig, ANNA_FACE, 2);
     bus_rig_run(f, 200);
     assert_string_equal(verify_self(f, 0), "AlreadyInUse");
