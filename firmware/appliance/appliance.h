@@ -111,7 +111,7 @@ struct iso_appliance_events {
     void (*picture)(void *context, const struct iso_frame *frame);
     /* Words of door.h. */
     void (*door_changed)(void *context, const char *state, const char *cause);
-    /* The claim has ended because its time was over. */
+    /* The claim has ended because its time was over, or with the login that it was for. */
     void (*claim_lost)(void *context);
     /* A line for the system's log; priority as in syslog.h. */
     void (*message)(void *context, int priority, const char *text);
@@ -201,6 +201,14 @@ int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
 int iso_appliance_identify(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Takes the claim, verifies a person for a login of this machine, and gives the claim back by
+ * itself at the end: after the last status it reports claim_lost. It ends after [login] longest_ms
+ * at the latest. The errors of iso_appliance_verify, and: -EOPNOTSUPP the appliance guards a door
+ * ([login] desk), -EBUSY another client has the claim, -EPERM also for a person who is not valid
+ * now. After an error nothing has changed. */
+int iso_appliance_verify_login(struct iso_appliance *appliance, const char *person,
+                               struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Ends an action of this kind without a status, or acknowledges an action that has ended by itself.
  * -ENODATA there is none. */

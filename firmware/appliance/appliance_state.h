@@ -128,6 +128,7 @@ struct iso_appliance_claim {
     int64_t deadline_ns;           /* the end of the claim, or of the action */
     enum iso_appliance_mode ended; /* the action that ended by itself; CLAIMED: none */
     struct iso_person person;      /* VERIFY: the person who is to be verified */
+    bool login;                    /* the claim lasts no longer than this one VERIFY */
 };
 
 /* ENROLL. (appliance_enroll.c) */

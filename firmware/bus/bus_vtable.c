@@ -20,6 +20,8 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_VERIFY_STOP, "", NOTHING, "", NOTHING, iso__bus_verify_stop),
     METHOD(ISO_CONTRACT_IDENTIFY_START, "", NOTHING, "", NOTHING, iso__bus_identify_start),
     METHOD(ISO_CONTRACT_IDENTIFY_STOP, "", NOTHING, "", NOTHING, iso__bus_identify_stop),
+    METHOD(ISO_CONTRACT_VERIFY_SELF, "", NOTHING, "u", "user\0", iso__bus_verify_self),
+    METHOD(ISO_CONTRACT_VERIFY_LOGIN, "s", "person\0", "", NOTHING, iso__bus_verify_login),
     METHOD(ISO_CONTRACT_LIST_PEOPLE, "", NOTHING, "a(sxxxu)", "people\0", iso__bus_list_people),
     METHOD(ISO_CONTRACT_DELETE_PERSON, "s", "person\0", "", NOTHING, iso__bus_delete_person),
     METHOD(ISO_CONTRACT_SET_VALIDITY, "sa{sv}", "person\0options\0", "sxx",

@@ -138,6 +138,13 @@ struct iso_config_bus {
     int action_ms, claim_ms;
 };
 
+/* Logins of the machine that the daemon runs on (pam_isotherm). */
+struct iso_config_login {
+    bool desk;                        /* the machine guards no door, so logins may use the camera */
+    char users[ISO_CONFIG_TEXT_SIZE]; /* which person a Unix user is (contract/login_users.h) */
+    int longest_ms;
+};
+
 struct iso_config_process {
     bool confine;
 };
@@ -162,6 +169,7 @@ struct iso_config {
     struct iso_config_enroll enroll;
     struct iso_config_log log;
     struct iso_config_bus bus;
+    struct iso_config_login login;
     struct iso_config_process process;
     struct iso_config_model model;
     const char *obsolete; /* the last obsolete key in the file, "[section] name"; NULL: none */

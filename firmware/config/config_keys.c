@@ -207,6 +207,13 @@ const struct iso_config_key iso_config_keys[] = {
     {"bus", "claim_ms", ISO_CONFIG_COUNT, AT(bus, claim_ms), 1000, 3600000, NULL, "60000",
      "a client that holds the camera and does nothing loses it after this time"},
 
+    {"login", "desk", ISO_CONFIG_SWITCH, AT(login, desk), 0, 0, NULL, "no",
+     "this machine guards no door: its users may log in by face, which takes the camera meanwhile"},
+    {"login", "users", ISO_CONFIG_TEXT, AT(login, users), 0, 0, NULL, "/etc/isotherm/pam-users",
+     "file that says which person each user of this machine is; only root may write it"},
+    {"login", "longest_ms", ISO_CONFIG_COUNT, AT(login, longest_ms), 1000, 60000, NULL, "15000",
+     "longest look for one login"},
+
     {"process", "confine", ISO_CONFIG_SWITCH, AT(process, confine), 0, 0, NULL, "yes",
      "give up what the daemon does not need of files and system calls (Landlock, seccomp)"},
 

@@ -1,5 +1,6 @@
 /* Rules for several keys of a configuration together. */
 #include <math.h>
+#include <string.h>
 
 #include "firmware/config/config_options.h"
 #include "firmware/config/config_value.h"
@@ -50,6 +51,9 @@ const char *iso__config_find_conflict(const struct iso_config *config)
     if (config->motion.still_mm_s > config->motion.jump_mm_s ||
         config->motion.still_deg_s > config->motion.jump_deg_s) {
         return "[motion] still_mm_s or still_deg_s is above the speed of a jump";
+    }
+    if (config->login.desk && strcmp(config->door.backend, "null") != 0) {
+        return "[login] desk needs [door] backend = null: a login would leave the door unwatched";
     }
     return find_pose_conflict(&config->enroll);
 }

@@ -19,6 +19,17 @@
  *                                        "enrolled" x, "templates" u, "valid-from" x, "valid-until" x
  * + EnrollStop()
  * + VerifyStart(s person)  VerifyStop()  IdentifyStart()  IdentifyStop()
+ *   VerifySelf() -> u user               verifies the person of the calling Unix user for a login of
+ *                                        this machine. The daemon asks the bus for the user and looks
+ *                                        the person up (login_users.h). It is for everybody. The
+ *                                        caller has the camera until the last VerifyStatus, in which
+ *                                        person is "", score NaN and threshold 0. It may call nothing
+ *                                        that needs the claim, and ends the login by leaving the bus.
+ *                                        The same user may call again two seconds later. The reply is
+ *                                        the user
+ *   VerifyLogin(s person)                the same for root, who says which person it is.
+ *                                        Both are recorded first, as the act "login" with the user,
+ *                                        and refused with NoLogins unless [login] desk is set
  *   ListPeople() -> a(sxxxu)             person, enrolled, valid_from, valid_until (s), templates
  *   DeletePerson(s person)
  *   SetValidity(s person, a{sv}) -> s person, x valid_from, x valid_until
@@ -182,6 +193,8 @@
 #define ISO_CONTRACT_VERIFY_STOP      "VerifyStop"
 #define ISO_CONTRACT_IDENTIFY_START   "IdentifyStart"
 #define ISO_CONTRACT_IDENTIFY_STOP    "IdentifyStop"
+#define ISO_CONTRACT_VERIFY_SELF      "VerifySelf"
+#define ISO_CONTRACT_VERIFY_LOGIN     "VerifyLogin"
 #define ISO_CONTRACT_LIST_PEOPLE      "ListPeople"
 #define ISO_CONTRACT_DELETE_PERSON    "DeletePerson"
 #define ISO_CONTRACT_SET_VALIDITY     "SetValidity"
@@ -329,6 +342,7 @@ enum { ISO_CONTRACT_ACCOUNT_BYTES = 32, ISO_CONTRACT_ACT_BYTES = 32 };
 #define ISO_CONTRACT_ERROR_GALLERY_FULL     "org.isotherm.Error.GalleryFull"
 #define ISO_CONTRACT_ERROR_REJECTED         "org.isotherm.Error.Rejected"
 #define ISO_CONTRACT_ERROR_LOCKED_OUT       "org.isotherm.Error.LockedOut"
+#define ISO_CONTRACT_ERROR_NO_LOGINS        "org.isotherm.Error.NoLogins" /* guards a door */
 #define ISO_CONTRACT_ERROR_TOO_MANY_CALLS   "org.isotherm.Error.TooManyCalls"
 #define ISO_CONTRACT_ERROR_DEVICE_FAULT     "org.isotherm.Error.DeviceFault"
 #define ISO_CONTRACT_ERROR_STORAGE          "org.isotherm.Error.Storage" /* the disk refused */

@@ -73,6 +73,8 @@ static const struct {
     {ISO_CONTRACT_VERIFY_STOP, {false, true, false, true, false, false}},
     {ISO_CONTRACT_ENROLL_START, {false, false, true, true, false, true}},
     {ISO_CONTRACT_ENROLL_STOP, {false, false, true, true, false, true}},
+    {ISO_CONTRACT_VERIFY_SELF, {true, true, true, true, true, true}},
+    {ISO_CONTRACT_VERIFY_LOGIN, {false, false, false, true, false, false}},
     {ISO_CONTRACT_LIST_PEOPLE, {false, false, true, true, false, true}},
     {ISO_CONTRACT_DELETE_PERSON, {false, false, false, true, false, true}},
     {ISO_CONTRACT_SET_VALIDITY, {false, false, false, true, false, true}},
