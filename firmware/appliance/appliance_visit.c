@@ -138,6 +138,21 @@ static const struct iso_card *card_of(const struct iso_appliance *appliance, con
     return owner && strcmp(owner->name, person) == 0 ? card : NULL;
 }
 
+/* Sends the number to the access controller, over Wiegand, over OSDP, or both. Returns the first
+ * error. */
+static int send_number(struct iso_appliance *appliance, const struct iso_wiegand_card *number,
+                       struct iso_fault *fault)
+{
+    const struct iso_config_options *lines = &appliance->borrowed.config->door.options;
+    struct iso_panel *panel = appliance->borrowed.panel;
+    int error = 0;
+    if (!panel || *iso_config_option(lines, "wiegand_d0")) {
+        error = iso_door_guard_send_card(appliance->door, number, fault);
+    }
+    const int other = panel ? iso_panel_send_card(panel, number, error ? NULL : fault) : 0;
+    return error ? error : other;
+}
+
 /* Sends the card number. The controller has locks of its own, so a failure does not change what
  * the lock of this door does. A door without a lock of its own did not unlock then. */
 static void send_card(struct iso_appliance *appliance, struct iso_visit *visit)
@@ -149,7 +164,7 @@ static void send_card(struct iso_appliance *appliance, struct iso_visit *visit)
         return; /* not at a fault; and a door that stands open gets no number */
     }
     if (card) {
-        error = iso_door_guard_send_card(appliance->door, &card->number, fault);
+        error = send_number(appliance, &card->number, fault);
     } else {
         (void)iso_fault_set(fault, error, "the admitted person has no card number");
     }

@@ -24,6 +24,7 @@ export const EVENTS = {
     'log-recovered': N_('Log recovered'),
     'log-rotated': N_('Log rotated'),
     'log-sealed': N_('Log sealed'),
+    panel: N_('Access panel'),
     picture: N_('Picture taken'),
     'records-lost': N_('Records lost'),
     relief: N_('Relief watched'),
