@@ -38,6 +38,7 @@
 #include "firmware/door/door_control.h"
 #include "firmware/door/door_guard.h"
 #include "firmware/gallery/gallery.h"
+#include "firmware/panel/panel.h"
 #include "firmware/recognise/pipeline.h"
 #include "firmware/sensor/sensor_supervisor.h"
 #include "firmware/sensor/view.h"
@@ -129,6 +130,7 @@ struct iso_appliance_borrowed {
     struct iso_door_guard *door; /* of door_io, started already, whose changes nobody has taken yet;
                                   * NULL: the appliance makes one and starts it */
     const struct iso_cards *cards;     /* sent to an access controller; NULL: there is none */
+    struct iso_panel *panel;           /* an access panel (panel.h); NULL: there is none */
     struct iso_key_ring *ring;         /* the keys of gallery and log */
     struct iso_state_counter *counter; /* NULL: there is none (state_counter.h) */
     const struct iso_zone_source
@@ -170,6 +172,7 @@ void iso_appliance_stop(struct iso_appliance *appliance);
  * The descriptor of the sensor may change with every step. */
 int iso_appliance_sensor_fd(const struct iso_appliance *appliance);
 int iso_appliance_door_fd(const struct iso_appliance *appliance);
+int iso_appliance_panel_fd(const struct iso_appliance *appliance);
 
 /* Counts signs of life of the sensor: frames, answers of an idle sensor, attempts to open a lost
  * one. The watchdog is notified only when this number has risen. */

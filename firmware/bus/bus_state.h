@@ -158,6 +158,7 @@ int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_rotate_keys(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_test_door(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_install_panel(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out);
 
 /* Sends a reply that was filled in with result r, and releases it. */

@@ -228,6 +228,34 @@ static int append_locks(sd_bus_message *reply, const struct iso_appliance_status
                                  (int)status->lockdown, "lockout-ms", "x", lockout_ms);
 }
 
+/* The access panel, and what it wants the door station to show. */
+static int append_panel(sd_bus_message *reply, const struct iso_bus *bus)
+{
+    struct iso_panel *panel = bus->borrowed->panel;
+    struct iso_panel_look look = {.state = "off", .lamp = "off"};
+    char text[sizeof look.shown.text + 4];
+    if (panel) {
+        iso_panel_look(panel, &look);
+    }
+    (void)snprintf(text, sizeof text, "%s%s%s", look.shown.text[0],
+                   look.shown.text[1][0] ? "\n" : "", look.shown.text[1]);
+    int r = append_text(reply, "panel-state", look.state);
+    if (r >= 0) {
+        r = append_text(reply, "panel-lamp", look.lamp);
+    }
+    if (r >= 0) {
+        r = append_text(reply, "panel-text", text);
+    }
+    if (r >= 0) {
+        r = append_text(reply, "panel-fault", panel ? iso_panel_fault(panel)->text : "");
+    }
+    return r < 0 ? r
+                 : sd_bus_message_append(reply, "{sv}{sv}{sv}{sv}", "panel-buzzer", "b",
+                                         (int)look.shown.buzzer, "panel-install", "b",
+                                         (int)look.install, "panel-cards", "t", look.delivered,
+                                         "panel-cards-lost", "t", look.undelivered);
+}
+
 int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
 {
     const struct iso_appliance_status status = iso_appliance_status(bus->appliance);
@@ -243,6 +271,9 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     }
     if (r >= 0) {
         r = append_lines(reply, &bus->borrowed->config->door.options);
+    }
+    if (r >= 0) {
+        r = append_panel(reply, bus);
     }
     if (r >= 0) {
         r = append_gallery(reply, bus, status.people_valid);

@@ -60,6 +60,7 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_CLEAR_LOCKOUT, "", NOTHING, "", NOTHING, iso__bus_clear_lockout),
     METHOD(ISO_CONTRACT_SET_LOCKDOWN, "b", "on\0", "", NOTHING, iso__bus_set_lockdown),
     METHOD(ISO_CONTRACT_TEST_DOOR, "", NOTHING, "", NOTHING, iso__bus_test_door),
+    METHOD(ISO_CONTRACT_INSTALL_PANEL, "", NOTHING, "", NOTHING, iso__bus_install_panel),
     METHOD(ISO_CONTRACT_RECORD_ACT, "sss", "account\0act\0person\0", "", NOTHING,
            iso__bus_record_act),
     METHOD(ISO_CONTRACT_AIM_START, "", NOTHING, "", NOTHING, iso__bus_aim_start),

@@ -48,6 +48,14 @@ struct iso_config_door {
     int unlock_ms, relay_pulse_ms, held_ms, refused_ms, poll_ms, retry_ms, retry_max_ms;
 };
 
+/* The bus of an access panel (firmware/panel/panel.h). */
+struct iso_config_panel {
+    char port[ISO_CONFIG_TEXT_SIZE]; /* "": there is no panel */
+    int address, baud;               /* baud: iso_config_panel_baud */
+    bool plain;
+    int card_bits; /* iso_config_panel_card_bits */
+};
+
 struct iso_config_gallery {
     char path[ISO_CONFIG_TEXT_SIZE];
     int capacity; /* people */
@@ -156,6 +164,7 @@ struct iso_config_model {
 struct iso_config {
     struct iso_config_sensor sensor;
     struct iso_config_door door;
+    struct iso_config_panel panel;
     struct iso_config_gallery gallery;
     struct iso_config_seal seal;
     struct iso_config_recognition recognition;
@@ -203,6 +212,11 @@ const char *iso_config_find_obsolete(const char *section, const char *name);
 /* Whether the door has a lock of its own. False: the appliance only sends card numbers to an access
  * controller, which has the lock. */
 bool iso_config_has_relay(const struct iso_config *config);
+
+/* The speed of the panel's bus and the number of bits of a card, of which the configuration has the
+ * numbers of words. */
+unsigned iso_config_panel_baud(const struct iso_config *config);
+int iso_config_panel_card_bits(const struct iso_config *config);
 
 /* The lowest score at which a face counts as a person's: the threshold if one is set, else that of
  * the level. With the metric, one of 10^s similar strangers reaches a score of s (metric.h). */

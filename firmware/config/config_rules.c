@@ -64,6 +64,17 @@ bool iso_config_has_relay(const struct iso_config *config)
     return *iso_config_option(options, "relay") || !*iso_config_option(options, "wiegand_d0");
 }
 
+unsigned iso_config_panel_baud(const struct iso_config *config)
+{
+    static const unsigned bauds[] = {9600, 19200, 38400, 57600, 115200};
+    return bauds[config->panel.baud];
+}
+
+int iso_config_panel_card_bits(const struct iso_config *config)
+{
+    return config->panel.card_bits == 0 ? 26 : 34;
+}
+
 double iso_config_threshold(const struct iso_config *config)
 {
     static const double of_level[] = {

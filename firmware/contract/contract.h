@@ -98,6 +98,9 @@
  *                                        recorded before it is done. It is refused while a client has the
  *                                        claim, under lockdown or lock-out, if the door is not locked, and
  *                                        if it has no relay or its lines do not work
+ *   InstallPanel()                       lets the access panel set its key by the default key for two
+ *                                        minutes; for administrators. It is recorded before it is
+ *                                        done, and refused if no panel is configured
  *   RecordAct(s account, s act, s person)
  *                                        puts on record that a client does something for one of its
  *                                        own accounts, before the client does it: the event "act"
@@ -222,6 +225,7 @@
 #define ISO_CONTRACT_CLEAR_LOCKOUT    "ClearLockout"
 #define ISO_CONTRACT_SET_LOCKDOWN     "SetLockdown"
 #define ISO_CONTRACT_TEST_DOOR        "TestDoor"
+#define ISO_CONTRACT_INSTALL_PANEL    "InstallPanel"
 #define ISO_CONTRACT_AIM_START        "AimStart"
 #define ISO_CONTRACT_AIM_STOP         "AimStop"
 #define ISO_CONTRACT_WATCH            "Watch"

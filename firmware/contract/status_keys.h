@@ -27,6 +27,15 @@
  *   "door-fault" s            "" while its lines work
  *   "door-realtime" b         false: its thread has no real-time priority, and may be late on a
  *                             busy machine
+ *   "panel-state" s           the access panel (OSDP): "off": none is configured; "gone": its line;
+ *                             "offline"; "waiting": it has not opened the secure channel yet;
+ *                             "default-key": it may only set its key; "plain"; "secure"
+ *   "panel-fault" s           why the panel has to set its key again; "" if it need not
+ *   "panel-lamp" s            what the panel shows: "off", "red", "green", "amber", "blue",
+ *                             "magenta", "cyan", "white"; "panel-buzzer" b; "panel-text" s, of up to
+ *                             two lines of 16 characters
+ *   "panel-install" b         the panel may set its key by the default key
+ *   "panel-cards" t           cards that the panel has got, "panel-cards-lost" t that it has not
  *   "people" u                of these, "people-valid" u may come in at this time
  *   "templates" u             of these, the running algorithm can use "templates-usable" u
  *   "capacity" u, "threshold" d, "algorithm" s, "model" s (checksum)

@@ -197,6 +197,9 @@ int iso_components_open(const struct iso_config *config, const struct iso_times 
     if (!error) {
         error = iso_components_open_stores(components, fault);
     }
+    if (!error && threads) {
+        error = iso_components_open_panel(components, fault);
+    }
     if (error) {
         iso_components_close(components);
         return error;
@@ -228,6 +231,7 @@ void iso_components_close(struct iso_components *components)
 {
     if (components) {
         stop_door(components);
+        iso_panel_close(components->panel);
         iso_door_io_close(components->door_io);
         iso_cards_free(components->cards);
         if (components->counter) {
@@ -267,6 +271,7 @@ struct iso_appliance_borrowed iso_components_lend(struct iso_components *compone
         .door = components->door,
         .threads = components->threads,
         .cards = components->cards,
+        .panel = components->panel,
         .ring = components->ring,
         .counter = components->counter,
         .zones = &zones,

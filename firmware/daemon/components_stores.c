@@ -181,6 +181,24 @@ int iso_components_open_stores(struct iso_components *components, struct iso_fau
     return error ? error : iso_components_compare_stores(components, fault);
 }
 
+int iso_components_open_panel(struct iso_components *components, struct iso_fault *fault)
+{
+    const struct iso_config *config = &components->config;
+    char path[ISO_CONFIG_TEXT_SIZE + 8];
+    (void)snprintf(path, sizeof path, "%s.panel", config->gallery.path);
+    const struct iso_panel_options options = {
+        .port = config->panel.port,
+        .address = (uint8_t)config->panel.address,
+        .baud = iso_config_panel_baud(config),
+        .plain = config->panel.plain,
+        .card_bits = iso_config_panel_card_bits(config),
+        .path = path,
+        .ring = components->ring,
+        .clock = components->times.monotonic,
+    };
+    return *config->panel.port ? iso_panel_open(&options, &components->panel, fault) : 0;
+}
+
 static int print_line(void *context, const char *line)
 {
     return fprintf(context, "%s\n", line) < 0 ? -EIO : 0;

@@ -53,13 +53,19 @@ static void read_status(const struct iso_osdp_port *port, struct iso_osdp_port_s
     status->late = port->late;
 }
 
+static bool is_shown(const struct iso_osdp_shown *a, const struct iso_osdp_shown *b)
+{
+    return a->lamp == b->lamp && a->buzzer == b->buzzer &&
+           memcmp(a->text, b->text, sizeof a->text) == 0;
+}
+
 static bool is_news(const struct iso_osdp_port_status *a, const struct iso_osdp_port_status *b)
 {
     const struct iso_osdp_status *x = &a->device, *y = &b->device;
     return a->line_gone != b->line_gone || x->online != y->online || x->secure != y->secure ||
            x->default_key != y->default_key || x->install != y->install ||
            x->address != y->address || x->baud != y->baud || x->undelivered != y->undelivered ||
-           x->keys_set != y->keys_set || memcmp(&x->shown, &y->shown, sizeof x->shown) != 0;
+           x->keys_set != y->keys_set || !is_shown(&x->shown, &y->shown);
 }
 
 /* Wakes the owner if there is something new. The mutex is held. */

@@ -30,6 +30,7 @@ enum cli_verb {
     CLI_LOCKOUT,
     CLI_SETUP,
     CLI_DOOR,
+    CLI_PANEL,
     CLI_WEB,
     CLI_VERBS /* how many there are; as a verb: no command was given */
 };

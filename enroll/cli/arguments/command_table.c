@@ -21,6 +21,7 @@ const struct cli_command cli_commands[CLI_VERBS] = {
     [CLI_LOCKOUT] = {"lockout", "clear", "end a lock-out and reset its counts"},
     [CLI_SETUP] = {"setup", "", "find camera and board, configure the daemon and start it"},
     [CLI_DOOR] = {"door", "test", "unlock the door for half a second"},
+    [CLI_PANEL] = {"panel", "install", "let the access panel set its key"},
     [CLI_WEB] = {"web", "setup|fingerprint",
                  "make a code for the first account of the web server; show its fingerprint"},
 };

@@ -21,6 +21,12 @@
 int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* Lets the access panel open a secure channel with the default key and set a key of its own, for
+ * two minutes (osdp_peripheral.h). It may be called at any time. -ENODEV no panel is configured, or
+ * an error of the log; then nothing was done. */
+int iso_appliance_install_panel(struct iso_appliance *appliance, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* Writes people to an open, empty file: those of a list that NULL ends, or all if the list is NULL
  * or empty. *n is then their number. -EINVAL it is not a file, or not empty; also the errors of
  * iso_transfer_write and of writing. */

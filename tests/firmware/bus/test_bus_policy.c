@@ -84,6 +84,7 @@ static const struct {
     {ISO_CONTRACT_PICTURE, {false, false, false, true, false, false}},
     {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false, true}},
     {ISO_CONTRACT_TEST_DOOR, {false, false, false, true, false, false}},
+    {ISO_CONTRACT_INSTALL_PANEL, {false, false, false, true, false, false}},
     {ISO_CONTRACT_WATCH, {true, false, false, true, false, true}},
     {ISO_CONTRACT_WATCH_RELIEF, {false, false, true, true, false, true}},
     {ISO_CONTRACT_VERIFY_LOG, {false, false, false, true, false, true}},

@@ -92,20 +92,20 @@ static void test_every_changed_bit_is_noticed(void **state)
 static void test_blocks_and_macs_have_bounds(void **state)
 {
     (void)state;
-    static const uint8_t data[] = {1, 2, 3};
+    static const uint8_t data[] = {1, 2, 3}, mac[] = {0xD1, 0xD2, 0xD3, 0xD4};
     struct iso_osdp_header header = {0x05, 1, true, ISO_OSDP_SCS_17, -1, 0x6B};
     uint8_t frame[ISO_OSDP_FRAME_BYTES];
     struct iso_osdp_packet packet;
     size_t n = iso_osdp_packet_begin(&header, data, sizeof data, frame);
     assert_int_equal(n, 5 + 2 + 1 + 3);
-    memcpy(frame + n, "\xD1\xD2\xD3\xD4", 4);
+    memcpy(frame + n, mac, sizeof mac);
     n = iso_osdp_packet_end(frame, n + 4);
     assert_int_equal(iso_osdp_packet_parse(frame, n, &packet), 0);
     assert_int_equal(packet.block, ISO_OSDP_SCS_17);
     assert_int_equal(packet.n_block_data, 0);
     assert_int_equal(packet.n_data, 3);
     assert_int_equal(packet.n_signed, 11);
-    assert_memory_equal(packet.mac, "\xD1\xD2\xD3\xD4", 4);
+    assert_memory_equal(packet.mac, mac, sizeof mac);
 
     /* A block that reaches to the end of the frame or beyond it, or is shorter than its header. */
     static const uint8_t lengths[] = {0, 1, 10, 11, 200, 255};

@@ -82,7 +82,7 @@ static void check_reply(const uint8_t *frame, size_t n)
 
 static void storm(struct bench *bench, int frames)
 {
-    uint8_t bytes[PANEL_FRAME_BYTES + 8], reply[ISO_OSDP_FRAME_BYTES];
+    uint8_t bytes[PANEL_FRAME_BYTES + 8] = {0}, reply[ISO_OSDP_FRAME_BYTES];
     unsigned replies = 0;
     for (int i = 0; i < frames; i++) {
         const uint32_t kind = throw_dice(3);
@@ -131,7 +131,7 @@ static void test_storm_on_an_open_channel(void **state)
     (void)state;
     struct bench bench;
     struct panel_reply reply;
-    uint8_t bytes[PANEL_FRAME_BYTES + 8], answer[ISO_OSDP_FRAME_BYTES];
+    uint8_t bytes[PANEL_FRAME_BYTES + 8] = {0}, answer[ISO_OSDP_FRAME_BYTES];
     bench_init(&bench, true, false);
     assert_true(bench_secure(&bench, bench_key));
     const struct iso_osdp_status before = bench_status(&bench);

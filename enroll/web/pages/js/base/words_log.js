@@ -26,6 +26,7 @@ export const EVENTS = {
     'log-recovered': N_('Log recovered'),
     'log-rotated': N_('Log rotated'),
     'log-sealed': N_('Log sealed'),
+    panel: N_('Access panel'),
     picture: N_('Picture taken'),
     policy: N_('Policy changed'),
     'records-lost': N_('Records lost'),
