@@ -29,6 +29,7 @@
 #include "core/base/fault.h"
 #include "drivers/base/times.h"
 #include "drivers/door/door_io.h"
+#include "drivers/reader/card_source.h"
 #include "firmware/access/site_access.h"
 #include "firmware/audit/audit.h"
 #include "firmware/audit/audit_writer.h"
@@ -133,6 +134,7 @@ struct iso_appliance_borrowed {
     struct iso_panel *panel;           /* an access panel (panel.h); NULL: there is none */
     struct iso_key_ring *ring;         /* the keys of gallery and log */
     struct iso_state_counter *counter; /* NULL: there is none (state_counter.h) */
+    struct iso_card_source reader;     /* of cards and keys (card_source.h) */
     const struct iso_zone_source
         *zones;               /* of policies; NULL: none, so that every zone is unknown */
     const char *lockout_path; /* see lockout_file.h; NULL or "": the state is lost at the end */
@@ -173,6 +175,7 @@ void iso_appliance_stop(struct iso_appliance *appliance);
 int iso_appliance_sensor_fd(const struct iso_appliance *appliance);
 int iso_appliance_door_fd(const struct iso_appliance *appliance);
 int iso_appliance_panel_fd(const struct iso_appliance *appliance);
+int iso_appliance_reader_fd(const struct iso_appliance *appliance);
 
 /* Counts signs of life of the sensor: frames, answers of an idle sensor, attempts to open a lost
  * one. The watchdog is notified only when this number has risen. */
@@ -304,6 +307,8 @@ struct iso_appliance_status {
     const char *image_check;     /* "off", "flag", "veto", "absent" (pipeline.h) */
     const struct iso_view *view; /* the last frame that was examined; NULL: there was none */
     struct iso_appliance_counts counts;
+    const char *reader_state; /* of the card reader: "off", "works", "lost" */
+    const char *reader_fault; /* why it does not work; "" if it does, or if there is none */
     bool lockdown;
     int64_t lockout_ns; /* how long nobody is let in; 0: not locked out */
     uint64_t frames;

@@ -6,6 +6,7 @@
 
 #include "drivers/base/utf8.h"
 #include "drivers/sensor/contract/sensor.h"
+#include "firmware/appliance/administration/administration.h"
 #include "firmware/bus/bus_state.h"
 #include "firmware/contract/fault_tag.h"
 
@@ -228,6 +229,18 @@ static int append_locks(sd_bus_message *reply, const struct iso_appliance_status
                                  (int)status->lockdown, "lockout-ms", "x", lockout_ms);
 }
 
+/* The policy, and the reader of cards and keys. */
+static int append_access(sd_bus_message *reply, const struct iso_bus *bus,
+                         const struct iso_appliance_status *status)
+{
+    const struct iso_site_access *access = iso_appliance_access(bus->appliance);
+    int r = sd_bus_message_append(reply, "{sv}", "policy-revision", "t",
+                                  iso_site_access_revision(access));
+    r = r < 0 ? r : append_text(reply, "policy-fault", iso_site_access_fault(access)->text);
+    r = r < 0 ? r : append_text(reply, "reader-state", status->reader_state);
+    return r < 0 ? r : append_text(reply, "reader-fault", status->reader_fault);
+}
+
 /* The access panel, and what it wants the door station to show. */
 static int append_panel(sd_bus_message *reply, const struct iso_bus *bus)
 {
@@ -271,6 +284,9 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     }
     if (r >= 0) {
         r = append_lines(reply, &bus->borrowed->config->door.options);
+    }
+    if (r >= 0) {
+        r = append_access(reply, bus, &status);
     }
     if (r >= 0) {
         r = append_panel(reply, bus);

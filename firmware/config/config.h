@@ -48,6 +48,11 @@ struct iso_config_door {
     int unlock_ms, relay_pulse_ms, held_ms, refused_ms, poll_ms, retry_ms, retry_max_ms;
 };
 
+/* A card reader or keypad with Wiegand lines (drivers/reader/wiegand_in.h). */
+struct iso_config_reader {
+    char d0[ISO_CONFIG_TEXT_SIZE], d1[ISO_CONFIG_TEXT_SIZE]; /* both "": there is none */
+};
+
 /* The bus of an access panel (firmware/panel/panel.h). */
 struct iso_config_panel {
     char port[ISO_CONFIG_TEXT_SIZE]; /* "": there is no panel */
@@ -165,6 +170,7 @@ struct iso_config {
     struct iso_config_sensor sensor;
     struct iso_config_door door;
     struct iso_config_panel panel;
+    struct iso_config_reader reader;
     struct iso_config_gallery gallery;
     struct iso_config_seal seal;
     struct iso_config_recognition recognition;

@@ -57,6 +57,10 @@ const struct iso_config_key iso_config_keys[] = {
     {"door", "retry_max_ms", ISO_CONFIG_COUNT, AT(door, retry_max_ms), 10, 3600000, NULL, "30000",
      "longest such wait"},
 
+    {"reader", "d0", ISO_CONFIG_TEXT, AT(reader, d0), 0, 0, NULL, "",
+     "line D0 of a card reader or keypad (Wiegand), such as gpiochip0:5 active-low pull-up"},
+    {"reader", "d1", ISO_CONFIG_TEXT, AT(reader, d1), 0, 0, NULL, "", "line D1 of it"},
+
     {"panel", "port", ISO_CONFIG_TEXT, AT(panel, port), 0, 0, NULL, "",
      "serial line of the RS-485 bus of an access panel (OSDP), such as /dev/ttyS1"},
     {"panel", "address", ISO_CONFIG_COUNT, AT(panel, address), 0, 126, NULL, "0",

@@ -53,6 +53,10 @@
  *   "site-growth" d           variance within a person as a multiple of the rendered one; 0: not
  *                             known
  *   "image-check" s           "off", "flag", "veto", "absent"
+ *   "policy-revision" t       of the stored policy; 0: there is none
+ *   "policy-fault" s          why the policy cannot be used, so that nobody is let in; "" if it can
+ *   "reader-state" s          of the card reader: "off" (there is none), "works", "lost"
+ *   "reader-fault" s
  *   "lockdown" b
  *   "lockout-ms" x            how long nobody is let in; 0: not locked out
  *   "visits-allowed" t, "visits-denied" t       since the start; of the denied visits,

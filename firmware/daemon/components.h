@@ -20,10 +20,11 @@ struct iso_components {
     struct iso_state_counter *counter; /* NULL: no counter is configured, or it is not open yet */
     struct iso_audit *audit;
     struct iso_door_io *door_io;
-    struct iso_door_guard *door; /* already started; NULL without threads */
-    bool threads;                /* iso_appliance_borrowed.threads */
-    struct iso_cards *cards;     /* NULL: no card numbers are sent */
-    struct iso_panel *panel;     /* NULL: no access panel is configured, or there are no threads */
+    struct iso_door_guard *door;   /* already started; NULL without threads */
+    bool threads;                  /* iso_appliance_borrowed.threads */
+    struct iso_cards *cards;       /* NULL: no card numbers are sent */
+    struct iso_wiegand_in *reader; /* of cards and keys; NULL: there is none */
+    struct iso_panel *panel; /* NULL: no access panel is configured, or there are no threads */
     char lockout_path[ISO_CONFIG_TEXT_SIZE + 8];
 };
 
@@ -80,6 +81,16 @@ int iso_components_open_counter(struct iso_components *components, struct iso_fa
  * iso_panel_open. (components_stores.c) */
 int iso_components_open_panel(struct iso_components *components, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* The card reader: checks how its lines are wired; opens it, which a missing chip does not prevent;
+ * closes it; lends it. -EINVAL, -ENOENT a line is configured and there is no libgpiod, -EAGAIN no
+ * thread. (components_reader.c) */
+int iso_components_check_reader(const struct iso_config *config, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+int iso_components_open_reader(struct iso_components *components, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+void iso_components_close_reader(struct iso_components *components);
+struct iso_card_source iso_components_card_source(const struct iso_components *components);
 
 /* Begins to count, when the stores have been compared and everything else is open, before anybody
  * is let in: raises the number in the log's anchor, and the counter. threaded: a thread does the
