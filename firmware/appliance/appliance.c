@@ -98,6 +98,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     const int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
     appliance->start_ns = now_ns;
     iso__appliance_init_storage(appliance);
+    iso__appliance_load_settings(appliance);
     iso__appliance_init_face(appliance);
     iso__appliance_init_visit(appliance);
     iso_suspension_init(&appliance->suspension, &appliance->borrowed.times);

@@ -40,6 +40,7 @@
 #include "firmware/recognise/pipeline.h"
 #include "firmware/sensor/sensor_supervisor.h"
 #include "firmware/sensor/view.h"
+#include "firmware/settings/live_settings.h"
 #include "firmware/visit/decision.h"
 
 enum iso_appliance_mode {
@@ -127,6 +128,8 @@ struct iso_appliance_borrowed {
     const struct iso_cards *cards;     /* sent to an access controller; NULL: there is none */
     struct iso_key_ring *ring;         /* the keys of gallery and log */
     struct iso_state_counter *counter; /* NULL: there is none (state_counter.h) */
+    /* Changes of `config` while the appliance works; NULL: it does not change. */
+    struct iso_live_settings *settings;
     const char *lockout_path; /* see lockout_file.h; NULL or "": the state is lost at the end */
     struct iso_gallery *gallery;
     struct iso_audit *audit;

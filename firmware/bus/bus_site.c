@@ -192,25 +192,13 @@ int iso__bus_list_other(sd_bus_message *call, void *context, sd_bus_error *out)
 typedef int (*take_back_fn)(struct iso_appliance *appliance, const char *who, size_t *n,
                             struct iso_fault *fault);
 
-/* Describes the user who makes a call, for the record. */
-static void describe_caller(sd_bus_message *call, char *who, size_t size)
-{
-    uid_t uid = 0;
-    const int r = iso__bus_user_of(call, &uid);
-    if (r >= 0) {
-        (void)snprintf(who, size, "asked by user %u", (unsigned)uid);
-    } else {
-        (void)snprintf(who, size, "asked by a user who is not known");
-    }
-}
-
 static int take_back(sd_bus_message *call, const struct iso_bus *bus, take_back_fn act,
                      sd_bus_error *out)
 {
     struct iso_fault fault = {.text = ""};
     char who[64];
     size_t n = 0;
-    describe_caller(call, who, sizeof who);
+    iso__bus_describe_caller(call, who, sizeof who);
     const int r = act(bus->appliance, who, &n, &fault);
     return r < 0 ? iso__bus_refuse(out, r, &fault)
                  : sd_bus_reply_method_return(call, "u", (uint32_t)n);

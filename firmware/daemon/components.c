@@ -266,6 +266,7 @@ struct iso_appliance_borrowed iso_components_lend(struct iso_components *compone
         .cards = components->cards,
         .ring = components->ring,
         .counter = components->counter,
+        .settings = &components->settings,
         .lockout_path = components->lockout_path,
         .gallery = components->gallery,
         .audit = components->audit,

@@ -23,6 +23,8 @@ struct iso_components {
     bool threads;                /* iso_appliance_borrowed.threads */
     struct iso_cards *cards;     /* NULL: no card numbers are sent */
     char lockout_path[ISO_CONFIG_TEXT_SIZE + 8];
+    struct iso_live_settings settings; /* changes of config */
+    char settings_path[ISO_CONFIG_TEXT_SIZE + 10];
 };
 
 /* Loads the modules (drivers/base/module.h) that the configuration needs, because nothing can be

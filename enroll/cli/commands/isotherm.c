@@ -16,7 +16,7 @@ static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault
         [CLI_LOG] = cli_log,         [CLI_AIM] = cli_aim,           [CLI_EXPORT] = cli_export,
         [CLI_IMPORT] = cli_import,   [CLI_KEY] = cli_key,           [CLI_LOCKDOWN] = cli_lockdown,
         [CLI_LOCKOUT] = cli_lockout, [CLI_VALIDITY] = cli_validity, [CLI_RENAME] = cli_rename,
-        [CLI_DOOR] = cli_door_test,  [CLI_SITE] = cli_site,
+        [CLI_DOOR] = cli_door_test,  [CLI_SITE] = cli_site,         [CLI_SETTINGS] = cli_settings,
     };
     struct cli_daemon *daemon = NULL;
 

@@ -49,9 +49,13 @@ void web_api_get_document(void *api, struct web_exchange *exchange);
 /* ---- the door (api_door.c) ---- */
 void web_api_get_status(void *api, struct web_exchange *exchange);
 void web_api_get_health(void *api, struct web_exchange *exchange);
-void web_api_get_settings(void *api, struct web_exchange *exchange);
 void web_api_set_lockdown(void *api, struct web_exchange *exchange);
 void web_api_clear_lockout(void *api, struct web_exchange *exchange);
+
+/* ---- settings (api_settings.c) ---- */
+void web_api_get_settings(void *api, struct web_exchange *exchange);
+void web_api_set_setting(void *api, struct web_exchange *exchange);
+void web_api_reset_setting(void *api, struct web_exchange *exchange);
 
 /* ---- streams (api_streams.c) ---- */
 void web_api_get_events(void *api, struct web_exchange *exchange);

@@ -99,6 +99,10 @@ static void nothing_is_done_for_a_session_that_has_ended_meanwhile(void **state)
     expect_nothing_done(rig, web_api_set_lockdown, NULL, "{'on': false}",
                         "RecordAct ada lockdown-off ;");
     expect_nothing_done(rig, web_api_clear_lockout, NULL, NULL, "RecordAct ada lockout-clear ;");
+    expect_nothing_done(rig, web_api_set_setting, "decision.level", "{'value': 'strict'}",
+                        "RecordAct ada setting-set ;");
+    expect_nothing_done(rig, web_api_reset_setting, "decision.level", NULL,
+                        "RecordAct ada setting-reset ;");
     expect_nothing_done(rig, web_api_remove_person, "bo", NULL, "RecordAct ada remove bo;");
     expect_nothing_done(rig, web_api_change_person, "bo", "{'name': 'eve'}",
                         "RecordAct ada rename bo;");
@@ -139,27 +143,6 @@ static void every_request_is_answered_while_the_daemon_is_gone(void **state)
     rig_expect(rig->event, &exchange, 200, NULL);
     assert_true(json_is_false(json_object_get(exchange.json, "daemon")));
     assert_int_equal(json_object_size(json_object_get(exchange.json, "status")), 0);
-    rig_exchange_done(&exchange);
-}
-
-static void the_settings_are_those_of_the_daemon(void **state)
-{
-    struct rig *rig = *state;
-    if (!rig) {
-        skip();
-    }
-    struct web_exchange exchange = rig_exchange(WEB_ROLE_ADMINISTRATOR, 1, NULL);
-    web_api_get_settings(&rig->api, &exchange);
-    rig_expect(rig->event, &exchange, 200, NULL);
-    json_t *wanted = json_pack(
-        "{s:[{s:s, s:s, s:s, s:s, s:s, s:s, s:b}, {s:s, s:s, s:s, s:s, s:s, s:s, s:b}]}",
-        "settings", "section", "door", "key", "unlock_ms", "value", "3000", "default", "5000",
-        "range", "100..60000", "help", "how long", "changeable", 0, "section", "sensor", "key",
-        "backend", "value", "replay", "default", "", "range", "a word", "help", "says \"which\"",
-        "changeable", 0);
-    assert_non_null(wanted);
-    assert_true(json_equal(exchange.json, wanted));
-    json_decref(wanted);
     rig_exchange_done(&exchange);
 }
 
@@ -347,7 +330,6 @@ int main(void)
         RIG_TEST(what_cannot_be_recorded_is_not_done),
         RIG_TEST(nothing_is_done_for_a_session_that_has_ended_meanwhile),
         RIG_TEST(every_request_is_answered_while_the_daemon_is_gone),
-        RIG_TEST(the_settings_are_those_of_the_daemon),
         RIG_TEST(health_knows_the_daemon_and_the_certificate),
         RIG_TEST(ten_thousand_people_are_listed_by_name),
         RIG_TEST(a_person_is_renamed_first_and_limited_then),

@@ -31,9 +31,9 @@ test('states and causes of the door: firmware/door/door.c', () => {
 
 test('words of the contract', () => {
     const contract = 'firmware/contract/contract.h';
-    same(EVENTS, quoted(contract, '#define ISO_CONTRACT_EVENTS', '/* Errors'), 33);
-    same(words.DOOR_ACTS, quoted(contract, '#define ISO_CONTRACT_DOOR_UNLOCKED', '/* The words of "site"'), 3);
-    same(words.MODES, quoted(contract, '"mode" s', '"sensor" s').filter((word) => word !== 'mode'), 5);
+    same(EVENTS, quoted('firmware/contract/log_events.h', '#define ISO_CONTRACT_EVENTS', '#endif'), 34);
+    same(words.DOOR_ACTS, quoted(contract, '#define ISO_CONTRACT_DOOR_UNLOCKED', 'ISO_CONTRACT_ACCOUNT_BYTES'), 3);
+    same(words.MODES, quoted('firmware/contract/status_keys.h', '"mode" s', '"sensor" s').filter((word) => word !== 'mode'), 5);
     same(words.POSES, quoted(contract, '#define ISO_CONTRACT_POSE_FRONTAL', '/* The states of a step'), 5);
     same(words.STEP_STATES, quoted(contract, '#define ISO_CONTRACT_STEP_BEGUN', '/* The stream of Watch'), 4);
     const results = quoted(contract, '/* Result words after', '/* What the door did')

@@ -174,8 +174,18 @@ export function makeCockpitApi(cockpit) {
 
     async function settings() {
         const [list] = await bus.call('GetSettings', []);
-        return list.map(([section, key, value, standard, range,
-                          help]) => ({ section, key, value, default: standard, range, help }));
+        return list.map(
+            ([section, key, value, standard, range, help, changeable, configured]) =>
+                ({ section, key, value, default: standard, range, help, changeable, configured }));
+    }
+
+    /* The daemon's word for a bad argument is that of limits everywhere else. */
+    async function changeSetting(method, args, type) {
+        try {
+            await bus.call(method, args, type);
+        } catch (fault) {
+            throw fault.code === 'invalid-limits' ? new Fault('invalid-setting', { detail: fault.detail }) : fault;
+        }
     }
 
     return {
@@ -197,6 +207,8 @@ export function makeCockpitApi(cockpit) {
         status,
         health,
         settings,
+        setSetting: (section, key, value) => changeSetting('SetSetting', [section, key, value], 'sss'),
+        resetSetting: (section, key) => changeSetting('ResetSetting', [section, key], 'ss'),
         setLockdown: (on) => change('SetLockdown', [on], 'b'),
         clearLockout: () => change('ClearLockout', []),
         people: async () => ({ people: (await bus.call('ListPeople', []))[0].map(toPerson), log_read: true }),
