@@ -36,7 +36,7 @@ function valueCell(one, change) {
             h('div', {},
               h('button', {
                   type: 'button',
-                  class: 'plain small',
+                  class: 'plain',
                   'aria-label': _f('Change {name}', { name }),
                   onclick: () => change(one)
               },
@@ -79,6 +79,8 @@ function make(context) {
     const change = async (one) => {
         if (await changeSetting(api, one)) {
             await load();
+            const label = _f('Change {name}', { name: `${one.section}.${one.key}` });
+            [...place.querySelectorAll('button')].find((button) => button.ariaLabel === label)?.focus();
         }
     };
     search.addEventListener('input', draw);
