@@ -8,6 +8,7 @@
 #include "enroll/web/daemon/daemon.h"
 #include "enroll/web/http/route.h"
 #include "enroll/web/http/server.h"
+#include "enroll/web/session/note_limit.h"
 #include "enroll/web/session/session.h"
 
 struct web_feed;      /* enroll/web/daemon/feed.h: what the daemon reports, for the streams */
@@ -20,6 +21,7 @@ struct web_api {
     struct web_accounts *accounts;
     struct web_sessions *sessions;
     struct web_guess *guess;
+    struct web_note_limit notes; /* of logins and logouts */
     const char *setup_code; /* the file of the one-time code */
     const char *document;   /* the text of openapi.json */
     const struct web_certificate *certificate;

@@ -274,6 +274,53 @@ static void a_change_that_is_refused_halfway_says_what_was_done(void **state)
     rig_exchange_done(&exchange);
 }
 
+/* A handler ends its session before the answer of the daemon to the first half comes. */
+static void a_session_that_ends_halfway_says_what_was_done(void **state)
+{
+    struct rig *rig = *state;
+    if (!rig) {
+        skip();
+    }
+    const uint64_t session = rig_session(rig);
+    struct web_exchange exchange = rig_exchange(WEB_ROLE_ADMINISTRATOR, session,
+                                                "{'name': 'eve', 'valid_from_s': 5}");
+    exchange.part = "bo";
+    rig->service.trace[0] = '\0';
+    web_api_change_person(&rig->api, &exchange);
+    while (!strstr(rig->service.trace, "RecordAct ada validity")) {
+        rig_run(rig->event, 1);
+    }
+    web_session_end(&rig->sessions, session);
+    rig_expect(rig->event, &exchange, 401, "login-required");
+    assert_string_equal(exchange.detail, "The person was renamed to \"eve\", but the limits were "
+                                         "not changed: the session has ended");
+    assert_null(strstr(rig->service.trace, "SetValidity"));
+    rig_exchange_done(&exchange);
+}
+
+static void the_remark_of_a_rename_is_in_the_answer(void **state)
+{
+    struct rig *rig = *state;
+    if (!rig) {
+        skip();
+    }
+    rig->service.n_people = 3;
+    for (int i = 0; i < 2; i++) {
+        rig->service.remark = i == 0 ? "the file of card numbers has the old name" : NULL;
+        struct web_exchange exchange = rig_exchange(WEB_ROLE_ADMINISTRATOR, RIG_SESSION,
+                                                    "{'name': 'person 00001'}");
+        exchange.part = "bo";
+        web_api_change_person(&rig->api, &exchange);
+        rig_expect(rig->event, &exchange, 200, NULL);
+        const json_t *remark = json_object_get(exchange.json, "remark");
+        assert_int_equal(remark != NULL, i == 0);
+        if (remark) {
+            assert_string_equal(json_string_value(remark), rig->service.remark);
+        }
+        rig_exchange_done(&exchange);
+    }
+}
+
 static void a_wrong_change_of_a_person_changes_nothing(void **state)
 {
     static const struct {
@@ -334,6 +381,8 @@ int main(void)
         RIG_TEST(ten_thousand_people_are_listed_by_name),
         RIG_TEST(a_person_is_renamed_first_and_limited_then),
         RIG_TEST(a_change_that_is_refused_halfway_says_what_was_done),
+        RIG_TEST(a_session_that_ends_halfway_says_what_was_done),
+        RIG_TEST(the_remark_of_a_rename_is_in_the_answer),
         RIG_TEST(a_wrong_change_of_a_person_changes_nothing),
         RIG_TEST(a_person_is_removed),
     };

@@ -165,7 +165,7 @@ static int on_change(sd_bus_message *call, void *context, sd_bus_error *error)
         service->mode = "enroll";
         return sd_bus_reply_method_return(call, "a{sv}", 0);
     } else if (strcmp(method, ISO_CONTRACT_RENAME_PERSON) == 0) {
-        return sd_bus_reply_method_return(call, "s", "");
+        return sd_bus_reply_method_return(call, "s", service->remark ? service->remark : "");
     } else if (strcmp(method, ISO_CONTRACT_SET_SETTING) == 0) {
         return sd_bus_reply_method_return(call, "s", text);
     } else if (strcmp(method, ISO_CONTRACT_RESET_SETTING) == 0) {

@@ -127,13 +127,15 @@ export function makeCockpitApi(cockpit) {
 
     async function changePerson(name, change) {
         let present = name;
+        let remark = '';
         if (change.name !== undefined && change.name !== name) {
-            await bus.call('RenamePerson', [name, change.name]);
+            [remark] = await bus.call('RenamePerson', [name, change.name]);
             present = change.name;
         }
         if (change.valid_from_s !== undefined || change.valid_until_s !== undefined) {
             await bus.call('SetValidity', [present, bus.options(change)], 'sa{sv}');
         }
+        return { remark };
     }
 
     /* ReadLog reads forwards from a number; the page asks for what is before one. */
