@@ -274,7 +274,8 @@ static void a_change_that_is_refused_halfway_says_what_was_done(void **state)
     rig_exchange_done(&exchange);
 }
 
-/* A handler ends its session before the answer of the daemon to the first half comes. */
+/* The session ends when the stand-in has had the second record, and before its answer comes: each
+ * round of the loop handles one thing. */
 static void a_session_that_ends_halfway_says_what_was_done(void **state)
 {
     struct rig *rig = *state;
@@ -288,7 +289,7 @@ static void a_session_that_ends_halfway_says_what_was_done(void **state)
     rig->service.trace[0] = '\0';
     web_api_change_person(&rig->api, &exchange);
     while (!strstr(rig->service.trace, "RecordAct ada validity")) {
-        rig_run(rig->event, 1);
+        assert_true(sd_event_run(rig->event, UINT64_MAX) >= 0);
     }
     web_session_end(&rig->sessions, session);
     rig_expect(rig->event, &exchange, 401, "login-required");
