@@ -98,7 +98,6 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     const int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
     appliance->start_ns = now_ns;
     iso__appliance_init_storage(appliance);
-    iso__appliance_load_settings(appliance);
     iso__appliance_init_face(appliance);
     iso__appliance_init_visit(appliance);
     iso_suspension_init(&appliance->suspension, &appliance->borrowed.times);
@@ -107,6 +106,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
         return error;
     }
     iso__appliance_record_gallery(appliance, "start", ISOTHERM_VERSION);
+    iso__appliance_load_settings(appliance);
     iso__appliance_record_door(appliance);
     iso__appliance_unlearn(appliance);
     tell_unusable(appliance);

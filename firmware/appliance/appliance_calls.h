@@ -52,7 +52,8 @@ void iso__appliance_record_gallery(struct iso_appliance *appliance, const char *
 
 /* ---- settings (appliance_settings.c) ---- */
 
-/* Reads the settings that were changed before the restart, before any part uses them. */
+/* Reads the settings that were changed before the restart. Called before the lock-out and the
+ * sensor are started. */
 void iso__appliance_load_settings(struct iso_appliance *appliance);
 
 /* ---- disk and counter (appliance_storage.c) ---- */

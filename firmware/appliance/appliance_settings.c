@@ -64,6 +64,8 @@ void iso__appliance_load_settings(struct iso_appliance *appliance)
     } else if (settings->file.number > 0) {
         record_load(appliance, &settings->file);
         set_door_times(appliance);
+        iso__appliance_init_face(appliance);
+        iso__appliance_init_visit(appliance);
     }
 }
 

@@ -47,13 +47,14 @@ int iso__bus_get_settings(sd_bus_message *call, void *context, sd_bus_error *out
 /* ---- changes ---- */
 
 static int change(sd_bus_message *call, const struct iso_bus *bus,
-                  struct iso_setting_request *request, sd_bus_error *out)
+                  const struct iso_setting_request *wish, sd_bus_error *out)
 {
+    struct iso_setting_request request = *wish;
     struct iso_fault fault = {.text = ""};
     char who[64], value[ISO_LIVE_VALUE_SIZE];
     iso__bus_describe_caller(call, who, sizeof who);
-    request->who = who;
-    const int r = iso_appliance_set_setting(bus->appliance, request, value, &fault);
+    request.who = who;
+    const int r = iso_appliance_set_setting(bus->appliance, &request, value, &fault);
     return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, "s", value);
 }
 

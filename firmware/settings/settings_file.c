@@ -20,10 +20,12 @@ enum {
 
 static uint8_t *put_text(uint8_t *p, const char *text)
 {
-    const size_t n = strlen(text);
-    *p++ = (uint8_t)n;
-    memcpy(p, text, n);
-    return p + n;
+    uint8_t *length = p++;
+    while (*text) {
+        *p++ = (uint8_t)*text++;
+    }
+    *length = (uint8_t)(p - length - 1);
+    return p;
 }
 
 size_t iso_settings_put(const struct iso_settings_file *file, uint8_t plain[ISO_SETTINGS_PLAIN_MAX])
