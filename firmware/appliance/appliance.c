@@ -111,6 +111,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
         return error;
     }
     iso__appliance_record_gallery(appliance, "start", ISOTHERM_VERSION);
+    iso__appliance_load_settings(appliance);
     iso__appliance_record_door(appliance);
     iso__appliance_start_panel(appliance);
     iso__appliance_unlearn(appliance);

@@ -43,6 +43,7 @@
 #include "firmware/recognise/pipeline.h"
 #include "firmware/sensor/sensor_supervisor.h"
 #include "firmware/sensor/view.h"
+#include "firmware/settings/live_settings.h"
 #include "firmware/visit/decision.h"
 
 enum iso_appliance_mode {
@@ -136,7 +137,9 @@ struct iso_appliance_borrowed {
     struct iso_state_counter *counter; /* NULL: there is none (state_counter.h) */
     struct iso_card_source reader;     /* of cards and keys (card_source.h) */
     const struct iso_zone_source
-        *zones;               /* of policies; NULL: none, so that every zone is unknown */
+        *zones; /* of policies; NULL: none, so that every zone is unknown */
+    /* Changes of `config` while the appliance works; NULL: it does not change. */
+    struct iso_live_settings *settings;
     const char *lockout_path; /* see lockout_file.h; NULL or "": the state is lost at the end */
     struct iso_gallery *gallery;
     struct iso_audit *audit;

@@ -50,6 +50,15 @@ int iso__appliance_record_grant(struct iso_appliance *appliance,
 void iso__appliance_record_gallery(struct iso_appliance *appliance, const char *event,
                                    const char *note);
 
+/* ---- settings (appliance_settings.c) ---- */
+
+/* Reads the settings that were changed before the restart. Called before the lock-out and the
+ * sensor are started. */
+void iso__appliance_load_settings(struct iso_appliance *appliance);
+
+/* Lets all parts use the present settings. A visit that has begun is forgotten. */
+void iso__appliance_apply_settings(struct iso_appliance *appliance);
+
 /* ---- disk and counter (appliance_storage.c) ---- */
 
 void iso__appliance_init_storage(struct iso_appliance *appliance);
@@ -213,6 +222,9 @@ void iso__appliance_repeat_reset(struct iso_appliance *appliance);
 /* Called when the sensor was opened: uses its rate, and warns if grants have too little time. */
 void iso__appliance_stale_sensor(struct iso_appliance *appliance);
 
+/* [decision] agree has changed. */
+void iso__appliance_stale_agree(struct iso_appliance *appliance);
+
 /* Called when a usable frame was extracted and judged: uses the time since its exposure, and warns
  * as above. The comparison with the gallery comes later and does not count. */
 void iso__appliance_stale_frame(struct iso_appliance *appliance, const struct iso_frame *frame);
@@ -309,6 +321,9 @@ size_t iso__appliance_count_valid(const struct iso_appliance *appliance);
  * causes a lockdown. If the disk cannot read the file, the appliance tries again every few seconds
  * and lets nobody in until then. */
 void iso__appliance_start_lockout(struct iso_appliance *appliance);
+
+/* The settings of the lock-out have changed. What was counted stays. */
+void iso__appliance_configure_lockout(struct iso_appliance *appliance);
 
 /* Writes the state that has to outlast a restart. Returns an errno of writing it, or -EIO if the
  * existing file could not be read yet and is therefore not replaced. */

@@ -54,8 +54,13 @@ void iso__bus_clean_text(char *to, size_t size, const char *from);
 /* Appends the a{sv} of GetStatus (bus_status.c). */
 int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus);
 
-/* The method that lists the configuration (bus_settings.c). */
+/* The methods that list the configuration and change it (bus_settings.c). */
 int iso__bus_get_settings(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_set_setting(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_reset_setting(sd_bus_message *call, void *context, sd_bus_error *out);
+
+/* Describes the user who makes a call, for a record: "asked by user 1000" (bus_act.c). */
+void iso__bus_describe_caller(sd_bus_message *call, char *who, size_t size);
 
 /* Appends what the people have taught the metric: entries of an a{sv} that is open; and the methods
  * about it (bus_site.c). */
@@ -113,9 +118,6 @@ int iso__bus_test_access(sd_bus_message *call, void *context, sd_bus_error *out)
 int iso__bus_get_credential(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_set_credential(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_list_credentials(sd_bus_message *call, void *context, sd_bus_error *out);
-
-/* Describes the user who makes a call, for the record: "asked by user 1000" (bus_act.c). */
-void iso__bus_describe_caller(sd_bus_message *call, char *who, size_t size);
 
 /* Returns 0 if the sender of a call has the claim, and not for a login alone. Otherwise returns a
  * negative errno and sets the error (bus_claim.c). */

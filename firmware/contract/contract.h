@@ -38,9 +38,18 @@
  *   RenamePerson(s person, s name) -> s remark
  *                                        gives a person another name; a remark for people, or ""
  *   GetStatus() -> a{sv}                 the keys of status_keys.h
- *   GetSettings() -> a(ssssss)           for administrators: each key of the configuration, with the
+ *   GetSettings() -> a(ssssssbs)         for administrators: each key of the configuration, with the
  *                                        options of the chosen sensor and door: section, key, value in
- *                                        force, default, allowed values, help (firmware/config/settings.h)
+ *                                        force, default, allowed values, help (firmware/config/settings.h);
+ *                                        whether SetSetting changes it, and the value of the configuration
+ *                                        file, which is that in force unless SetSetting has changed it
+ *   SetSetting(s section, s key, s value) -> s value
+ *                                        for administrators: changes a setting at once and over restarts,
+ *                                        on record with the values before and after. The value is checked
+ *                                        as a line of the configuration file is. The reply is the value in
+ *                                        force. It is refused while an action of a client goes on
+ *   ResetSetting(s section, s key) -> s value
+ *                                        the same; the configuration file's value holds again
  *   GetSite() -> a{sv}                   what the people have taught the metric, and the error rates
  *                                        that their templates show: the keys of status_keys.h
  *   ListLookAlikes() -> a(ssd)           pairs of people who look alike, for clients that may call
@@ -204,6 +213,8 @@
 #define ISO_CONTRACT_RENAME_PERSON    "RenamePerson"
 #define ISO_CONTRACT_GET_STATUS       "GetStatus"
 #define ISO_CONTRACT_GET_SETTINGS     "GetSettings"
+#define ISO_CONTRACT_SET_SETTING      "SetSetting"
+#define ISO_CONTRACT_RESET_SETTING    "ResetSetting"
 #define ISO_CONTRACT_GET_SITE         "GetSite"
 #define ISO_CONTRACT_LIST_LOOK_ALIKES "ListLookAlikes"
 #define ISO_CONTRACT_LIST_OTHER       "ListOtherSensor"

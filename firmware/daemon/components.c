@@ -283,6 +283,7 @@ struct iso_appliance_borrowed iso_components_lend(struct iso_components *compone
         .ring = components->ring,
         .counter = components->counter,
         .zones = &zones,
+        .settings = &components->settings,
         .lockout_path = components->lockout_path,
         .gallery = components->gallery,
         .audit = components->audit,

@@ -26,6 +26,8 @@ struct iso_components {
     struct iso_wiegand_in *reader; /* of cards and keys; NULL: there is none */
     struct iso_panel *panel; /* NULL: no access panel is configured, or there are no threads */
     char lockout_path[ISO_CONFIG_TEXT_SIZE + 8];
+    struct iso_live_settings settings; /* changes of config */
+    char settings_path[ISO_CONFIG_TEXT_SIZE + 10];
 };
 
 /* Loads the modules (drivers/base/module.h) that the configuration needs, because nothing can be

@@ -129,6 +129,16 @@ static void place_lockout(struct iso_components *components)
     }
 }
 
+/* Changed settings are always next to the audit log. */
+static void place_settings(struct iso_components *components)
+{
+    const char *log = components->config.log.path;
+    (void)snprintf(components->settings_path, sizeof components->settings_path, "%.*ssettings",
+                   (int)directory_length(log), log);
+    iso_live_settings_init(&components->settings, &components->config, components->settings_path,
+                           components->ring);
+}
+
 /* Reads what the lock-out file knows of the other stores, for the comparison. The appliance decides
  * later whether the file can be used, and lets nobody in if it cannot. */
 static void look_at_lockout(const struct iso_components *components)
@@ -164,6 +174,7 @@ int iso_components_open_each_store(struct iso_components *components, struct iso
     place_lockout(components);
     int error = open_ring(components, fault);
     if (!error) {
+        place_settings(components);
         look_at_lockout(components);
     }
     if (!error) {

@@ -15,6 +15,7 @@ import { enrol } from './story_enrol.mjs';
 import { login, oldSession } from './story_login.mjs';
 import { pages } from './story_pages.mjs';
 import { people, removal } from './story_people.mjs';
+import { settingsInForce } from './story_settings.mjs';
 import { streams } from './story_streams.mjs';
 
 const here = (name) => process.env[`WEB_CHECK_${name}`];
@@ -124,6 +125,7 @@ async function all(run) {
   await access(run);
   await enrol(run);
   await door(run);
+  await settingsInForce(run);
   await people(run);
   await pages(run);
   await cockpit(run);

@@ -28,6 +28,7 @@ enum cli_verb {
     CLI_KEY,
     CLI_LOCKDOWN,
     CLI_LOCKOUT,
+    CLI_SETTINGS,
     CLI_SETUP,
     CLI_DOOR,
     CLI_PANEL,
@@ -41,7 +42,7 @@ struct cli_arguments {
     enum cli_verb verb;
     const char *person; /* the same as word, for the commands that take a NAME */
     const char *word;   /* the word after the command, a NAME or another one; NULL: there is none */
-    const char *name;   /* rename: the new name */
+    const char *name;   /* the word after it: the new name, or the value of a setting; or NULL */
     bool help, version, json;
     struct cli_bus bus;
     double timeout_s;                      /* 0: the default of the command */
@@ -62,6 +63,7 @@ struct cli_arguments {
     const char *address, *passphrase_file; /* export, import; NULL: not given */
     const char *people[CLI_PEOPLE_MAX];    /* export, log: only these; none: all */
     size_t n_people;
+    bool reset;                 /* settings: back to the configuration file */
     bool replace;               /* import */
     const char *picture;        /* aim, setup: the file to write; NULL: not given */
     const char *sensor, *board; /* setup; NULL: not given */

@@ -19,6 +19,8 @@ const struct cli_command cli_commands[CLI_VERBS] = {
     [CLI_KEY] = {"key", "rotate|address", "seal all files with new keys; show the address"},
     [CLI_LOCKDOWN] = {"lockdown", "on|off", "admit nobody until it is switched off"},
     [CLI_LOCKOUT] = {"lockout", "clear", "end a lock-out and reset its counts"},
+    [CLI_SETTINGS] = {"settings", "[SECTION.KEY [VALUE]]",
+                      "show the configuration in force, or change it at once"},
     [CLI_SETUP] = {"setup", "", "find camera and board, configure the daemon and start it"},
     [CLI_DOOR] = {"door", "test", "unlock the door for half a second"},
     [CLI_PANEL] = {"panel", "install", "let the access panel set its key"},

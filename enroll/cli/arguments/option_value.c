@@ -26,6 +26,8 @@ static bool *flag_member(struct cli_arguments *out, enum cli_option_id id)
         return &out->csv;
     case CLI_OPTION_FULL:
         return &out->full;
+    case CLI_OPTION_RESET:
+        return &out->reset;
     case CLI_OPTION_REPLACE:
         return &out->replace;
     case CLI_OPTION_YES:

@@ -42,6 +42,8 @@ enum cli_exit cli_lockdown(struct cli_daemon *daemon, const struct cli_arguments
                            struct cli_fault *fault);
 enum cli_exit cli_lockout(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                           struct cli_fault *fault);
+enum cli_exit cli_settings(struct cli_daemon *daemon, const struct cli_arguments *arguments,
+                           struct cli_fault *fault);
 enum cli_exit cli_door_test(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                             struct cli_fault *fault);
 

@@ -17,6 +17,7 @@ static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault
         [CLI_IMPORT] = cli_import,   [CLI_KEY] = cli_key,           [CLI_LOCKDOWN] = cli_lockdown,
         [CLI_LOCKOUT] = cli_lockout, [CLI_VALIDITY] = cli_validity, [CLI_RENAME] = cli_rename,
         [CLI_DOOR] = cli_door_test,  [CLI_SITE] = cli_site,         [CLI_PANEL] = cli_panel,
+        [CLI_SETTINGS] = cli_settings,
     };
     struct cli_daemon *daemon = NULL;
 

@@ -93,6 +93,8 @@ static const struct {
     {ISO_CONTRACT_ROTATE_KEYS, {false, false, false, true, false, false}},
     {ISO_CONTRACT_GET_ADDRESS, {false, false, false, true, false, false}},
     {ISO_CONTRACT_GET_SETTINGS, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_SET_SETTING, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_RESET_SETTING, {false, false, false, true, false, true}},
 };
 
 enum { RULES = sizeof rules / sizeof *rules };

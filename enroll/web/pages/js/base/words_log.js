@@ -34,6 +34,7 @@ export const EVENTS = {
     rename: N_('Person renamed'),
     'rotate-keys': N_('Keys rotated'),
     sensor: N_('Sensor'),
+    setting: N_('Setting changed'),
     site: N_('Adaptation to the site'),
     start: N_('Start'),
     'state-accepted': N_('State accepted'),

@@ -1,9 +1,8 @@
 /* The additional requirements of an enrolment for a frame: a template is kept for years, and every
  * later visit is compared with it. Pure. */
-#ifndef ISO_FIRMWARE_APPLIANCE_GATE_ENROLL_GATE_H
-#define ISO_FIRMWARE_APPLIANCE_GATE_ENROLL_GATE_H
+#ifndef ISO_FIRMWARE_RECOGNISE_ENROLL_GATE_H
+#define ISO_FIRMWARE_RECOGNISE_ENROLL_GATE_H
 
-#include "firmware/config/config.h"
 #include "firmware/recognise/enroll_pose.h"
 #include "isotherm/extract.h"
 
@@ -16,9 +15,6 @@ struct iso_enroll_gate {
     double expression_max;        /* iso_extraction.expression_norm */
     double mouth_max_mm;          /* between the lips of the fitted head */
 };
-
-/* The requirements of a configuration for the frontal pose. */
-struct iso_enroll_gate iso_enroll_gate_of(const struct iso_config_enroll *config);
 
 /* For an extraction with ISO_CAPTURE_OK: returns OK, or the most useful hint. Of several faults it
  * names the one to be corrected first: pose, then a covered face, then the expression. A part

@@ -4,7 +4,7 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "drivers/base/times.h"
-#include "firmware/appliance/gate/enroll_gate.h"
+#include "firmware/recognise/enroll_gate.h"
 #include "firmware/sensor/view.h"
 #include "tests/firmware/rigs/puppets.h"
 
