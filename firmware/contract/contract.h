@@ -134,7 +134,7 @@
  * An action goes on until a status signal with `done` set. The Stop method ends it before that, and
  * is also legal after it. One client at a time has the claim. No call of a client opens the door,
  * except TestDoor. The daemon's own identification opens it, while nobody has the claim; the exit
- * button opens it at any time.
+ * button opens it at any time. With [login] desk there is no such identification.
  *
  * A name belongs to one person without regard to case ("Ada" and "ada";
  * firmware/contract/person_name.h), and every method accepts any spelling of it. A caller of

@@ -1,5 +1,5 @@
 # Checks of the PAM module in a booted container: `. tests/install/pam_story.sh`, after tests/install/story.sh. p01 is enrolled. Plain sh. The
-# programs that log somebody in are pamtester and, because it runs as its user, pamtester as eve for a screen locker.
+# program that logs somebody in is pamtester: as root, and as the user eve in place of a screen locker.
 
 pam_is_enabled() {
     inside grep -q pam_isotherm /etc/pam.d/common-auth
@@ -77,6 +77,10 @@ pam_works() {
     pam_serves_a_desk
     pam_profile_can_be_enabled
     inside rm /etc/pam.d/isotherm-test /etc/pam.d/isotherm-common
+    # The next checks are those of a door.
+    inside sed -i '/^\[login\]$/,$d' /etc/isotherm/isotherm.conf
+    inside systemctl restart isothermd
+    wait_for 10 'the unit does not come back' unit_is active
 }
 
 # After the package is removed: no login needs a file that is gone.

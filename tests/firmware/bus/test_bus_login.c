@@ -135,6 +135,29 @@ static void a_login_is_on_record_with_its_user(void **state)
     assert_non_null(strstr(line, "\"note\":\"login, asked by user 0\""));
 }
 
+static void a_desk_at_rest_recognises_nobody(void **state)
+{
+    struct bus_rig *f = need_desk(state);
+    rig_show(f->rig, ANNA_FACE, 6);
+    bus_rig_run(f, 2000);
+    rig_show(f->rig, STRANGER_FACE, 12);
+    bus_rig_run(f, 2000);
+    rig_show_unusable(f->rig, ISO_CAPTURE_FLAT, 12);
+    bus_rig_run(f, 2000);
+    assert_string_equal(bus_rig_call(f, 1, ISO_CONTRACT_AIM_START, NULL), "");
+    rig_show(f->rig, STRANGER_FACE, 12);
+    bus_rig_run(f, 2000);
+    rig_show_unusable(f->rig, ISO_CAPTURE_FLAT, 12);
+    bus_rig_run(f, 2000);
+    assert_non_null(strstr(bus_rig_news(f, 1), "View"));
+    const struct iso_appliance_status status = iso_appliance_status(f->rig->appliance);
+    assert_int_equal(status.counts.allowed, 0);
+    assert_int_equal(status.counts.denied, 0);
+    assert_int_equal(status.counts.attack_frames, 0);
+    assert_string_equal(rig_record(f->rig, "visit"), "");
+    assert_false(rig_relay(f->rig));
+}
+
 /* ---- who may ---- */
 
 static void only_root_says_which_person_it_is(void **state)
@@ -226,15 +249,11 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, bus_rig_setup, bus_rig_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(the_caller_learns_the_verdict_alone),
-        TEST(a_stranger_and_nobody_do_not_match),
-        TEST(a_login_is_on_record_with_its_user),
-        TEST(only_root_says_which_person_it_is),
-        TEST(a_door_serves_no_logins),
-        TEST(who_is_not_in_the_file_cannot_log_in),
-        TEST(who_is_not_valid_now_cannot_log_in),
-        TEST(a_user_waits_before_the_next_turn),
-        TEST(a_login_is_no_claim),
+        TEST(the_caller_learns_the_verdict_alone),  TEST(a_stranger_and_nobody_do_not_match),
+        TEST(a_login_is_on_record_with_its_user),   TEST(a_desk_at_rest_recognises_nobody),
+        TEST(only_root_says_which_person_it_is),    TEST(a_door_serves_no_logins),
+        TEST(who_is_not_in_the_file_cannot_log_in), TEST(who_is_not_valid_now_cannot_log_in),
+        TEST(a_user_waits_before_the_next_turn),    TEST(a_login_is_no_claim),
     };
     return cmocka_run_group_tests(tests, bus_rig_group_setup, bus_rig_group_teardown);
 }
