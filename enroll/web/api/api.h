@@ -22,8 +22,8 @@ struct web_api {
     struct web_sessions *sessions;
     struct web_guess *guess;
     struct web_note_limit notes; /* of logins and logouts */
-    const char *setup_code; /* the file of the one-time code */
-    const char *document;   /* the text of openapi.json */
+    const char *setup_code;      /* the file of the one-time code */
+    const char *document;        /* the text of openapi.json */
     const struct web_certificate *certificate;
     struct web_daemon *daemon;
     struct web_feed *feed;
