@@ -100,6 +100,7 @@ static int open_port(struct iso_panel *panel, struct iso_fault *fault)
         .model = 1,
         .version = 1,
         .serial = serial_of(panel),
+        .inputs = 1,
         .store = store,
         .context = panel,
     };
@@ -179,6 +180,17 @@ int iso_panel_send_card(struct iso_panel *panel, const struct iso_wiegand_card *
                                  : error == -ENOBUFS ? "too many cards wait"
                                                      : strerror(-error))
                  : 0;
+}
+
+void iso_panel_set_door(struct iso_panel *panel, bool open, bool tamper)
+{
+    iso_osdp_port_set_input(panel->port, 0, open);
+    iso_osdp_port_set_tamper(panel->port, tamper);
+}
+
+void iso_panel_set_reader(struct iso_panel *panel, bool works)
+{
+    iso_osdp_port_set_reader(panel->port, works ? 0 : 1);
 }
 
 void iso_panel_install(struct iso_panel *panel)

@@ -41,6 +41,11 @@ int iso_panel_fd(const struct iso_panel *panel);
 int iso_panel_send_card(struct iso_panel *panel, const struct iso_wiegand_card *card,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* Tell the panel the state of the door, as its input 0 (open) and as tamper of the device, and
+ * whether the reader, which is the sensor, works. Only changes are sent. */
+void iso_panel_set_door(struct iso_panel *panel, bool open, bool tamper);
+void iso_panel_set_reader(struct iso_panel *panel, bool works);
+
 /* Lets the panel set its key by the default key, for two minutes. */
 void iso_panel_install(struct iso_panel *panel);
 
