@@ -126,7 +126,7 @@ void iso__appliance_flush_door(struct iso_appliance *appliance);
 /* When iso__appliance_tell_door has to record counted changes, by the clock of the steps. */
 int64_t iso__appliance_door_events_due_ns(struct iso_appliance *appliance);
 
-/* Says that the panel has to set its key again, if the file of its key could not be used. Records
+/* Says why the line or the stored key of the panel could not be used. Records
  * and reports changes of the panel, and when this is due next. They do nothing without a panel. */
 void iso__appliance_start_panel(struct iso_appliance *appliance);
 void iso__appliance_tell_panel(struct iso_appliance *appliance, int64_t now_ns);

@@ -102,6 +102,16 @@ int64_t iso__appliance_door_events_due_ns(struct iso_appliance *appliance)
     return record_ns < tell_ns ? record_ns : tell_ns;
 }
 
+static void tell_panel_of_door(const struct iso_appliance *appliance,
+                               const struct iso_door_news *news)
+{
+    const bool open = news->state == ISO_DOOR_OPENED || news->state == ISO_DOOR_HELD_OPEN ||
+                      news->state == ISO_DOOR_FORCED;
+    if (appliance->borrowed.panel) {
+        iso_panel_set_door(appliance->borrowed.panel, open, news->tamper);
+    }
+}
+
 void iso__appliance_tell_door(struct iso_appliance *appliance)
 {
     struct iso_door_news news;
@@ -112,6 +122,7 @@ void iso__appliance_tell_door(struct iso_appliance *appliance)
             iso__appliance_say(appliance, LOG_WARNING, "%zu changes of the door were not reported",
                                missed);
         }
+        tell_panel_of_door(appliance, &news);
         if (iso_door_events_take(&appliance->door_news.reported, &news,
                                  iso__appliance_now_ns(appliance))) {
             tell_change(appliance, &news);
@@ -213,8 +224,13 @@ void iso__appliance_start_panel(struct iso_appliance *appliance)
 
 void iso__appliance_tell_panel(struct iso_appliance *appliance, int64_t now_ns)
 {
+    struct iso_panel *panel = appliance->borrowed.panel;
     struct iso_panel_news news;
-    while (appliance->borrowed.panel && iso_panel_next(appliance->borrowed.panel, now_ns, &news)) {
+    if (!panel) {
+        return;
+    }
+    iso_panel_set_reader(panel, strcmp(iso__appliance_sensor_state(appliance), "started") == 0);
+    while (iso_panel_next(panel, now_ns, &news)) {
         record_panel(appliance, &news);
     }
 }

@@ -241,30 +241,41 @@ static int append_access(sd_bus_message *reply, const struct iso_bus *bus,
     return r < 0 ? r : append_text(reply, "reader-fault", status->reader_fault);
 }
 
+static int append_shown(sd_bus_message *reply, const struct iso_panel_look *look)
+{
+    char text[sizeof look->shown.text + 4];
+    (void)snprintf(text, sizeof text, "%s%s%s", look->shown.text[0],
+                   look->shown.text[1][0] ? "\n" : "", look->shown.text[1]);
+    int r = append_text(reply, "panel-lamp", look->lamp);
+    if (r >= 0) {
+        r = append_text(reply, "panel-text", text);
+    }
+    return r < 0
+               ? r
+               : sd_bus_message_append(reply, "{sv}", "panel-buzzer", "b", (int)look->shown.buzzer);
+}
+
 /* The access panel, and what it wants the door station to show. */
 static int append_panel(sd_bus_message *reply, const struct iso_bus *bus)
 {
     struct iso_panel *panel = bus->borrowed->panel;
-    struct iso_panel_look look = {.state = "off", .lamp = "off"};
-    char text[sizeof look.shown.text + 4];
-    if (panel) {
-        iso_panel_look(panel, &look);
+    struct iso_panel_look look;
+    if (!panel) {
+        return append_text(reply, "panel-state", "off");
     }
-    (void)snprintf(text, sizeof text, "%s%s%s", look.shown.text[0],
-                   look.shown.text[1][0] ? "\n" : "", look.shown.text[1]);
+    iso_panel_look(panel, &look);
     int r = append_text(reply, "panel-state", look.state);
     if (r >= 0) {
-        r = append_text(reply, "panel-lamp", look.lamp);
+        r = append_text(reply, "panel-fault", look.fault.text);
     }
     if (r >= 0) {
-        r = append_text(reply, "panel-text", text);
+        r = append_text(reply, "panel-fault-code", iso_fault_word(look.fault.code));
     }
     if (r >= 0) {
-        r = append_text(reply, "panel-fault", panel ? iso_panel_fault(panel)->text : "");
+        r = append_shown(reply, &look);
     }
     return r < 0 ? r
-                 : sd_bus_message_append(reply, "{sv}{sv}{sv}{sv}", "panel-buzzer", "b",
-                                         (int)look.shown.buzzer, "panel-install", "b",
+                 : sd_bus_message_append(reply, "{sv}{sv}{sv}", "panel-install", "b",
                                          (int)look.install, "panel-cards", "t", look.delivered,
                                          "panel-cards-lost", "t", look.undelivered);
 }

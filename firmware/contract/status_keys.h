@@ -29,8 +29,10 @@
  *                             busy machine
  *   "panel-state" s           the access panel (OSDP): "off": none is configured; "gone": its line;
  *                             "offline"; "waiting": it has not opened the secure channel yet;
- *                             "default-key": it may only set its key; "plain"; "secure"
- *   "panel-fault" s           why the panel has to set its key again; "" if it need not
+ *                             "default-key": it may only set its key; "plain"; "secure".
+ *                             If it is not "off":
+ *   "panel-fault" s           the line cannot be used, the panel is silent, or its stored key cannot
+ *                             be used; "" while all is well; "panel-fault-code" s
  *   "panel-lamp" s            what the panel shows: "off", "red", "green", "amber", "blue",
  *                             "magenta", "cyan", "white"; "panel-buzzer" b; "panel-text" s, of up to
  *                             two lines of 16 characters

@@ -12,11 +12,12 @@
 
 struct iso_panel {
     struct iso_panel_options options;
-    char *path;
+    char *path, *port_path;
     const struct iso_seal_key *key; /* in the ring; never dropped while the panel is open */
     uint32_t key_number;
     struct iso_osdp_port *port;
-    struct iso_fault fault;
+    struct iso_fault fault;           /* why the file could not be used at the start */
+    struct iso_fault absent;          /* why the line could not be opened at the start */
     struct iso_osdp_port_status told; /* what iso_panel_next has told */
     int64_t minute_ns;                /* the beginning of the minute */
     int news;                         /* told in this minute */
@@ -99,13 +100,14 @@ static int open_port(struct iso_panel *panel, struct iso_fault *fault)
         .model = 1,
         .version = 1,
         .serial = serial_of(panel),
+        .inputs = 1,
         .store = store,
         .context = panel,
     };
     set_version(setup.firmware);
     load(panel, &setup.saved);
     const int error = iso_osdp_port_new(options->port, &setup, &options->clock, &panel->port,
-                                        fault);
+                                        &panel->absent, fault);
     explicit_bzero(&setup, sizeof setup);
     return error;
 }
@@ -114,12 +116,14 @@ int iso_panel_open(const struct iso_panel_options *options, struct iso_panel **o
                    struct iso_fault *fault)
 {
     struct iso_panel *new = calloc(1, sizeof *new);
-    if (!new || !(new->path = strdup(options->path))) {
-        free(new);
+    if (!new) {
         return iso_fault_set(fault, -ENOMEM, "panel: out of memory");
     }
     new->options = *options;
-    int error = find_key(new, fault);
+    new->path = strdup(options->path);
+    new->port_path = strdup(options->port);
+    int error = new->path &&new->port_path ? find_key(new, fault)
+                                           : iso_fault_set(fault, -ENOMEM, "panel: out of memory");
     if (!error) {
         error = open_port(new, fault);
     }
@@ -137,6 +141,7 @@ void iso_panel_close(struct iso_panel *panel)
     if (panel) {
         iso_osdp_port_free(panel->port);
         free(panel->path);
+        free(panel->port_path);
         free(panel);
     }
 }
@@ -148,7 +153,7 @@ int iso_panel_fd(const struct iso_panel *panel)
 
 const struct iso_fault *iso_panel_fault(const struct iso_panel *panel)
 {
-    return &panel->fault;
+    return panel->fault.text[0] ? &panel->fault : &panel->absent;
 }
 
 /* ---- to the panel ---- */
@@ -175,6 +180,17 @@ int iso_panel_send_card(struct iso_panel *panel, const struct iso_wiegand_card *
                                  : error == -ENOBUFS ? "too many cards wait"
                                                      : strerror(-error))
                  : 0;
+}
+
+void iso_panel_set_door(struct iso_panel *panel, bool open, bool tamper)
+{
+    iso_osdp_port_set_input(panel->port, 0, open);
+    iso_osdp_port_set_tamper(panel->port, tamper);
+}
+
+void iso_panel_set_reader(struct iso_panel *panel, bool works)
+{
+    iso_osdp_port_set_reader(panel->port, works ? 0 : 1);
 }
 
 void iso_panel_install(struct iso_panel *panel)
@@ -285,6 +301,21 @@ static const char *state_of(const struct iso_osdp_port_status *status, bool plai
                                  : "waiting";
 }
 
+static struct iso_fault fault_of(const struct iso_panel *panel,
+                                 const struct iso_osdp_port_status *status)
+{
+    struct iso_fault fault = {.text = ""};
+    if (status->line_gone) {
+        (void)iso_fault_set_code(&fault, ISO_FAULT_PANEL_LINE, 0, "%.200s cannot be used",
+                                 panel->port_path);
+    } else if (!status->device.online) {
+        (void)iso_fault_set_code(&fault, ISO_FAULT_PANEL_SILENT, 0, "the panel is silent");
+    } else if (!status->device.has_key) {
+        fault = panel->fault;
+    }
+    return fault;
+}
+
 void iso_panel_look(struct iso_panel *panel, struct iso_panel_look *look)
 {
     static const char *const colors[ISO_OSDP_COLORS] = {"off",  "red",     "green", "amber",
@@ -297,6 +328,7 @@ void iso_panel_look(struct iso_panel *panel, struct iso_panel_look *look)
         .has_key = status.device.has_key,
         .lamp = colors[status.device.shown.lamp],
         .shown = status.device.shown,
+        .fault = fault_of(panel, &status),
         .delivered = status.device.delivered,
         .undelivered = status.device.undelivered,
     };

@@ -24,8 +24,9 @@ struct iso_panel_options {
 struct iso_panel;
 
 /* Reads the file, makes a key for it if the ring has none, opens the line and starts its thread. A
- * file that cannot be used does not prevent this: the panel has to set its key again, and
- * iso_panel_fault says so. The errors of iso_key_ring_add and iso_osdp_port_new. */
+ * file that cannot be used does not prevent this (the panel has to set its key again), nor does a
+ * line that may appear later; iso_panel_fault tells of both. The errors of iso_key_ring_add and
+ * iso_osdp_port_new. */
 int iso_panel_open(const struct iso_panel_options *options, struct iso_panel **out,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
 
@@ -39,6 +40,11 @@ int iso_panel_fd(const struct iso_panel *panel);
  * -ENOBUFS too many cards wait; -ERANGE the number does not fit the format. */
 int iso_panel_send_card(struct iso_panel *panel, const struct iso_wiegand_card *card,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Tell the panel the state of the door, as its input 0 (open) and as tamper of the device, and
+ * whether the reader, which is the sensor, works. Only changes are sent. */
+void iso_panel_set_door(struct iso_panel *panel, bool open, bool tamper);
+void iso_panel_set_reader(struct iso_panel *panel, bool works);
 
 /* Lets the panel set its key by the default key, for two minutes. */
 void iso_panel_install(struct iso_panel *panel);
@@ -70,11 +76,13 @@ struct iso_panel_look {
     const char
         *lamp; /* a word: "off", "red", "green", "amber", "blue", "magenta", "cyan", "white" */
     struct iso_osdp_shown shown;
+    struct iso_fault
+        fault; /* PANEL_LINE, PANEL_SILENT, PANEL_KEY; its text is "" while all is well */
     uint64_t delivered, undelivered;
 };
 void iso_panel_look(struct iso_panel *panel, struct iso_panel_look *look);
 
-/* Why the file could not be used at the start; its text is "" if it could. */
+/* Why the file or the line could not be used at the start; its text is "" if they could. */
 const struct iso_fault *iso_panel_fault(const struct iso_panel *panel);
 
 #endif

@@ -80,7 +80,7 @@ int iso_panel_file_load(const char *path, const struct iso_key_ring *ring,
     }
     error = open_sealed(bytes, size, ring, out);
     free(bytes);
-    return error ? iso_fault_set_code(fault, ISO_FAULT_KEY_WRONG, error,
+    return error ? iso_fault_set_code(fault, ISO_FAULT_PANEL_KEY, error,
                                       "%s: damaged, or sealed with another key", path)
                  : 0;
 }

@@ -224,7 +224,21 @@ static int make_parts(struct iso_osdp_port *port, const char *path,
     if (!port->path || port->wake < 0 || port->event < 0) {
         return iso_fault_set(fault, -ENOMEM, "osdp: out of memory");
     }
-    return iso_osdp_serial_open(path, setup->saved.baud, &port->line, fault);
+    return 0;
+}
+
+/* Opens the line, or leaves it gone. */
+static int open_line(struct iso_osdp_port *port, uint32_t baud, struct iso_fault *absent,
+                     struct iso_fault *fault)
+{
+    struct iso_fault why = {.text = ""};
+    const int error = iso_osdp_serial_open(port->path, baud, &port->line, &why);
+    port->line_gone = error == -ENODEV || error == -EACCES || error == -EBUSY || error == -EIO;
+    if (error && !port->line_gone) {
+        return iso_fault_set_code(fault, why.code, error, "%s", why.text);
+    }
+    *absent = why;
+    return 0;
 }
 
 static void free_parts(struct iso_osdp_port *port)
@@ -243,7 +257,7 @@ static void free_parts(struct iso_osdp_port *port)
 
 int iso_osdp_port_new(const char *path, const struct iso_osdp_setup *setup,
                       const struct iso_clock *clock, struct iso_osdp_port **out,
-                      struct iso_fault *fault)
+                      struct iso_fault *absent, struct iso_fault *fault)
 {
     struct iso_osdp_port *new = calloc(1, sizeof *new);
     if (!new) {
@@ -252,7 +266,11 @@ int iso_osdp_port_new(const char *path, const struct iso_osdp_setup *setup,
     new->line = new->wake = new->event = -1;
     new->clock = *clock;
     iso_thread_mutex_init(&new->mutex);
+    struct iso_fault why = {.text = ""};
     int error = make_parts(new, path, setup, fault);
+    if (!error) {
+        error = open_line(new, setup->saved.baud, &why, fault);
+    }
     if (!error) {
         read_status(new, &new->told);
         bool realtime = false;
@@ -269,6 +287,7 @@ int iso_osdp_port_new(const char *path, const struct iso_osdp_setup *setup,
         free_parts(new);
         return error;
     }
+    *absent = why;
     *out = new;
     return 0;
 }

@@ -26,16 +26,20 @@ struct iso_osdp_port_status {
     uint64_t late; /* replies that were not sent */
 };
 
-/* Opens the line and starts the thread. `setup` is copied; its member `random` is not used, because
- * the port takes random numbers from the kernel. setup->store is called by the port's thread, which
- * holds the port's mutex then: it must not call the port, and it may take the time of a write to
- * the disk. setup->context must outlive the port. `clock` must be one whose time goes on by itself.
+/* Opens the line and starts the thread. If the line cannot be opened for a reason that may pass
+ * (-ENODEV, -EACCES, -EBUSY, -EIO), *absent says why, the line counts as gone, and the thread tries
+ * again; the text of *absent is "" otherwise. `setup` is copied; its member `random` is not used,
+ * because the port takes random numbers from the kernel. setup->store is called by the port's
+ * thread, which holds the port's mutex then: it must not call the port, and it may take the time of
+ * a write to the disk. setup->context must outlive the port. `clock` must be one whose time goes on
+ * by itself.
  *
- * Errors of iso_osdp_serial_open; -EINVAL a setup that is not possible, -ENOMEM, -EAGAIN no thread
- * can be started. */
+ * Other errors of iso_osdp_serial_open; -EINVAL a setup that is not possible, -ENOMEM, -EAGAIN no
+ * thread can be started. */
 int iso_osdp_port_new(const char *path, const struct iso_osdp_setup *setup,
                       const struct iso_clock *clock, struct iso_osdp_port **out,
-                      struct iso_fault *fault) __attribute__((warn_unused_result));
+                      struct iso_fault *absent, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 /* Ends the thread and closes the line. NULL is fine. */
 void iso_osdp_port_free(struct iso_osdp_port *port);

@@ -74,14 +74,10 @@ static int use_rs485(int fd)
 
 static int refuse(const char *path, int error, struct iso_fault *fault)
 {
-    const bool missing = error == -ENOENT || error == -ENXIO || error == -ENODEV;
-    const enum iso_fault_code code = missing                               ? ISO_FAULT_LINE_MISSING
-                                     : error == -EACCES || error == -EPERM ? ISO_FAULT_LINE_DENIED
-                                     : error == -EBUSY                     ? ISO_FAULT_LINE_BUSY
-                                                                           : ISO_FAULT_LINE_FAILED;
-    return iso_fault_set_code(fault, code, missing ? -ENODEV : error, "osdp: %s: %s", path,
-                              error == -EBUSY ? "another program uses this line"
-                                              : strerror(-error));
+    const bool missing = error == -ENOENT || error == -ENXIO;
+    return iso_fault_set_code(
+        fault, ISO_FAULT_PANEL_LINE, missing ? -ENODEV : error, "osdp: %s: %s", path,
+        error == -EBUSY ? "another program uses this line" : strerror(-error));
 }
 
 int iso_osdp_serial_open(const char *path, uint32_t baud, int *fd, struct iso_fault *fault)
@@ -92,7 +88,7 @@ int iso_osdp_serial_open(const char *path, uint32_t baud, int *fd, struct iso_fa
     }
     int error = 0;
     if (!isatty(line)) {
-        error = iso_fault_set_code(fault, ISO_FAULT_LINE_MISSING, -ENODEV,
+        error = iso_fault_set_code(fault, ISO_FAULT_PANEL_LINE, -EINVAL,
                                    "osdp: %s is not a serial line", path);
     } else if (flock(line, LOCK_EX | LOCK_NB)) {
         /* TIOCEXCL does not keep out a program of root; the lock keeps out a second daemon. */

@@ -11,9 +11,8 @@
  * the board's device tree are kept. A driver that cannot (ENOTTY) is accepted, because most USB
  * adapters switch by themselves. The caller closes *fd.
  *
- * -ENODEV there is no such line, or it is no serial line; -EACCES; -EBUSY another program uses it;
- * -EINVAL the line does not have this speed; or another errno. Codes: LINE_MISSING, LINE_DENIED,
- * LINE_BUSY, LINE_FAILED. */
+ * -ENODEV there is no such line; -EACCES; -EBUSY another program uses it; -EINVAL it is no serial
+ * line, or does not have this speed; or another errno. The code is PANEL_LINE. */
 int iso_osdp_serial_open(const char *path, uint32_t baud, int *fd, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -60,14 +60,14 @@ struct fake_script {
     const char *sensor_fault, *sensor_calibration, *door_lines; /* NULL: "" */
     const char *sensor_devices;                                 /* NULL: "" */
     const char *sensor_state, *door_state, *model, *version;    /* NULL: all is well */
-    const char *counter_fault;                                  /* NULL: "" */
+    const char *counter_fault, *panel_fault;                    /* NULL: "" */
     const char *storage_fault;                                  /* NULL: "" */
     const char *stale_fault;                                    /* NULL: "" */
     bool door_ordinary;                                         /* "door-realtime" is false */
     const char *sensor_health, *clock_fault;                    /* NULL: "" */
     const char *sensor_fault_code, *sensor_health_code, *sensor_devices_code; /* NULL: "" */
     const char *sensor_calibration_code, *door_fault_code, *storage_fault_code, *clock_fault_code;
-    const char *stale_fault_code, *counter_fault_code;
+    const char *stale_fault_code, *counter_fault_code, *panel_fault_code;
     const char *door, *door_fault; /* of the lines; NULL: "gpiod", "" */
     unsigned n_records;            /* number of records in the log, numbered from 1 */
     const char *last_record;       /* its members from "event" on; NULL: like the other records */

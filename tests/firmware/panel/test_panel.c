@@ -113,6 +113,7 @@ static void test_key_survives_a_restart(void **state)
     assert_false(osdp_line_secure(&rig.line, key));
     iso_panel_look(rig.panel, &look);
     assert_string_equal(look.state, "waiting");
+    assert_string_equal(look.fault.text, "");
     assert_false(look.has_key);
     set_key(&rig);
     assert_int_equal(stat(rig.file, &status), 0);
@@ -182,10 +183,15 @@ static void test_damaged_file_is_told(void **state)
     assert_int_equal(fclose(file), 0);
     reopen_panel(&rig);
     const struct iso_fault *fault = iso_panel_fault(rig.panel);
-    assert_int_equal(fault->code, ISO_FAULT_KEY_WRONG);
+    assert_int_equal(fault->code, ISO_FAULT_PANEL_KEY);
     assert_non_null(strstr(fault->text, "people.panel: damaged"));
     iso_panel_look(rig.panel, &look);
     assert_false(look.has_key);
+    assert_string_equal(look.fault.text, "the panel is silent");
+    assert_int_equal(look.fault.code, ISO_FAULT_PANEL_SILENT);
+    assert_false(osdp_line_secure(&rig.line, key));
+    iso_panel_look(rig.panel, &look);
+    assert_int_equal(look.fault.code, ISO_FAULT_PANEL_KEY);
     /* A new key is stored, and all is well again. */
     set_key(&rig);
     reopen_panel(&rig);
@@ -252,6 +258,8 @@ static void test_news(void **state)
     expect(&rig, "line-gone", true);
     iso_panel_look(rig.panel, &look);
     assert_string_equal(look.state, "gone");
+    assert_int_equal(look.fault.code, ISO_FAULT_PANEL_LINE);
+    assert_non_null(strstr(look.fault.text, rig.line.path));
     iso_panel_close(rig.panel);
     iso_key_ring_close(rig.ring);
 }
@@ -288,6 +296,42 @@ static void test_news_are_limited(void **state)
     }
     assert_true(n <= 2);
     assert_int_equal(iso_panel_due_ns(rig.panel), ISO_NEVER_NS);
+    close_rig(&rig);
+}
+
+static void test_line_may_come_later(void **state)
+{
+    struct rig rig;
+    struct panel_reply reply;
+    struct iso_panel_look look;
+    char later[256];
+    open_rig(&rig, *state, true);
+    iso_panel_close(rig.panel);
+    (void)snprintf(later, sizeof later, "%s", scratch_path(*state, "later"));
+    rig.options.port = later;
+    open_panel(&rig);
+    assert_int_equal(iso_panel_fault(rig.panel)->code, ISO_FAULT_PANEL_LINE);
+    assert_non_null(strstr(iso_panel_fault(rig.panel)->text, "No such file or directory"));
+    iso_panel_look(rig.panel, &look);
+    assert_string_equal(look.state, "gone");
+    assert_int_equal(symlink(rig.line.path, later), 0);
+    expect(&rig, "line-back", false);
+    assert_int_equal(osdp_line_ask(&rig.line, 0x60, NULL, 0, &reply), 0x40);
+    close_rig(&rig);
+}
+
+static void test_port_that_is_none_is_refused(void **state)
+{
+    struct rig rig;
+    struct iso_panel *panel = NULL;
+    struct iso_fault fault;
+    open_rig(&rig, *state, true);
+    struct iso_panel_options options = rig.options;
+    options.port = "/dev/null";
+    assert_int_equal(iso_panel_open(&options, &panel, &fault), -EINVAL);
+    assert_null(panel);
+    assert_string_equal(fault.text, "osdp: /dev/null is not a serial line");
+    assert_int_equal(fault.code, ISO_FAULT_PANEL_LINE);
     close_rig(&rig);
 }
 
@@ -334,6 +378,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_cards, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(test_news, scratch_setup, scratch_teardown),
         cmocka_unit_test_setup_teardown(test_news_are_limited, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_line_may_come_later, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(test_port_that_is_none_is_refused, scratch_setup,
+                                        scratch_teardown),
         cmocka_unit_test(test_stored_values_that_are_not_possible),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

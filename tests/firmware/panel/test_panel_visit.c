@@ -7,6 +7,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "drivers/door/door_null.h"
 #include "firmware/appliance/administration/administration.h"
 #include "firmware/door/cards.h"
 #include "tests/drivers/door/osdp/osdp_line.h"
@@ -80,6 +81,17 @@ static void connect_panel(struct door *door)
     assert_true(osdp_line_secure(&door->line, key));
 }
 
+/* Polls until the device has something to tell, or nothing, other than the state of its reader,
+ * which is that of the puppets' sensor. */
+static int poll_panel(struct door *door, struct panel_reply *reply)
+{
+    int code;
+    do {
+        code = osdp_line_ask(&door->line, 0x60, NULL, 0, reply);
+    } while (code == 0x4B);
+    return code;
+}
+
 static void assert_has(const char *record, const char *piece)
 {
     if (!strstr(record, piece)) {
@@ -96,10 +108,10 @@ static void test_admitted_person_has_a_card(void **state)
     come(door.rig, 50, 2);
     assert_has(rig_record(door.rig, "visit"), "\"person\":\"anna\"");
     assert_true(rig_relay(door.rig));
-    assert_int_equal(osdp_line_ask(&door.line, 0x60, NULL, 0, &reply), 0x50);
+    assert_int_equal(poll_panel(&door, &reply), 0x50);
     assert_int_equal(reply.n, 8);
     assert_memory_equal(reply.data + 4, "\x88\x89\x33\xC0", 4);
-    assert_int_equal(osdp_line_ask(&door.line, 0x60, NULL, 0, &reply), 0x40);
+    assert_int_equal(poll_panel(&door, &reply), 0x40);
     close_door(&door);
 }
 
@@ -110,12 +122,12 @@ static void test_others_have_none(void **state)
     open_door(&door, *state);
     connect_panel(&door);
     come(door.rig, 90, 6); /* a stranger */
-    assert_int_equal(osdp_line_ask(&door.line, 0x60, NULL, 0, &reply), 0x40);
+    assert_int_equal(poll_panel(&door, &reply), 0x40);
     rig_run(door.rig, 60000);
     come(door.rig, 70, 2); /* nobody has entered a card for him */
     assert_has(rig_record(door.rig, "visit"), "\"person\":\"boris\"");
     assert_string_equal(door.rig->warned, "the admitted person has no card number");
-    assert_int_equal(osdp_line_ask(&door.line, 0x60, NULL, 0, &reply), 0x40);
+    assert_int_equal(poll_panel(&door, &reply), 0x40);
     close_door(&door);
 }
 
@@ -154,6 +166,43 @@ static void test_changes_are_on_record(void **state)
     close_door(&door);
 }
 
+static void test_panel_knows_door_and_reader(void **state)
+{
+    struct door door;
+    struct panel_reply reply;
+    open_door(&door, *state);
+    connect_panel(&door);
+    come(door.rig, 50, 2);
+    assert_int_equal(poll_panel(&door, &reply), 0x50);
+    /* The person goes in, and the door shuts. */
+    assert_int_equal(iso_door_null_set_input(door.rig->door_io, ISO_DOOR_CONTACT, true), 0);
+    rig_run(door.rig, 200);
+    assert_int_equal(poll_panel(&door, &reply), 0x49);
+    assert_int_equal(reply.n, 1);
+    assert_int_equal(reply.data[0], 1);
+    assert_int_equal(iso_door_null_set_input(door.rig->door_io, ISO_DOOR_CONTACT, false), 0);
+    rig_run(door.rig, 200);
+    assert_int_equal(poll_panel(&door, &reply), 0x49);
+    assert_int_equal(reply.data[0], 0);
+    /* Somebody opens the housing. */
+    assert_int_equal(iso_door_null_set_input(door.rig->door_io, ISO_DOOR_TAMPER, true), 0);
+    rig_run(door.rig, 200);
+    assert_int_equal(poll_panel(&door, &reply), 0x48);
+    assert_int_equal(reply.data[0], 1);
+    /* The sensor is unplugged, and works again later. */
+    door.rig->sensor.wait_error = door.rig->sensor.open_error = -ENODEV;
+    rig_run(door.rig, 1000);
+    assert_int_equal(osdp_line_ask(&door.line, 0x67, NULL, 0, &reply), 0x4B);
+    assert_int_equal(reply.data[0], 1);
+    door.rig->sensor.wait_error = door.rig->sensor.open_error = 0;
+    rig_run(door.rig, 60000);
+    rig_show_unusable(door.rig, ISO_CAPTURE_NOBODY, 2);
+    rig_run(door.rig, 1000);
+    assert_int_equal(osdp_line_ask(&door.line, 0x67, NULL, 0, &reply), 0x4B);
+    assert_int_equal(reply.data[0], 0);
+    close_door(&door);
+}
+
 static void test_without_a_panel(void **state)
 {
     struct rig *rig = *state;
@@ -173,6 +222,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_absent_panel_does_not_lock_the_door, rig_setup,
                                         rig_teardown),
         cmocka_unit_test_setup_teardown(test_changes_are_on_record, rig_setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(test_panel_knows_door_and_reader, rig_setup, rig_teardown),
         cmocka_unit_test_setup_teardown(test_without_a_panel, rig_setup, rig_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

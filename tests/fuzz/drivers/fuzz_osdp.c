@@ -21,22 +21,53 @@ static int store(void *context, const struct iso_osdp_saved *saved)
     return 0;
 }
 
-static void feed(struct iso_osdp_peripheral *device, const uint8_t *bytes, size_t size)
+static void give(struct iso_osdp_peripheral *device, const uint8_t *bytes, size_t n, int64_t now_ns)
 {
     uint8_t reply[ISO_OSDP_FRAME_BYTES] = {0};
+    const size_t n_reply = iso_osdp_peripheral_receive(device, bytes, n, now_ns, reply);
+    if (n_reply > 0) {
+        struct iso_osdp_packet packet;
+        fuzz_check(iso_osdp_packet_parse(reply, n_reply, &packet) == 0 && packet.is_reply,
+                   "a reply is a frame");
+        (void)iso_osdp_peripheral_sent(device);
+    }
+    (void)!iso_osdp_peripheral_card(device, reply, 1 + n % ISO_OSDP_CARD_BITS);
+}
+
+/* Gives a frame with a right length and a right CRC, which the fuzzer would hardly find: control,
+ * block, its data and code are the first four bytes. */
+static void give_frame(struct iso_osdp_peripheral *device, const uint8_t *bytes, size_t n,
+                       int64_t now_ns)
+{
+    uint8_t frame[ISO_OSDP_FRAME_BYTES];
+    const struct iso_osdp_header header = {
+        .address = bytes[0] & 0x80 ? ISO_OSDP_BROADCAST : 0,
+        .sequence = bytes[0] & 3,
+        .has_crc = bytes[0] & 4,
+        .block = bytes[0] & 8 ? bytes[1] : 0,
+        .block_data = bytes[0] & 16 ? bytes[2] : -1,
+        .code = bytes[3],
+    };
+    size_t length = iso_osdp_packet_begin(&header, bytes + 4, n - 4, frame);
+    if (header.block >= 0x15 && header.block <= 0x18) {
+        memset(frame + length, bytes[2], ISO_OSDP_MAC_BYTES);
+        length += ISO_OSDP_MAC_BYTES;
+    }
+    give(device, frame, iso_osdp_packet_end(frame, length), now_ns);
+}
+
+static void feed(struct iso_osdp_peripheral *device, const uint8_t *bytes, size_t size)
+{
     int64_t now_ns = 0;
     while (size > 0) {
-        /* The first byte of a piece is its length, and the time before it. */
-        const size_t n = bytes[0] % size;
+        /* The first byte of a piece is its length, its kind, and the time before it. */
+        const size_t n = (bytes[0] & 63) % size;
         now_ns += INT64_C(20000000) * (bytes[0] % 7);
-        const size_t n_reply = iso_osdp_peripheral_receive(device, bytes + 1, n, now_ns, reply);
-        if (n_reply > 0) {
-            struct iso_osdp_packet packet;
-            fuzz_check(iso_osdp_packet_parse(reply, n_reply, &packet) == 0 && packet.is_reply,
-                       "a reply is a frame");
-            (void)iso_osdp_peripheral_sent(device);
+        if (bytes[0] & 128 || n < 4) {
+            give(device, bytes + 1, n, now_ns);
+        } else {
+            give_frame(device, bytes + 1, n, now_ns);
         }
-        (void)iso_osdp_peripheral_card(device, reply, 1 + size % ISO_OSDP_CARD_BITS);
         bytes += 1 + n;
         size -= 1 + n;
     }

@@ -37,13 +37,15 @@ struct rig {
 
 static void open_rig(struct rig *rig, bool has_key, bool plain, uint32_t baud)
 {
-    struct iso_fault fault;
+    struct iso_fault absent, fault;
     memset(rig, 0, sizeof *rig);
     osdp_line_open(&rig->line, baud);
     struct iso_osdp_setup setup = bench_setup(&rig->bench, has_key, plain);
     setup.saved.baud = baud ? baud : 115200;
     setup.random = NULL; /* the port has its own */
-    assert_int_equal(iso_osdp_port_new(rig->line.path, &setup, &real_clock, &rig->port, &fault), 0);
+    assert_int_equal(
+        iso_osdp_port_new(rig->line.path, &setup, &real_clock, &rig->port, &absent, &fault), 0);
+    assert_string_equal(absent.text, "");
 }
 
 static void close_rig(struct rig *rig)
@@ -175,9 +177,9 @@ static void test_comset_changes_the_line(void **state)
     assert_int_equal(ask(&rig, 0x60, NULL, 0, &reply), 0x40);
     assert_int_equal(tcgetattr(rig.line.master, &now), 0);
     assert_int_equal(cfgetospeed(&now), B57600);
+    close_rig(&rig);
     assert_int_equal(rig.bench.saved.address, 9);
     assert_int_equal(rig.bench.saved.baud, 57600);
-    close_rig(&rig);
 }
 
 static bool has_news(const struct rig *rig, int wait_ms)
@@ -233,43 +235,57 @@ static void test_line_that_is_gone(void **state)
     iso_osdp_port_free(rig.port);
 }
 
-static void assert_refused(const char *path, int error, enum iso_fault_code code, const char *text)
+/* The line is gone, for this reason, and may come. */
+static void assert_absent(const char *path, const char *text)
 {
     struct bench bench = {0};
-    struct iso_osdp_setup setup = bench_setup(&bench, false, true);
+    const struct iso_osdp_setup setup = bench_setup(&bench, false, true);
     struct iso_osdp_port *port = NULL;
-    struct iso_fault fault = {.text = ""};
-    assert_int_equal(iso_osdp_port_new(path, &setup, &real_clock, &port, &fault), error);
-    assert_null(port);
-    assert_int_equal(fault.code, code);
-    assert_string_equal(fault.text, text);
+    struct iso_osdp_port_status status;
+    struct iso_fault absent = {.text = ""}, fault;
+    assert_int_equal(iso_osdp_port_new(path, &setup, &real_clock, &port, &absent, &fault), 0);
+    assert_int_equal(absent.code, ISO_FAULT_PANEL_LINE);
+    assert_string_equal(absent.text, text);
+    iso_osdp_port_look(port, &status);
+    assert_true(status.line_gone);
+    iso_osdp_port_free(port);
+}
+
+static void test_lines_that_may_come(void **state)
+{
+    (void)state;
+    struct rig rig;
+    char text[128];
+    assert_absent("/dev/tty-of-nobody", "osdp: /dev/tty-of-nobody: No such file or directory");
+    open_rig(&rig, false, true, 0);
+    (void)snprintf(text, sizeof text, "osdp: %s: another program uses this line", rig.line.path);
+    assert_absent(rig.line.path, text);
+    close_rig(&rig);
 }
 
 static void test_lines_that_are_refused(void **state)
 {
     (void)state;
     struct rig rig;
-    char text[128];
-    assert_refused("/dev/tty-of-nobody", -ENODEV, ISO_FAULT_LINE_MISSING,
-                   "osdp: /dev/tty-of-nobody: No such file or directory");
-    assert_refused("/dev/null", -ENODEV, ISO_FAULT_LINE_MISSING,
-                   "osdp: /dev/null is not a serial line");
-    open_rig(&rig, false, true, 0);
-    (void)snprintf(text, sizeof text, "osdp: %s: another program uses this line", rig.line.path);
-    assert_refused(rig.line.path, -EBUSY, ISO_FAULT_LINE_BUSY, text);
     struct bench bench = {0};
     struct iso_osdp_setup setup = bench_setup(&bench, false, true);
     struct iso_osdp_port *port = NULL;
-    struct iso_fault fault;
-    setup.saved.address = 0x7F;
-    assert_int_equal(iso_osdp_port_new(rig.line.path, &setup, &real_clock, &port, &fault), -EINVAL);
+    struct iso_fault absent, fault = {.text = ""};
     int fd = -1;
-    close_rig(&rig);
+    assert_int_equal(iso_osdp_port_new("/dev/null", &setup, &real_clock, &port, &absent, &fault),
+                     -EINVAL);
+    assert_string_equal(fault.text, "osdp: /dev/null is not a serial line");
+    assert_int_equal(fault.code, ISO_FAULT_PANEL_LINE);
+    setup.saved.address = 0x7F;
+    assert_int_equal(iso_osdp_port_new("/dev/null", &setup, &real_clock, &port, &absent, &fault),
+                     -EINVAL);
+    assert_string_equal(fault.text, "osdp: this setup is not possible");
+    assert_null(port);
     open_rig(&rig, false, true, 0);
     iso_osdp_port_free(rig.port);
     assert_int_equal(iso_osdp_serial_open(rig.line.path, 4800, &fd, &fault), -EINVAL);
     assert_int_equal(fd, -1);
-    (void)close(rig.line.master);
+    osdp_line_close(&rig.line);
     iso_osdp_port_free(NULL);
 }
 
@@ -281,6 +297,7 @@ int main(void)
         cmocka_unit_test(test_comset_changes_the_line),
         cmocka_unit_test(test_owner_is_told),
         cmocka_unit_test(test_line_that_is_gone),
+        cmocka_unit_test(test_lines_that_may_come),
         cmocka_unit_test(test_lines_that_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

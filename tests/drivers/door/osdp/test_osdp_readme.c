@@ -74,6 +74,7 @@ static void test_conversation(void **state)
         .version = 1,
         .serial = 0x12345678,
         .firmware = {0, 1, 0},
+        .inputs = 1,
         .random = make_random,
         .store = store,
     };
