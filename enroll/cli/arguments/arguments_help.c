@@ -66,6 +66,6 @@ void cli_arguments_help(enum cli_verb verb, FILE *out)
         fputs("\n`isotherm COMMAND --help` lists a command's own options.\n", out);
     }
     fputs("\nExit status: 0 yes or done, 1 no match or refused, 2 usage, 3 no such thing,\n"
-          "4 device, daemon or data fault, 5 timed out.\n",
+          "4 device, daemon or data fault, 5 timed out, 6 more has to be shown.\n",
           out);
 }
