@@ -7,6 +7,7 @@
  * status: 0; 1 and one line on standard error if the file is refused; 2 for a wrong call; 3 if the
  * process cannot be confined. */
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,6 +42,14 @@ static char *read_all(size_t *size, struct reader_line *line)
     return bytes;
 }
 
+/* libical writes messages of its own to standard error. Returns the descriptor for the one line of
+ * this program, and leads standard error to nowhere; -1 if that fails. */
+static int silence(void)
+{
+    const int line_fd = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3);
+    return line_fd >= 0 && freopen("/dev/null", "w", stderr) ? line_fd : -1;
+}
+
 static int today(void)
 {
     const time_t now = time(NULL);
@@ -70,9 +79,11 @@ int main(int argc, char **argv)
         (void)fputs("usage: isotherm-policy-reader json|toml|ics [ZONE] <FILE\n", stderr);
         return 2;
     }
-    const int error = reader_confine();
+    const int line_fd = silence();
+    const int error = line_fd < 0 ? -errno : reader_confine();
     if (error != 0) {
-        (void)fprintf(stderr, "the reader cannot be confined: %s\n", strerror(-error));
+        (void)dprintf(line_fd < 0 ? STDERR_FILENO : line_fd, "the reader cannot be confined: %s\n",
+                      strerror(-error));
         return 3;
     }
     struct reader_line line = {.text = ""};
@@ -84,7 +95,7 @@ int main(int argc, char **argv)
     json_decref(document);
     free(bytes);
     if (!text) {
-        (void)fprintf(stderr, "%s\n", line.text[0] ? line.text : "there is no memory");
+        (void)dprintf(line_fd, "%s\n", line.text[0] ? line.text : "there is no memory");
         return 1;
     }
     const int failed = fputs(text, stdout) < 0 || fflush(stdout) != 0;

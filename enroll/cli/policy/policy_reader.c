@@ -64,6 +64,10 @@ enum cli_exit cli_policy_read_file(const char *program, const char *file, const 
         return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
                              "%.150s: the name must end with .json, .toml or .ics", file);
     }
+    if (zone && strcmp(format, "ics") != 0) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
+                             "--zone is for a calendar: a schedule of a policy names its own");
+    }
     enum cli_exit exit = open_file(file, &fd, fault);
     if (exit) {
         return exit;

@@ -40,14 +40,15 @@ static enum cli_exit ask_once(const char *what, const char *again, char pin[CLI_
     const bool terminal = tcgetattr(STDIN_FILENO, &before) == 0;
 
     if (terminal) {
-        fprintf(stderr, "%s%s: ", what, again);
+        /* The question comes last: what is typed before it is thrown away. */
         silent = before;
         silent.c_lflag &= ~(tcflag_t)ECHO;
         (void)tcsetattr(STDIN_FILENO, TCSAFLUSH, &silent);
+        fprintf(stderr, "%s%s: ", what, again);
     }
     const bool sound = read_pin(pin);
     if (terminal) {
-        (void)tcsetattr(STDIN_FILENO, TCSAFLUSH, &before);
+        (void)tcsetattr(STDIN_FILENO, TCSADRAIN, &before);
         fputc('\n', stderr);
     }
     return sound ? CLI_EXIT_OK

@@ -179,6 +179,9 @@ static void a_wrong_file_is_refused_with_its_line(void **state)
         {"d.json", "[]", "the document is not an object\n"},
         {"e.toml", "areas = [\n", "line 1, column 11: "},
         {"f.toml", "a = 09:00:00\n", "line 1: a time stands in quotes"},
+        /* libical has messages of its own about this one. */
+        {"h.ics", "END:VCALENDAR\r\nEND:X\r\n",
+         "h.ics: it is not one iCalendar object (VCALENDAR)\n"},
         {"g.ics", "no calendar", "it is not one iCalendar object (VCALENDAR)\n"},
     };
     const struct fake_script script = script_of("", 0);
@@ -206,6 +209,8 @@ static void files_that_are_none(void **state)
     result = cli_run(&script, "policy import /dev/zero.json --json");
     cli_expect_error(&result, 3, "no-file");
     result = import(folder, &script, "p.yaml", "{}", " --json");
+    cli_expect_error(&result, 2, "usage");
+    result = import(folder, &script, "p.json", "{}", " --json --zone UTC");
     cli_expect_error(&result, 2, "usage");
     result = import(folder, &script, "p", "{}", " --json");
     cli_expect_error(&result, 2, "usage");
