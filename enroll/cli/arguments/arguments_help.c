@@ -26,11 +26,16 @@ static void print_option(const struct cli_option *option, enum cli_verb verb, FI
     cli_wrap(help_text(option, verb), column, out);
 }
 
+enum { WORDS_MAX = 40, SUMMARY_COLUMN = 26 };
+
 static void print_commands(FILE *out)
 {
     for (size_t i = 0; i < CLI_VERBS; i++) {
         const struct cli_command *command = &cli_commands[i];
-        const int column = fprintf(out, "  %-8s %-14s ", command->name, command->words);
+        int column = fprintf(out, "  %-8s %-14s ", command->name, command->words);
+        if (column > WORDS_MAX) { /* the summary has a line of its own */
+            column = fprintf(out, "\n%*s", SUMMARY_COLUMN, "") - 1;
+        }
         cli_wrap(command->summary, column, out);
     }
 }

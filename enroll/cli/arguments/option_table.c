@@ -33,7 +33,7 @@ static const struct cli_option_help person_help[] = {
 };
 static const struct cli_option_help dry_run_help[] = {
     {CLI_SETUP, "show the file and change nothing"},
-    {CLI_POLICY, "import: show what would change, and change nothing"},
+    {CLI_POLICY, "show what an import would change, and change nothing"},
     {CLI_VERBS, NULL},
 };
 
@@ -148,7 +148,7 @@ const struct cli_option cli_options[CLI_OPTIONS] = {
     [CLI_OPTION_ZONE] = {.name = "zone",
                          .argument = "NAME",
                          .verbs = CLI_FOR(CLI_POLICY),
-                         .help = "import: the time zone of a calendar that names none"},
+                         .help = "the time zone of an imported calendar that names none"},
     [CLI_OPTION_CARD] =
         {.name = "card",
          .argument = "N",
