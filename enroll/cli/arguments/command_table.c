@@ -24,6 +24,10 @@ const struct cli_command cli_commands[CLI_VERBS] = {
     [CLI_SETUP] = {"setup", "", "find camera and board, configure the daemon and start it"},
     [CLI_DOOR] = {"door", "test", "unlock the door for half a second"},
     [CLI_PANEL] = {"panel", "install", "let the access panel set its key"},
+    [CLI_POLICY] = {"policy", "import|show|test|check|remove [FILE]",
+                    "say who may enter where and when: import a file, show it, try it"},
+    [CLI_CREDENTIAL] = {"credential", "show|set NAME",
+                        "show or change what NAME has: cards, PIN, access profiles"},
     [CLI_WEB] = {"web", "setup|fingerprint",
                  "make a code for the first account of the web server; show its fingerprint"},
 };

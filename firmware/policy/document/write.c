@@ -254,6 +254,22 @@ json_t *iso__document_record(const struct iso_policy_document *document, enum is
     return object;
 }
 
+char *iso__document_dump(const json_t *value)
+{
+    enum { FLAGS = JSON_COMPACT | JSON_ENCODE_ANY };
+    const size_t size = json_dumpb(value, NULL, 0, FLAGS);
+    char *text = size > 0 ? malloc(size + 1) : NULL;
+    if (!text) {
+        return NULL;
+    }
+    if (json_dumpb(value, text, size, FLAGS) != size) {
+        free(text);
+        return NULL;
+    }
+    text[size] = '\0';
+    return text;
+}
+
 static int write_root(const struct iso_policy_document *document, json_t *root)
 {
     int error = 0;
@@ -280,10 +296,10 @@ int iso_policy_document_write(const struct iso_policy_document *document, char *
                               struct iso_fault *fault)
 {
     json_t *root = json_object();
-    char *text = root && write_root(document, root) == 0 ? json_dumps(root, JSON_COMPACT) : NULL;
+    char *text = root && write_root(document, root) == 0 ? iso__document_dump(root) : NULL;
     json_decref(root);
     if (!text) {
-        return iso_fault_set(fault, -ENOMEM, "policy: no memory");
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
     if (strlen(text) > ISO_POLICY_DOCUMENT_MAX_BYTES) {
         (void)iso_fault_set(fault, -E2BIG, "policy: has %zu bytes as a document, at most %d",
