@@ -273,12 +273,11 @@ char *iso__document_dump(const json_t *value)
 static int write_root(const struct iso_policy_document *document, json_t *root)
 {
     int error = 0;
-    for (enum iso__kind_id kind = ISO__GROUP; kind < ISO__KINDS; kind++) {
-        json_t *list = document->n[kind] > 0 ? json_array() : NULL;
-        if (list) {
-            error = error != 0 ? error : put(root, iso__kinds[kind].array, list);
-        } else if (document->n[kind] > 0) {
-            error = -1;
+    for (enum iso__kind_id kind = ISO__GROUP; error == 0 && kind < ISO__KINDS; kind++) {
+        json_t *list = NULL;
+        if (document->n[kind] > 0) {
+            list = json_array();
+            error = put(root, iso__kinds[kind].array, list);
         }
         for (uint16_t i = 0; error == 0 && i < document->n[kind]; i++) {
             error = append(list, iso__document_record(document, kind, i));
