@@ -8,6 +8,7 @@
 
 #include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 
 const char *iso_appliance_mode_name(enum iso_appliance_mode mode)
 {

@@ -6,6 +6,7 @@
 #include <syslog.h>
 
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 #include "firmware/contract/contract.h"
 
 void iso__appliance_init_claim(struct iso_appliance *appliance)

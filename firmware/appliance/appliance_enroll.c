@@ -6,6 +6,7 @@
 
 #include "drivers/file/storage_fault.h"
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 #include "firmware/config/enroll_options.h"
 #include "firmware/contract/contract.h"
 

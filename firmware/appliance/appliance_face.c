@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 
 /* A check that is turned off gets a limit that is never reached. */
 static void init_liveness(struct iso_appliance *appliance)

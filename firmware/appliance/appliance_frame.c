@@ -8,6 +8,7 @@
 #include "drivers/terminal/words.h"
 #include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 
 /* An attempt that lasts longer becomes several records. */
 static const int64_t attack_longest_ns = 60 * ISO_NS_PER_S;

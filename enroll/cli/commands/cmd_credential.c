@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "drivers/terminal/columns.h"
-#include "enroll/cli/policy/methods.h"
 #include "enroll/cli/policy/secret_digits.h"
 #include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 static enum cli_exit no_memory(struct cli_fault *fault)
 {
@@ -246,7 +246,7 @@ static enum cli_exit set(struct cli_daemon *daemon, const struct cli_arguments *
     json_decref(patch);
     explicit_bzero(&pins, sizeof pins);
     if (!exit) {
-        exit = text ? call_method(daemon, CLI_METHOD_SET_CREDENTIAL, arguments, text, fault)
+        exit = text ? call_method(daemon, ISO_CONTRACT_SET_CREDENTIAL, arguments, text, fault)
                     : no_memory(fault);
     }
     if (text) {
@@ -264,7 +264,7 @@ enum cli_exit cli_credential(struct cli_daemon *daemon, const struct cli_argumen
     }
     if (strcmp(arguments->word, "show") == 0) {
         return changes_nothing(&arguments->credential)
-                   ? call_method(daemon, CLI_METHOD_GET_CREDENTIAL, arguments, NULL, fault)
+                   ? call_method(daemon, ISO_CONTRACT_GET_CREDENTIAL, arguments, NULL, fault)
                    : cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
                                    "credential show takes no options of credential set");
     }

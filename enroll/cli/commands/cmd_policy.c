@@ -6,17 +6,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/cli/policy/methods.h"
 #include "enroll/cli/policy/policy_store.h"
 #include "enroll/cli/policy/policy_text.h"
 #include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 static enum cli_exit show_text(const char *document, uint64_t revision, struct cli_fault *fault)
 {
     struct iso_policy_document *policy = NULL;
 
     if (!document[0]) {
-        puts("There is no policy: everybody who is enrolled may enter at any time.");
+        puts("There is no policy: everybody who is enrolled may enter, within the limits of each person.");
         return CLI_EXIT_OK;
     }
     const enum cli_exit exit = cli_policy_read(document, &policy, fault);
@@ -53,7 +53,7 @@ static enum cli_exit check(struct cli_daemon *daemon, bool json, struct cli_faul
 {
     sd_bus_message *reply = NULL;
     json_t *findings = NULL;
-    const enum cli_exit exit = cli_daemon_call(daemon, CLI_METHOD_CHECK_POLICY, &reply, fault);
+    const enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_CHECK_POLICY, &reply, fault);
 
     if (exit) {
         return exit;
@@ -61,7 +61,7 @@ static enum cli_exit check(struct cli_daemon *daemon, bool json, struct cli_faul
     const int r = cli_policy_read_texts(reply, &findings);
     sd_bus_message_unref(reply);
     if (r < 0) {
-        return cli_daemon_bad_reply(r, CLI_METHOD_CHECK_POLICY, fault);
+        return cli_daemon_bad_reply(r, ISO_CONTRACT_CHECK_POLICY, fault);
     }
     const bool clean = json_array_size(findings) == 0;
     enum cli_exit printed = CLI_EXIT_OK;
@@ -97,7 +97,7 @@ static enum cli_exit remove_policy(struct cli_daemon *daemon, bool json, struct 
         return cli_report_json(
             json_pack("{s:b, s:I}", "removed", was_there, "revision", (json_int_t)revision));
     }
-    puts(was_there ? "The policy is removed: everybody who is enrolled may enter at any time."
+    puts(was_there ? "The policy is removed: everybody who is enrolled may enter, within the limits of each person."
                    : "There is no policy.");
     return CLI_EXIT_OK;
 }

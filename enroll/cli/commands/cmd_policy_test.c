@@ -10,8 +10,8 @@
 #include "drivers/terminal/columns.h"
 #include "enroll/cli/arguments/when_next.h"
 #include "enroll/cli/client/state.h"
-#include "enroll/cli/policy/methods.h"
 #include "enroll/cli/text/report.h"
+#include "firmware/contract/contract.h"
 
 /* Appends the methods of "face,card". Returns 0, a negative errno of sd-bus, or 1 for a word that
  * is no method. */
@@ -38,7 +38,7 @@ static enum cli_exit make_call(struct cli_daemon *daemon, const struct cli_argum
                                int64_t at_s, sd_bus_message **out, struct cli_fault *fault)
 {
     sd_bus_message *call = NULL;
-    const enum cli_exit exit = cli_daemon_message(daemon, CLI_METHOD_TEST_ACCESS, &call, fault);
+    const enum cli_exit exit = cli_daemon_message(daemon, ISO_CONTRACT_TEST_ACCESS, &call, fault);
 
     if (exit) {
         return exit;
@@ -163,7 +163,7 @@ enum cli_exit cli_policy_test(struct cli_daemon *daemon, const struct cli_argume
     const char *outcome = r < 0 ? NULL : cli_state_text(answer, "outcome");
     if (!outcome) {
         json_decref(answer);
-        return cli_daemon_bad_reply(r < 0 ? r : -EBADMSG, CLI_METHOD_TEST_ACCESS, fault);
+        return cli_daemon_bad_reply(r < 0 ? r : -EBADMSG, ISO_CONTRACT_TEST_ACCESS, fault);
     }
     const enum cli_exit result = exit_of(outcome);
     if (arguments->json) {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/cli/policy/methods.h"
+#include "firmware/contract/contract.h"
 #include "firmware/policy/zones/zone_file.h"
 
 static enum cli_exit no_memory(struct cli_fault *fault)
@@ -33,7 +33,7 @@ enum cli_exit cli_policy_fetch(struct cli_daemon *daemon, char **document, uint6
     sd_bus_message *reply = NULL;
     const char *text;
     uint64_t number;
-    enum cli_exit exit = cli_daemon_call(daemon, CLI_METHOD_GET_POLICY, &reply, fault);
+    enum cli_exit exit = cli_daemon_call(daemon, ISO_CONTRACT_GET_POLICY, &reply, fault);
 
     if (exit) {
         return exit;
@@ -41,7 +41,7 @@ enum cli_exit cli_policy_fetch(struct cli_daemon *daemon, char **document, uint6
     const int r = sd_bus_message_read(reply, "st", &text, &number);
     char *copy = r < 0 ? NULL : strdup(text);
     if (r < 0) {
-        exit = cli_daemon_bad_reply(r, CLI_METHOD_GET_POLICY, fault);
+        exit = cli_daemon_bad_reply(r, ISO_CONTRACT_GET_POLICY, fault);
     } else if (!copy) {
         exit = no_memory(fault);
     } else {
@@ -76,7 +76,7 @@ enum cli_exit cli_policy_store(struct cli_daemon *daemon, const char *document, 
                                json_t **remarks, struct cli_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
-    enum cli_exit exit = cli_daemon_message(daemon, CLI_METHOD_SET_POLICY, &call, fault);
+    enum cli_exit exit = cli_daemon_message(daemon, ISO_CONTRACT_SET_POLICY, &call, fault);
 
     if (exit) {
         return exit;
@@ -98,7 +98,7 @@ enum cli_exit cli_policy_store(struct cli_daemon *daemon, const char *document, 
     }
     sd_bus_message_unref(reply);
     if (r < 0) {
-        return cli_daemon_bad_reply(r, CLI_METHOD_SET_POLICY, fault);
+        return cli_daemon_bad_reply(r, ISO_CONTRACT_SET_POLICY, fault);
     }
     *revision = number;
     return CLI_EXIT_OK;

@@ -281,8 +281,8 @@ static void it_shows_json(void **state)
     json_decref(document);
     result = cli_run(&script, "policy show");
     cli_expect_exit(&result, 0);
-    assert_string_equal(result.out,
-                        "There is no policy: everybody who is enrolled may enter at any time.\n");
+    assert_string_equal(result.out, "There is no policy: everybody who is enrolled may enter, "
+                                    "within the limits of each person.\n");
 }
 
 static void it_checks(void **state)
@@ -310,8 +310,8 @@ static void it_removes(void **state)
     (void)state;
     cli_expect_exit(&result, 0);
     assert_string_equal(result.calls, "GetPolicy;SetPolicy 9 ");
-    assert_string_equal(
-        result.out, "The policy is removed: everybody who is enrolled may enter at any time.\n");
+    assert_string_equal(result.out, "The policy is removed: everybody who is enrolled may enter, "
+                                    "within the limits of each person.\n");
     script = script_of("", 0);
     result = cli_run(&script, "policy remove --json");
     cli_expect_exit(&result, 0);
