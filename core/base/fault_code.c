@@ -54,6 +54,9 @@ static const struct {
     [ISO_FAULT_PANEL_LINE] = {"panel-line", "The serial line to the access panel cannot be used."},
     [ISO_FAULT_PANEL_SILENT] = {"panel-silent", "The access panel sends nothing."},
     [ISO_FAULT_PANEL_KEY] = {"panel-key", "The stored key of the access panel cannot be used."},
+    [ISO_FAULT_POLICY_UNUSABLE] = {"policy-unusable",
+                                   "The stored policy cannot be used, so nobody is let in."},
+    [ISO_FAULT_READER_LOST] = {"reader-lost", "The card reader does not work."},
 
     [ISO_FAULT_KEY_MISSING] = {"key-missing", "The key file is gone."},
     [ISO_FAULT_KEY_WRONG] = {"key-wrong", "The key is not the one with which the files were sealed, or the key ring is damaged."},

@@ -67,6 +67,8 @@ enum iso_fault_code {
     ISO_FAULT_PANEL_LINE,
     ISO_FAULT_PANEL_SILENT,
     ISO_FAULT_PANEL_KEY,
+    ISO_FAULT_POLICY_UNUSABLE,
+    ISO_FAULT_READER_LOST,
 
     /* Keys and stores. */
     ISO_FAULT_KEY_MISSING,

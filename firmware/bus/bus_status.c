@@ -238,7 +238,15 @@ static int append_access(sd_bus_message *reply, const struct iso_bus *bus,
                                   iso_site_access_revision(access));
     r = r < 0 ? r : append_text(reply, "policy-fault", iso_site_access_fault(access)->text);
     r = r < 0 ? r : append_text(reply, "reader-state", status->reader_state);
-    return r < 0 ? r : append_text(reply, "reader-fault", status->reader_fault);
+    r = r < 0 ? r : append_text(reply, "reader-fault", status->reader_fault);
+    r = r < 0 ? r
+              : append_text(reply, "policy-fault-code",
+                            *iso_site_access_fault(access)->text
+                                ? iso_fault_word(ISO_FAULT_POLICY_UNUSABLE)
+                                : "");
+    return r < 0 ? r
+                 : append_text(reply, "reader-fault-code",
+                               *status->reader_fault ? iso_fault_word(ISO_FAULT_READER_LOST) : "");
 }
 
 static int append_shown(sd_bus_message *reply, const struct iso_panel_look *look)

@@ -66,7 +66,8 @@
  *   "attack-frames" t                           frames that looked so, since the start
  *   "sensor-fault-code" s, "sensor-health-code" s, "sensor-calibration-code" s,
  *   "sensor-devices-code" s, "door-fault-code" s, "clock-fault-code" s, "stale-fault-code" s,
- *   "storage-fault-code" s, "counter-fault-code" s
+ *   "storage-fault-code" s, "counter-fault-code" s,
+ *   "policy-fault-code" s, "reader-fault-code" s
  *                             the kind of fault that the text of that key describes: a name of
  *                             core/base/fault_code.h such as "disk-full", which keeps its meaning
  *                             in later versions. "" while there is no fault, or if it has no code

@@ -41,7 +41,7 @@ int iso_components_open_reader(struct iso_components *components, struct iso_fau
     }
     /* A reader that is not there now may come later; its fault is in the status. */
     return iso_wiegand_in_new(lines, &components->reader, &why)
-               ? iso_fault_set(fault, -EAGAIN, "%s", why.text)
+               ? iso_fault_set_code(fault, why.code, -EAGAIN, "%s", why.text)
                : 0;
 }
 

@@ -282,6 +282,8 @@ static const struct judgement {
     {.told = {"disk", "storage-fault", "storage-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
     {.told = {"counter", "counter-fault", "counter-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
     {.told = {"panel", "panel-fault", "panel-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
+    {.told = {"policy", "policy-fault", "policy-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
+    {.told = {"reader", "reader-fault", "reader-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
     {.judge = judge_gallery},
     {.judge = judge_site},
 };

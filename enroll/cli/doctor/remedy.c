@@ -48,6 +48,8 @@ static const char *const remedies[ISO_FAULT_CODES] = {
 
     [ISO_FAULT_PANEL_LINE] = "check [panel] port, and install the drop-in osdp.conf of the examples, which permits the daemon to use serial lines; end any other program that uses the line",
     [ISO_FAULT_PANEL_SILENT] = "check the wires A, B and ground, and that the panel has the address and the speed of this device ([panel] in isotherm.conf(5))",
+    [ISO_FAULT_POLICY_UNUSABLE] = "name this door's access point in [policy] access_point, or import a policy that has it (isotherm policy show)",
+    [ISO_FAULT_READER_LOST] = "check the lines of [reader] in isotherm.conf(5), and that the chip or port is plugged in",
     [ISO_FAULT_PANEL_KEY] = "let the panel set its key again: isotherm panel install",
 
     [ISO_FAULT_KEY_MISSING] = "put the key file back from a copy; see KEYS in isothermd(8)",
