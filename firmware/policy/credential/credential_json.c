@@ -162,8 +162,9 @@ int iso_credential_patch(const char *json, struct iso_credential_record *record,
     }
     json_t *patch = json_loadb(json, size, JSON_REJECT_DUPLICATES, &where);
     if (!json_is_object(patch)) {
+        const char *why = where.text; /* of jansson, and without a code */
         json_decref(patch);
-        return iso_fault_set(fault, -EINVAL, "a credential is a JSON object: %.80s", where.text);
+        return iso_fault_set(fault, -EINVAL, "a credential is a JSON object: %.80s", why);
     }
     struct iso_credential_record draft = *record;
     const char *key;
@@ -217,7 +218,12 @@ char *iso_credential_text(const struct iso_credential_record *record)
                                record->duress_pin != 0, "profiles", profile_texts(record),
                                "no_antipassback", record->no_antipassback, "needs_escort",
                                record->needs_escort, "two_person_class", record->two_person_class);
-    char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;
+    /* json_dumps() of jansson 2.14 leaves out what it has no memory for; json_dumpb() does not. */
+    const size_t size = object ? json_dumpb(object, NULL, 0, JSON_COMPACT) : 0;
+    char *text = size > 0 ? malloc(size + 1) : NULL;
+    if (text) {
+        text[json_dumpb(object, text, size, JSON_COMPACT)] = '\0';
+    }
     json_decref(object);
     return text;
 }
