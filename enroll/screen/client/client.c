@@ -110,6 +110,15 @@ static int take_entry(struct screen_state *state, sd_bus_message *reply, const c
     } else if (strcmp(key, "mode") == 0) {
         r = sd_bus_message_read(reply, "v", "s", &text);
         (void)snprintf(state->mode, sizeof state->mode, "%s", r > 0 ? text : "");
+    } else if (strcmp(key, "panel-text") == 0) {
+        r = sd_bus_message_read(reply, "v", "s", &text);
+        (void)snprintf(state->panel_text, sizeof state->panel_text, "%s", r > 0 ? text : "");
+        for (char *c = state->panel_text; *c; c++) {
+            *c = *c == '\n' ? ' ' : *c;
+        }
+    } else if (strcmp(key, "panel-lamp") == 0) {
+        r = sd_bus_message_read(reply, "v", "s", &text);
+        (void)snprintf(state->panel_lamp, sizeof state->panel_lamp, "%s", r > 0 ? text : "");
     } else if (strcmp(key, "lockdown") == 0) {
         r = sd_bus_message_read(reply, "v", "b", &flag);
         state->lockdown = flag != 0;

@@ -8,7 +8,8 @@
 const char *screen_scene_name(enum screen_scene_kind kind)
 {
     static const char *const names[SCREEN_SCENES] = {
-        "out-of-service", "wanted", "allowed", "refused", "closed", "enrol", "busy", "near", "idle",
+        "out-of-service", "wanted", "allowed", "refused", "closed",
+        "enrol",          "busy",   "panel",   "near",    "idle",
     };
     return kind >= 0 && kind < SCREEN_SCENES ? names[kind] : NULL;
 }
@@ -91,6 +92,24 @@ static struct screen_scene of_face(struct screen_scene_memory *memory,
     return scene;
 }
 
+/* The text of the access panel, with a symbol for the colour of its lamp. */
+static struct screen_scene of_panel(const struct screen_state *state)
+{
+    static const struct {
+        const char *lamp;
+        enum screen_symbol symbol;
+    } lamps[] = {{"red", SCREEN_CROSS}, {"green", SCREEN_TICK}, {"amber", SCREEN_CLOCK}};
+    struct screen_scene scene = of_words(SCREEN_PANEL, N_("From the access panel"), NULL,
+                                         SCREEN_NO_SYMBOL);
+    for (size_t i = 0; i < sizeof lamps / sizeof *lamps; i++) {
+        if (strcmp(state->panel_lamp, lamps[i].lamp) == 0) {
+            scene.symbol = lamps[i].symbol;
+        }
+    }
+    (void)snprintf(scene.person, sizeof scene.person, "%s", state->panel_text);
+    return scene;
+}
+
 struct screen_scene screen_scene_of(struct screen_scene_memory *memory,
                                     const struct screen_state *state, int64_t now_ns)
 {
@@ -102,7 +121,8 @@ struct screen_scene screen_scene_of(struct screen_scene_memory *memory,
         return of_words(SCREEN_WANTED, wanted->title, wanted->advice, wanted->symbol);
     }
     if (state->connected && state->sees && !shows_visit(state, now_ns) && !state->lockdown &&
-        !state->locked_out && (enrols || (!busy && has_face(state, now_ns)))) {
+        !state->locked_out &&
+        (enrols || (!busy && !*state->panel_text && has_face(state, now_ns)))) {
         return of_face(memory, state, now_ns, enrols);
     }
     *memory = (struct screen_scene_memory){.hint = NULL};
@@ -115,6 +135,9 @@ struct screen_scene screen_scene_of(struct screen_scene_memory *memory,
     }
     if (state->lockdown || state->locked_out) {
         return of_closed(state);
+    }
+    if (!busy && *state->panel_text) {
+        return of_panel(state);
     }
     return busy ? of_words(SCREEN_BUSY, N_("One moment, please"), NULL, SCREEN_CLOCK)
                 : of_words(SCREEN_IDLE, NULL, N_("Look at the camera to enter"), SCREEN_NO_SYMBOL);

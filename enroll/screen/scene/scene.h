@@ -8,6 +8,7 @@
  *   CLOSED          lockdown, or locked out
  *   ENROL           a person is being enrolled: the same picture as NEAR
  *   BUSY            a client has the camera
+ *   PANEL           the access panel shows a text
  *   NEAR            a face is before the camera: its outline, an oval to fill, a hint
  *   IDLE            nobody is there: the clock
  *
@@ -26,6 +27,7 @@ enum screen_scene_kind {
     SCREEN_CLOSED,
     SCREEN_ENROL,
     SCREEN_BUSY,
+    SCREEN_PANEL,
     SCREEN_NEAR,
     SCREEN_IDLE,
     SCREEN_SCENES
@@ -39,7 +41,7 @@ struct screen_scene {
     const char *title;  /* a key of the catalogues; IDLE: NULL, the clock is the title */
     const char *advice; /* the same; NULL: none */
     enum screen_symbol symbol;
-    char person[SCREEN_PERSON_SIZE]; /* ALLOWED: as it is spelt; else "" */
+    char person[SCREEN_PERSON_SIZE]; /* ALLOWED: as it is spelt; PANEL: the text; else "" */
     /* NEAR, ENROL: the outline to draw; its n_points is 0 if there is no face. */
     struct iso_outline_record outline;
 };

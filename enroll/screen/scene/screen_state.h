@@ -8,7 +8,7 @@
 
 #include "firmware/contract/stream_record.h"
 
-enum { SCREEN_PERSON_SIZE = 256 };
+enum { SCREEN_PERSON_SIZE = 256, SCREEN_PANEL_TEXT_SIZE = 128 };
 
 /* All zero: nothing is known, the daemon is not there. Times are of CLOCK_MONOTONIC, nanoseconds.
  */
@@ -17,6 +17,8 @@ struct screen_state {
     bool sees;      /* its sensor delivers frames */
     bool lockdown, locked_out;
     char mode[12]; /* of the last record: "watch", "claimed", "enroll", "verify", "identify" */
+    char panel_text[SCREEN_PANEL_TEXT_SIZE]; /* of the access panel, in one line; "": none */
+    char panel_lamp[12];                     /* its lamp: "off", "red", "green", ... */
     bool has_record;
     struct iso_outline_record record;
     int64_t record_ns; /* when it arrived */

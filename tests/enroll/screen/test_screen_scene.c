@@ -185,6 +185,27 @@ static void what_is_wanted_is_said(void **state)
     assert_int_equal(show(&waiting, waiting.record_ns).kind, SCREEN_OUT_OF_SERVICE);
 }
 
+/* A text of the panel is shown while nobody is refused or let in, and before an outline. */
+static void the_panel_has_its_say(void **state)
+{
+    struct screen_state panel = face("ok", 0);
+    (void)state;
+    (void)snprintf(panel.panel_text, sizeof panel.panel_text, "USE CARD");
+    (void)snprintf(panel.panel_lamp, sizeof panel.panel_lamp, "red");
+    const struct screen_scene scene = show(&panel, 0);
+    assert_int_equal(scene.kind, SCREEN_PANEL);
+    assert_string_equal(scene.person, "USE CARD");
+    assert_int_equal(scene.symbol, SCREEN_CROSS);
+    panel.has_visit = panel.allowed = true;
+    assert_int_equal(show(&panel, 0).kind, SCREEN_ALLOWED);
+    panel.has_visit = false;
+    panel.lockdown = true;
+    assert_int_equal(show(&panel, 0).kind, SCREEN_CLOSED);
+    panel.lockdown = false;
+    (void)snprintf(panel.mode, sizeof panel.mode, "claimed");
+    assert_int_equal(show(&panel, 0).kind, SCREEN_BUSY);
+}
+
 static void every_colour_is_readable(void **state)
 {
     (void)state;
@@ -211,6 +232,7 @@ int main(void)
         cmocka_unit_test(a_hint_stays_until_it_has_been_read),
         cmocka_unit_test(every_word_of_the_daemon_has_its_words),
         cmocka_unit_test(what_is_wanted_is_said),
+        cmocka_unit_test(the_panel_has_its_say),
         cmocka_unit_test(every_colour_is_readable),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
