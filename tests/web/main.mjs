@@ -15,6 +15,7 @@ import { enrol } from './story_enrol.mjs';
 import { login, oldSession } from './story_login.mjs';
 import { pages } from './story_pages.mjs';
 import { people, removal } from './story_people.mjs';
+import { policies } from './story_policy.mjs';
 import { streams } from './story_streams.mjs';
 
 const here = (name) => process.env[`WEB_CHECK_${name}`];
@@ -125,6 +126,7 @@ async function all(run) {
   await enrol(run);
   await door(run);
   await people(run);
+  await policies(run);
   await pages(run);
   await cockpit(run);
   await removal(run);

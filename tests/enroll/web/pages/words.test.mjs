@@ -8,6 +8,7 @@ import { load, quoted, read, ROOT } from './sources.mjs';
 const words = await load('base/words.js');
 const { EVENTS } = await load('base/words_log.js');
 const { FAULTS } = await load('base/words_faults.js');
+const policy = await load('base/words_policy.js');
 
 const api = JSON.parse(read('enroll/web/api/openapi.json'));
 
@@ -73,6 +74,30 @@ test('hints are those of the screen for visitors', () => {
     assert.ok(rows.length >= 28);
     for (const [, word, text] of rows) {
         assert.equal(words.HINTS[word], text, word);
+    }
+});
+
+test('what is wanted besides is said as on the screen for visitors', () => {
+    const source = read('enroll/screen/scene/words.c');
+    const table = source.slice(source.indexOf('wanted[] = {'), source.indexOf('enum {'));
+    const rows = [...table.matchAll(/\{"([a-z]+)", N_\("([^"]*)"\), N_\("([^"]*)"\)/g)];
+    assert.deepEqual(Object.keys(words.WANTED), rows.map(([, word]) => word));
+    assert.deepEqual(Object.keys(words.WANTED_ADVICE), rows.map(([, word]) => word));
+    assert.equal(rows.length, 4);
+    for (const [, word, title, advice] of rows) {
+        assert.equal(words.WANTED[word], title, word);
+        assert.equal(words.WANTED_ADVICE[word], advice, word);
+    }
+});
+
+test('words of the policy', () => {
+    const decide = read('firmware/policy/decide.c');
+    const reasons = [...decide.slice(0, decide.indexOf('};')).matchAll(/\] = "([^"]+)"/g)].map(([, word]) => word);
+    same(policy.REFUSALS, reasons, 11);
+    same(policy.METHODS, api.paths['/policy/test'].get.responses['200'].content['application/json'].schema.properties.wanted.items.enum, 3);
+    const header = read('firmware/policy/document/policy_document.h');
+    for (const word of [...Object.keys(policy.STATES), ...Object.keys(policy.ANTIPASSBACK)]) {
+        assert.ok(header.includes(`"${word}"`), word);
     }
 });
 
