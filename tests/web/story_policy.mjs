@@ -46,7 +46,18 @@ async function openCredential(page, name) {
   await find(page, 'button', /^add a card$/i);
 }
 
+// In a run of these steps alone, nobody has been enrolled before.
+async function enrolsIfMissing(run) {
+  if (!(await run.people()).some((one) => one.name === 'p01')) {
+    run.rig.show('p01-enrol');
+    const enrolled = run.rig.isotherm('enroll', 'p01', '--quick');
+    expectEqual(enrolled.status, 0, `the exit code of isotherm enroll (${enrolled.stderr})`);
+    run.rig.show();
+  }
+}
+
 async function addsCard(run) {
+  await enrolsIfMissing(run);
   const page = run.first;
   await openCredential(page, 'p01');
   await press(page, 'button', /^add a card$/i);
@@ -60,10 +71,13 @@ async function addsCard(run) {
   await seesText(page, /17\/4711/);
   expectEqual((await credential(run, 'p01')).cards.join(), '17/4711', 'the cards of p01');
   expectEqual((await run.people()).find((one) => one.name === 'p01').cards.join(), '17/4711', 'the cards of p01 in the list');
-  const twice = await run.admin.ask('PATCH', '/people/Ada%20Lovelace/credential', { cards: ['17/4711'] });
-  expect(twice.status === 409 && twice.code === 'card-in-use', `a card of another person: 409 card-in-use was expected, and ${twice.status} ${twice.code} came`);
   const acts = (await run.records()).filter((record) => record.event === 'act' && record.person === 'p01').map((record) => record.note);
   expect(acts.some((note) => note.startsWith(`credential, asked by ${run.account} `)), `an act "credential" of ${run.account} was expected: ${acts}`);
+}
+
+async function oneHolder(run) {
+  const twice = await run.admin.ask('PATCH', '/people/Ada%20Lovelace/credential', { cards: ['17/4711'] });
+  expect(twice.status === 409 && twice.code === 'card-in-use', `a card of another person: 409 card-in-use was expected, and ${twice.status} ${twice.code} came`);
 }
 
 // The password fields of the dialog: PIN twice, duress PIN twice.
@@ -249,13 +263,14 @@ async function downloads(run) {
 
 // The policy stays in force for the steps after these. Everybody is let in with the face at any time, as without it.
 export async function policies(run) {
-  await step('a card is added to a person, shown in the list, and put on record', () => addsCard(run));
-  await step('a PIN is typed twice, set, never shown, and removed', () => setsPin(run));
-  await step('an enroller sees no cards and no policy (403)', () => enrollers(run));
-  await step('a policy is stored from the page, after it was refused with the line of the daemon', () => stores(run));
-  await step('the week of the door marks today, and a finding is shown', () => showsWeek(run));
-  await step('the page answers who would be let in', () => asks(run));
-  await step('p01 is refused outside the schedule, live, and let in within it', () => outside(run));
-  await step('the page Door says that a card is wanted', () => wantsCard(run));
-  await step('the policy is downloaded and uploaded', () => downloads(run));
+  await step('access: a card is added to a person, shown in the list, and put on record', () => addsCard(run));
+  await step('access: a card belongs to one person', () => oneHolder(run));
+  await step('access: a PIN is typed twice, set, never shown, and removed', () => setsPin(run));
+  await step('access: an enroller sees no cards and no policy (403)', () => enrollers(run));
+  await step('access: a policy is stored from the page, after it was refused with the line of the daemon', () => stores(run));
+  await step('access: the week of the door marks today, and a finding is shown', () => showsWeek(run));
+  await step('access: the page answers who would be let in', () => asks(run));
+  await step('access: p01 is refused outside the schedule, live, and let in within it', () => outside(run));
+  await step('access: the page Door says that a card is wanted', () => wantsCard(run));
+  await step('access: the policy is downloaded and uploaded', () => downloads(run));
 }

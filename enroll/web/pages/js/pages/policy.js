@@ -3,7 +3,8 @@
 import {N_, _, _f} from '../base/i18n.js';
 import {fill, h} from '../base/dom.js';
 import {example} from '../base/policy.js';
-import {ANTIPASSBACK, word} from '../base/words_policy.js';
+import {word} from '../base/words.js';
+import {ANTIPASSBACK} from '../base/words_policy.js';
 import {duration} from '../base/format.js';
 import {faultText} from '../transport/fault.js';
 import {badge} from '../view/badge.js';

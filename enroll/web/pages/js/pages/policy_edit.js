@@ -3,7 +3,8 @@
 import {_, _f, languageTag} from '../base/i18n.js';
 import {h} from '../base/dom.js';
 import {DAYS, readDates, readPeriods, weekOf, withDates, withHours} from '../base/policy.js';
-import {POLICY_FLAWS, word} from '../base/words_policy.js';
+import {word} from '../base/words.js';
+import {POLICY_FLAWS} from '../base/words_policy.js';
 import {form, openDialog} from '../view/dialog.js';
 import {field, input} from '../view/fields.js';
 import {notice} from '../view/notice.js';

@@ -3,7 +3,8 @@
 import {_, _f} from '../base/i18n.js';
 import {fill, h, newId, say} from '../base/dom.js';
 import {dateTime, fromLocalInput, number, toLocalInput} from '../base/format.js';
-import {METHODS, REFUSALS, word} from '../base/words_policy.js';
+import {word} from '../base/words.js';
+import {METHODS, REFUSALS} from '../base/words_policy.js';
 import {faultText} from '../transport/fault.js';
 import {badge} from '../view/badge.js';
 import {form} from '../view/dialog.js';

@@ -3,7 +3,8 @@
 import {_, _f, languageTag, place} from '../base/i18n.js';
 import {h, svg} from '../base/dom.js';
 import {datesOfWeek, hoursOn, levelsAt, minutes, schedulesAt} from '../base/policy.js';
-import {STATES, word} from '../base/words_policy.js';
+import {word} from '../base/words.js';
+import {STATES} from '../base/words_policy.js';
 import {stack} from '../view/stack.js';
 
 const WIDTH = 96; /* of a day: a quarter of an hour is one unit */
