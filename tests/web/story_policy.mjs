@@ -1,9 +1,10 @@
 // Cards and the policy: a card and a PIN on People, a policy stored from the page Policy, its questions, and what it does at the door.
-import { readdirSync, readFileSync } from 'node:fs';
+import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { eventually, expect, expectEqual, pause, step } from './check.mjs';
 import { find, press, seesText, set, textOf, type } from './browser.mjs';
 import { goTo } from './story_login.mjs';
+import { examineAll } from './story_pages.mjs';
 
 const SAVE = /^save$/i;
 const STORE = /^store$/i;
@@ -178,6 +179,23 @@ async function asks(run) {
   await run.shoot(page, 'policy-questions');
 }
 
+// The dialogs, in both themes and sizes.
+async function dialogs(run) {
+  const page = run.first;
+  await openCredential(page, 'p01');
+  await examineAll(run, page, 'dialog-access');
+  await page.keyboard.press('Escape');
+  await closes(page);
+  for (const [button, name] of [[/^edit always$/i, 'dialog-hours'], [/^edit open-house$/i, 'dialog-dates'], [/^change as JSON…$/i, 'dialog-json']]) {
+    await goTo(page, /^policy$/i);
+    await press(page, 'button', button);
+    await find(page, 'button', STORE);
+    await examineAll(run, page, name);
+    await page.keyboard.press('Escape');
+    await closes(page);
+  }
+}
+
 // How often the page Door shows a text after somebody has come.
 async function comes(run, pattern, picture) {
   const count = async () => ((await textOf(run.first)).match(pattern) ?? []).length;
@@ -194,6 +212,30 @@ async function comes(run, pattern, picture) {
   await pause(2500); // until the visit is over and the door is locked again
 }
 
+// The file of people has cards, and gives them back.
+async function csvOfCards(run) {
+  const page = run.first;
+  const file = join(run.rig.scratch, 'cards.csv');
+  writeFileSync(file, 'name,cards\r\np01,17/4711 17/4712\r\n');
+  await goTo(page, /^people$/i);
+  await seesText(page, /17\/4711/);
+  const [chooser] = await Promise.all([page.waitForFileChooser(), press(page, 'button', /^import csv…$/i)]);
+  await chooser.accept([file]);
+  await seesText(page, /cards: 17\/4711 → 17\/4711 17\/4712/i);
+  await press(page, 'button', /^change people: 1$/i);
+  await eventually('the cards of the file are stored', async () => (await credential(run, 'p01')).cards.join() === '17/4711,17/4712');
+  await seesText(page, /changed: 1\. failed: 0/i);
+  await press(page, 'button', /^close$/i);
+  await closes(page);
+  const folder = join(run.rig.scratch, 'cards-download');
+  const session = await page.createCDPSession();
+  await session.send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: folder, browserContextId: page.context.id });
+  await seesText(page, /17\/4712/);
+  await press(page, 'button', /^export csv$/i);
+  const name = await eventually('a file that is downloaded', () => readdirSync(folder).find((one) => one.endsWith('.csv')));
+  expect(/,cards\r\n[^]*p01,[^]*,17\/4711 17\/4712\r\n/.test(readFileSync(join(folder, name), 'utf8')), 'the exported file was expected to have the cards');
+}
+
 // The special day of today and the hours of the week, from the page.
 async function setHours(page, hours, special) {
   await goTo(page, /^policy$/i);
@@ -201,6 +243,7 @@ async function setHours(page, hours, special) {
   await set(await find(page, 'textbox', /^dates$/i), special);
   await press(page, 'button', STORE);
   await closes(page);
+  await eventually('the focus is on the button again', () => page.evaluate(() => /edit open-house/i.test(document.activeElement.ariaLabel)));
   await press(page, 'button', /^edit always$/i);
   await find(page, 'dialog', /^hours of always$/i);
   for (const field of await page.$$('dialog input')) {
@@ -266,10 +309,12 @@ export async function policies(run) {
   await step('access: a card is added to a person, shown in the list, and put on record', () => addsCard(run));
   await step('access: a card belongs to one person', () => oneHolder(run));
   await step('access: a PIN is typed twice, set, never shown, and removed', () => setsPin(run));
+  await step('access: a CSV file carries cards in and out', () => csvOfCards(run));
   await step('access: an enroller sees no cards and no policy (403)', () => enrollers(run));
   await step('access: a policy is stored from the page, after it was refused with the line of the daemon', () => stores(run));
   await step('access: the week of the door marks today, and a finding is shown', () => showsWeek(run));
   await step('access: the page answers who would be let in', () => asks(run));
+  await step('access: the dialogs keep the rules of accessibility in both themes and sizes', () => dialogs(run));
   await step('access: p01 is refused outside the schedule, live, and let in within it', () => outside(run));
   await step('access: the page Door says that a card is wanted', () => wantsCard(run));
   await step('access: the policy is downloaded and uploaded', () => downloads(run));

@@ -43,10 +43,10 @@ function cardList(cards) {
     more.addEventListener('click', () => add('', true));
     update();
     return {
-        element: h(
-            'fieldset', {}, h('legend', {}, _('Cards')), list, more,
-            h('p', { class: 'help' },
-              _('Facility and number such as 17/4711, or number of bits and code such as 56:04a2b3c4d5e6f7. Readers report both in the log.'))),
+        element:
+            h('fieldset', {}, h('legend', {}, _('Cards')), list, more,
+              h('p', { class: 'help' },
+                _('Facility and number such as 17/4711, or number of bits and code such as 56:04a2b3c4d5e6f7.'))),
         read: () => [...list.querySelectorAll('input')].map((one) => one.value.trim()).filter(Boolean),
     };
 }
@@ -66,8 +66,8 @@ function pinField(legend, isSet, help) {
     return {
         element:
             h('fieldset', {}, h('legend', {}, legend),
-              h('p', { class: 'quiet' }, isSet ? _('It is set.') : _('None is set.')),
-              h('div', { class: 'pair' }, field(_('New PIN'), first, help), field(_('The same once more'), second)),
+              h('p', { class: 'help' }, isSet ? _('It is set.') : _('None is set.'), ' ', help),
+              h('div', { class: 'pair' }, field(_('New PIN'), first), field(_('The same once more'), second)),
               isSet && remove.element),
         read() {
             if (first.value !== second.value) {
@@ -103,7 +103,7 @@ const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 /* The fields, and read() with the members of the merge patch that change. */
 function fields(credential, document) {
     const cards = cardList(credential.cards);
-    const pin = pinField(_('PIN'), credential.pin, _('4 to 8 digits'));
+    const pin = pinField(_('PIN'), credential.pin, _('4 to 8 digits.'));
     const duress = pinField(
         _('Duress PIN'), credential.duress_pin,
         _('Typed under threat, it opens the door as the PIN does, and raises a silent alarm.'));

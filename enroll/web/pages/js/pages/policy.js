@@ -134,6 +134,7 @@ async function upload(store) {
         }
         await store(document);
         notice(_('The policy is stored and in force.'));
+        store.focus();
     } catch (error) {
         noticeFault(error);
     }
@@ -150,6 +151,7 @@ async function removePolicy(store) {
     try {
         await store(null);
         notice(_('The policy is removed.'));
+        store.focus();
     } catch (error) {
         noticeFault(error);
     }
@@ -158,7 +160,8 @@ async function removePolicy(store) {
 function actions(document, store) {
     const button = (text, onclick, danger) =>
         h('button', { type: 'button', class: danger ? 'plain danger' : 'plain', onclick }, text);
-    const save = () => download('isotherm-policy.json', [JSON.stringify(document, null, 2), ''].join('\n'), 'application/json');
+    const save = () =>
+        download('isotherm-policy.json', [JSON.stringify(document, null, 2), ''].join('\n'), 'application/json');
     return h(
         'div', { class: 'bar' }, button(_('Change as JSON…'), () => editDocument(document, store)),
         button(_('Upload a file…'), () => upload(store)), button(_('Download'), save),
@@ -181,18 +184,18 @@ function empty(store) {
 function make(context) {
     const { api } = context;
     const place = h('div', {}, h('p', { class: 'quiet' }, _('Loading…')));
-    let who = null;
-    let left = false;
+    const state = { who: null, left: false, broken: false, pressed: '' };
+    const label = (button) => button.getAttribute('aria-label') ?? button.textContent;
 
     function draw({ revision, document }, findings, people, store) {
         const doors = (document.access_points ?? []).map((one) => one.token);
-        who = whoMayEnter(context, doors, people);
+        state.who = whoMayEnter(context, doors, people);
         fill(
             place, actions(document, store), findingList(findings, revision),
             h('section', { class: 'panel' }, h('h2', {}, _('This week')),
               (document.access_points ?? []).map((door) => doorWeek(document, door))),
-            h('div', { class: 'columns' }, question(context, doors, people), who.element), schedules(document, store),
-            groups(document, store), doorTable(document), profiles(document));
+            h('div', { class: 'columns' }, question(context, doors, people), state.who.element),
+            schedules(document, store), groups(document, store), doorTable(document), profiles(document));
     }
 
     async function load() {
@@ -202,9 +205,14 @@ function make(context) {
                 await api.storePolicy(policy.revision, document);
                 await load();
             };
-            who?.stop();
-            who = null;
-            if (left) {
+            store.focus = () => {
+                const buttons = [...place.querySelectorAll('button')];
+                (buttons.find((button) => label(button) === state.pressed) ?? buttons[0])?.focus();
+            };
+            state.who?.stop();
+            state.who = null;
+            state.broken = false;
+            if (state.left) {
                 return;
             }
             if (policy.document) {
@@ -213,17 +221,25 @@ function make(context) {
                 fill(place, empty(store));
             }
         } catch (error) {
+            state.broken = true;
             fill(place, h('p', { class: 'fault', role: 'alert' }, faultText(error)));
         }
     }
 
+    place.addEventListener('click', ({ target }) => {
+        const button = target.closest('button');
+        state.pressed = button ? label(button) : state.pressed;
+    });
     load();
+    /* What was typed into a question stays, unless there is nothing but a fault. */
+    const end = context.hub.on('connection', (up) => up && state.broken && load());
     return {
         element: place,
-        resume: load,
+        resume: () => state.broken && load(),
         leave() {
-            left = true;
-            who?.stop();
+            state.left = true;
+            state.who?.stop();
+            end();
         },
     };
 }

@@ -24,7 +24,8 @@ export function longDay(i) {
         .format(new Date(Date.UTC(2024, 0, 1 + i)));
 }
 
-/* Opens a dialog with a form. make() returns {elements, read}; what read() returns is stored. */
+/* Opens a dialog with a form. make() returns {elements, read}; what read() returns is stored. The page
+ * is then drawn anew, and store.focus() gives the focus back to its button. */
 async function edit(title, store, make, wide = false) {
     const result = await openDialog(title, (close) => {
         const { elements, read } = make();
@@ -32,6 +33,7 @@ async function edit(title, store, make, wide = false) {
     }, { wide });
     if (result === 'stored') {
         notice(_('The policy is stored and in force.'));
+        store.focus();
     }
     return result === 'stored';
 }

@@ -10,6 +10,7 @@ import {badge} from '../view/badge.js';
 import {form} from '../view/dialog.js';
 import {checkbox, choice, field, input} from '../view/fields.js';
 
+const NAMES_MOST = 500; /* that a field suggests; others can be typed */
 const ASKED_MOST = 200;
 const PAUSE_MS = 80; /* the door service answers 20 calls a second */
 const ALL = Object.keys(METHODS);
@@ -29,7 +30,9 @@ function answerWords({ outcome, reason, wanted, companion, level }) {
 
 /* "Would ... be let in at ... on ...?" */
 export function question({api}, doors, people) {
-    const names = h('datalist', { id: newId('people') }, people.map(({ name }) => h('option', { value: name })));
+    const names =
+        h('datalist', { id: newId('people') },
+          people.slice(0, NAMES_MOST).map(({ name }) => h('option', { value: name })));
     const person = input({ required: true, maxlength: 64, dir: 'auto', list: names.id });
     const door = choice([['', _('This door')], ...doors.map((token) => [token, token])], '', {});
     const time = input({ type: 'datetime-local', required: true, value: toLocalInput(Date.now() / 1000) });

@@ -50,7 +50,7 @@ export function doorWeek(document, door, today = new Date()) {
     const now = (today.getDay() + 6) % 7;
     const rows = schedulesAt(document, door.token);
     const head = (text, attributes) => h('th', { scope: 'col', ...attributes }, text);
-    const shown = _f('Shown: {level}', { level: levelText(document, door) });
+    const shown = _f('To be shown: {level}', { level: levelText(document, door) });
     const title = h('h3', {}, h('bdi', {}, door.token));
     if (!rows.length) {
         return h(
@@ -61,7 +61,7 @@ export function doorWeek(document, door, today = new Date()) {
         'section', { class: 'door-week' }, title,
         door.enabled === false ? h('p', { class: 'fault' }, _('This door is out of service and lets nobody in.')) :
                                  h('p', { class: 'quiet' }, shown),
-        h('div', { class: 'scroll' },
+        h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': door.token },
           stack(h(
               'table', { class: 'week' },
               h('thead', {},
