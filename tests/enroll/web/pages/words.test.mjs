@@ -134,3 +134,20 @@ test('no page has markup from a text, an inline script or style, or another serv
         assert.equal(found, null, `${name}: ${found?.[0]}`);
     }
 });
+
+test('a module imports only what the other one exports', () => {
+    const folder = new URL('enroll/web/pages/js/', ROOT);
+    let imports = 0;
+    for (const name of readdirSync(folder, { recursive: true }).filter((one) => one.endsWith('.js'))) {
+        const file = new URL(name, folder);
+        for (const [, names, from] of readFileSync(file, 'utf8').matchAll(/^import \{([^}]*)\} from '([^']+)';$/gm)) {
+            const source = readFileSync(new URL(from, file), 'utf8');
+            for (const one of names.split(',').map((text) => text.trim()).filter(Boolean)) {
+                const exported = new RegExp(`^export (async )?(function|const|class|let) ${one.replace('$', '\\$')}\\b`, 'm');
+                assert.match(source, exported, `${name} imports ${one} from ${from}`);
+                imports += 1;
+            }
+        }
+    }
+    assert.ok(imports > 150, `${imports} imports were found`);
+});

@@ -57,7 +57,7 @@ function makeRow(person, open) {
         h('td', { class: 'number' }, person.templates), h('td', {}, dateTime(person.enrolled_s * 1000)),
         h('td', {}, person.last_seen_s ? dateTime(person.last_seen_s * 1000) : '–'),
         person.cards &&
-            h('td', {}, h('bdi', {}, person.cards.join(' ') || '–'),
+            h('td', { title: person.cards.join(' ') || false }, h('bdi', {}, person.cards.join(' ') || '–'),
               !person.enabled && [' ', badge('bad', _('suspended'))]));
 }
 
@@ -66,7 +66,14 @@ function heads(withCards) {
     return [
         _('Name'), _('Valid from'), _('Valid until'), _('Templates'), _('Enrolled'), _('Last seen'),
         ...(withCards ? [_('Cards')] : [])
-    ].map((text, i) => h('th', { scope: 'col', class: i === 3 ? 'number' : '' }, text));
+    ]
+        .map(
+            (text, i) =>
+                h('th', { scope: 'col',
+                          class: i === 3           ? 'number' :
+                              i === 0 && withCards ? 'short' :
+                                                     '' },
+                  text));
 }
 
 function make(context) {

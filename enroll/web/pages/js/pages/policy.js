@@ -194,7 +194,7 @@ function make(context) {
             place, actions(document, store), findingList(findings, revision),
             h('section', { class: 'panel' }, h('h2', {}, _('This week')),
               (document.access_points ?? []).map((door) => doorWeek(document, door))),
-            h('div', { class: 'columns' }, question(context, doors, people), state.who.element),
+            h('div', { class: 'columns questions' }, question(context, doors, people), state.who.element),
             schedules(document, store), groups(document, store), doorTable(document), profiles(document));
     }
 

@@ -31,7 +31,8 @@ function dayCell(document, schedule, date, day, isToday) {
     const { periods, group } = hoursOn(document, schedule, date, day);
     return h(
         'td', { class: [isToday && 'today', group && 'special'].filter(Boolean).join(' ') }, bar(periods),
-        h('span', { class: 'hours', dir: 'ltr' }, periods.length ? periods.join(', ') : '–'),
+        h('span', { class: 'hours' },
+          periods.length ? periods.map((one) => [h('bdi', { class: 'whole', dir: 'ltr' }, one), ' ']) : '–'),
         group && h('span', { class: 'mark' }, '★ ', h('bdi', {}, group)));
 }
 
