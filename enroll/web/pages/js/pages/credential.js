@@ -58,7 +58,7 @@ function pinField(legend, isSet, help) {
         inputmode: 'numeric',
         pattern: '[0-9]*',
         autocomplete: 'new-password',
-        maxlength: 8
+        maxlength: 9
     };
     const first = input({...secret, title: _('Digits only') });
     const second = input({...secret, title: _('Digits only') });
@@ -103,10 +103,10 @@ const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 /* The fields, and read() with the members of the merge patch that change. */
 function fields(credential, document) {
     const cards = cardList(credential.cards);
-    const pin = pinField(_('PIN'), credential.pin, _('4 to 8 digits.'));
+    const pin = pinField(_('PIN'), credential.pin, _('4 to 9 digits.'));
     const duress = pinField(
         _('Duress PIN'), credential.duress_pin,
-        _('Typed under threat, it opens the door as the PIN does, and raises a silent alarm.'));
+        _('Typed under threat, it opens the door as the PIN does. Nothing at the door shows it; the log does.'));
     const profiles = profileList(document, credential.profiles);
     const suspended = checkbox(_('Access is suspended'), { checked: !credential.enabled });
     const reason = input({ value: credential.disabled_reason, maxlength: 31, dir: 'auto' });

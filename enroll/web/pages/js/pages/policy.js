@@ -113,7 +113,7 @@ function findingList(findings, revision) {
             h('ul', { class: 'findings' },
               findings.map(
                   (one) => h('li', {}, badge('odd', _('Notice')), ' ', h('span', { lang: 'en', dir: 'ltr' }, one)))) :
-            h('p', { class: 'good' }, _('Nothing in this policy keeps anybody out by mistake.')));
+            h('p', { class: 'good' }, _('The check found no schedule, person or door that can never let anybody in.')));
 }
 
 /* Reads a file and stores it. */
