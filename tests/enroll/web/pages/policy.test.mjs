@@ -81,3 +81,13 @@ test('the week of a day begins on Monday', () => {
     assert.deepEqual(policy.datesOfWeek(new Date(2026, 10, 23)).at(0), '2026-11-23');
     assert.deepEqual(policy.datesOfWeek(new Date(2027, 0, 1)), ['2026-12-28', '2026-12-29', '2026-12-30', '2026-12-31', '2027-01-01', '2027-01-02', '2027-01-03']);
 });
+
+test('the text of a document is short, and the same document', () => {
+    const text = policy.textOf(office);
+    assert.deepEqual(JSON.parse(text), office);
+    assert.ok(text.includes('"monday-thursday": ["09:00-12:00", "13:00-17:00"]'), text);
+    assert.ok(text.split('\n').length < JSON.stringify(office, null, 2).split('\n').length - 30);
+    const strange = { areas: [{ token: '[ "a",  "b" ]' }], list: ['a,  ', '["x"]', '\\', '",  "', '[', ']'], empty: [], mixed: [1, 'a'] };
+    assert.deepEqual(JSON.parse(policy.textOf(strange)), strange);
+    assert.deepEqual(JSON.parse(policy.textOf(policy.example('Europe/Berlin'))), policy.example('Europe/Berlin'));
+});

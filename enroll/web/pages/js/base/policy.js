@@ -145,6 +145,12 @@ export function withDates(document, token, days) {
     return {...document, special_day_groups: replace(document.special_day_groups, token, { days }) };
 }
 
+/* The document as people read and change it: JSON in lines, but a list of texts in one line. */
+export function textOf(document) {
+    const lists = /\[\s*"[^"\\]*"(?:,\s*"[^"\\]*")*\s*\]/g;
+    return JSON.stringify(document, null, 2).replace(lists, (list) => `[${list.match(/"[^"\\]*"/g).join(', ')}]`);
+}
+
 /* A policy to begin with: one door, which opens to everybody who is enrolled in the hours of an office. */
 export function example(zone) {
     return {

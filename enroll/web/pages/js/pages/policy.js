@@ -2,7 +2,7 @@
 
 import {N_, _, _f} from '../base/i18n.js';
 import {fill, h} from '../base/dom.js';
-import {example} from '../base/policy.js';
+import {example, textOf} from '../base/policy.js';
 import {word} from '../base/words.js';
 import {ANTIPASSBACK} from '../base/words_policy.js';
 import {duration} from '../base/format.js';
@@ -160,8 +160,7 @@ async function removePolicy(store) {
 function actions(document, store) {
     const button = (text, onclick, danger) =>
         h('button', { type: 'button', class: danger ? 'plain danger' : 'plain', onclick }, text);
-    const save = () =>
-        download('isotherm-policy.json', [JSON.stringify(document, null, 2), ''].join('\n'), 'application/json');
+    const save = () => download('isotherm-policy.json', [textOf(document), ''].join('\n'), 'application/json');
     return h(
         'div', { class: 'bar' }, button(_('Change as JSON…'), () => editDocument(document, store)),
         button(_('Upload a file…'), () => upload(store)), button(_('Download'), save),

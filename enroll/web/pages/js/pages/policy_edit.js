@@ -2,7 +2,7 @@
 
 import {_, _f, languageTag} from '../base/i18n.js';
 import {h} from '../base/dom.js';
-import {DAYS, readDates, readPeriods, weekOf, withDates, withHours} from '../base/policy.js';
+import {DAYS, readDates, readPeriods, textOf, weekOf, withDates, withHours} from '../base/policy.js';
 import {word} from '../base/words.js';
 import {POLICY_FLAWS} from '../base/words_policy.js';
 import {form, openDialog} from '../view/dialog.js';
@@ -69,9 +69,7 @@ export function editDates(document, group, store) {
 /* The whole document as text. */
 export function editDocument(document, store) {
     return edit(_('The policy as JSON'), store, () => {
-        const area =
-            h('textarea', { rows: 18, dir: 'ltr', spellcheck: 'false', class: 'code' },
-              JSON.stringify(document, null, 2));
+        const area = h('textarea', { rows: 18, dir: 'ltr', spellcheck: 'false', class: 'code' }, textOf(document));
         return {
             elements: [
                 field(
