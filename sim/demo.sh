@@ -80,7 +80,7 @@ END
 
 start_daemon()
 {
-    mkdir "$run/state"
+    mkdir -p "$run/state"
     cat >"$out/isotherm.conf" <<END
 [sensor]
 backend = replay
@@ -105,7 +105,7 @@ address = $address
 head = $model
 metric = $metric
 END
-    "$isothermd" --config "$out/isotherm.conf" 2>"$out/isothermd.log" &
+    "$isothermd" --config "$out/isotherm.conf" 2>>"$out/isothermd.log" &
     daemon_pid=$!
     for _ in $(seq 100); do
         if "$isotherm" --bus "$address" status >/dev/null 2>&1; then
@@ -185,7 +185,49 @@ first_of()
     awk -F, -v role="$1" '$6 == role { print $1; exit }' "$corpus/manifest.csv"
 }
 
+# Stores a policy that lets nobody in at this hour, asks what the door would decide about the first person, sends this person to the door,
+# and removes the policy. Fails if the person is not refused for this reason. The daemon is started again, because it ignores frames that it
+# has seen in the last ten minutes.
+keep_out_by_schedule()
+{
+    local person visit hour
+
+    hour=$(date -u +%H)
+    person=$(awk -F, '$6 == "gallery" { print $4; exit }' "$corpus/manifest.csv")
+    visit=$(first_of probe)
+    # Every day, from an hour after this one to two hours after it; or in the morning, if that would pass midnight.
+    if [ "$hour" -lt 21 ]; then
+        printf -v hours '%02d:00-%02d:00' "$((10#$hour + 1 + 1))" "$((10#$hour + 3))"
+    else
+        hours=05:00-06:00
+    fi
+    cat >"$out/policy.json" <<END
+{
+  "schedules": [{"token": "other hours", "zone": "Etc/UTC", "weekly": {"monday-sunday": ["$hours"]}}],
+  "access_points": [{"token": "front"}],
+  "access_profiles": [{"token": "staff", "policies": [{"access_point": "front", "schedule": "other hours"}]}],
+  "default_profile": "staff"
+}
+END
+    "$isotherm" --bus "$address" policy import "$out/policy.json"
+    kill "$daemon_pid"
+    wait "$daemon_pid" || true
+    start_daemon
+    "$isotherm" --bus "$address" policy show
+    "$isotherm" --bus "$address" policy test --person "$person" --at "${hours%%-*}"
+    "$isotherm" --bus "$address" policy test --person "$person" && return 1
+    stand_before_the_camera "$visit"
+    sleep 3
+    rm -f "$slot"
+    sleep 1
+    "$isotherm" --bus "$address" log --event visit >"$run/log.txt"
+    tail -n 1 "$run/log.txt"
+    tail -n 1 "$run/log.txt" | grep -q 'not-now'
+    "$isotherm" --bus "$address" policy remove
+}
+
 started=$(date +%s)
+rm -f "$out/isothermd.log"
 start_bus
 start_daemon
 
@@ -198,6 +240,9 @@ visits=0
 "$simulator" visit --corpus "$corpus" --slot "$slot" --bus "$address" --out "$out" --settle-ms 250 \
     >"$out/visits.txt" || visits=$?
 "$isotherm" --bus "$address" status >"$out/status.txt"
+
+step 'a policy with a schedule keeps a person out' policy.txt
+keep_out_by_schedule >"$out/policy.txt" 2>&1
 
 step 'accuracy on the stored frames, by the same code' eval/report.txt
 mkdir -p "$out/eval"

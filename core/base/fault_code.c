@@ -51,6 +51,10 @@ static const struct {
     [ISO_FAULT_LINE_BUSY] = {"line-busy", "Another program or driver uses a line of the door."},
     [ISO_FAULT_LINE_FAILED] = {"line-failed", "A line of the door cannot be read or switched."},
 
+    [ISO_FAULT_PANEL_LINE] = {"panel-line", "The serial line to the access panel cannot be used."},
+    [ISO_FAULT_PANEL_SILENT] = {"panel-silent", "The access panel sends nothing."},
+    [ISO_FAULT_PANEL_KEY] = {"panel-key", "The stored key of the access panel cannot be used."},
+
     [ISO_FAULT_KEY_MISSING] = {"key-missing", "The key file is gone."},
     [ISO_FAULT_KEY_WRONG] = {"key-wrong", "The key is not the one with which the files were sealed, or the key ring is damaged."},
     [ISO_FAULT_KEY_EXPOSED] = {"key-exposed", "Other users can read the key file."},

@@ -63,6 +63,11 @@ enum iso_fault_code {
     ISO_FAULT_LINE_BUSY,
     ISO_FAULT_LINE_FAILED,
 
+    /* The bus of an access panel. */
+    ISO_FAULT_PANEL_LINE,
+    ISO_FAULT_PANEL_SILENT,
+    ISO_FAULT_PANEL_KEY,
+
     /* Keys and stores. */
     ISO_FAULT_KEY_MISSING,
     ISO_FAULT_KEY_WRONG,

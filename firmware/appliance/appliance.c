@@ -8,6 +8,7 @@
 
 #include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 
 const char *iso_appliance_mode_name(enum iso_appliance_mode mode)
 {
@@ -111,7 +112,9 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
         return error;
     }
     iso__appliance_record_gallery(appliance, "start", ISOTHERM_VERSION);
+    iso__appliance_load_settings(appliance);
     iso__appliance_record_door(appliance);
+    iso__appliance_start_panel(appliance);
     iso__appliance_unlearn(appliance);
     error = iso__appliance_load_policy(appliance);
     if (error) {
@@ -154,6 +157,7 @@ static int64_t next_step_ns(struct iso_appliance *appliance, int64_t now_ns)
         iso__appliance_picture_due_ns(appliance),
         iso__appliance_action_due_ns(appliance),
         iso__appliance_access_due_ns(appliance),
+        iso__appliance_panel_due_ns(appliance),
     };
     int64_t next_ns = ISO_NEVER_NS;
     for (size_t i = 0; i < sizeof due_ns / sizeof *due_ns; i++) {
@@ -168,6 +172,7 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     int64_t now_ns = iso_times_now_ns(&appliance->borrowed.times);
     iso_door_guard_step(appliance->door);
     iso__appliance_tell_door(appliance);
+    iso__appliance_tell_panel(appliance, now_ns);
     iso__appliance_follow_site(appliance);
     iso__appliance_look_at_sensor(appliance, now_ns);
     now_ns = iso_times_now_ns(&appliance->borrowed.times);
@@ -177,6 +182,7 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     iso__appliance_counter_time(appliance, now_ns);
     iso__appliance_action_deadline(appliance, now_ns);
     iso__appliance_picture_time(appliance, now_ns);
+    iso__appliance_read_cards(appliance);
     iso__appliance_access_time(appliance, now_ns);
     return next_step_ns(appliance, now_ns);
 }
@@ -190,6 +196,11 @@ void iso_appliance_stop(struct iso_appliance *appliance)
     iso__appliance_close_sensor(appliance);
     iso__appliance_end_attack(appliance);
     (void)iso__appliance_note(appliance, &record);
+}
+
+int iso_appliance_panel_fd(const struct iso_appliance *appliance)
+{
+    return appliance->borrowed.panel ? iso_panel_fd(appliance->borrowed.panel) : -1;
 }
 
 int iso_appliance_door_fd(const struct iso_appliance *appliance)

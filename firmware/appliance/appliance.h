@@ -29,6 +29,7 @@
 #include "core/base/fault.h"
 #include "drivers/base/times.h"
 #include "drivers/door/door_io.h"
+#include "drivers/reader/card_source.h"
 #include "firmware/access/site_access.h"
 #include "firmware/audit/audit.h"
 #include "firmware/audit/audit_writer.h"
@@ -38,9 +39,11 @@
 #include "firmware/door/door_control.h"
 #include "firmware/door/door_guard.h"
 #include "firmware/gallery/gallery.h"
+#include "firmware/panel/panel.h"
 #include "firmware/recognise/pipeline.h"
 #include "firmware/sensor/sensor_supervisor.h"
 #include "firmware/sensor/view.h"
+#include "firmware/settings/live_settings.h"
 #include "firmware/visit/decision.h"
 
 enum iso_appliance_mode {
@@ -111,7 +114,7 @@ struct iso_appliance_events {
     void (*picture)(void *context, const struct iso_frame *frame);
     /* Words of door.h. */
     void (*door_changed)(void *context, const char *state, const char *cause);
-    /* The claim has ended because its time was over. */
+    /* The claim has ended because its time was over, or with the login that it was for. */
     void (*claim_lost)(void *context);
     /* A line for the system's log; priority as in syslog.h. */
     void (*message)(void *context, int priority, const char *text);
@@ -129,10 +132,14 @@ struct iso_appliance_borrowed {
     struct iso_door_guard *door; /* of door_io, started already, whose changes nobody has taken yet;
                                   * NULL: the appliance makes one and starts it */
     const struct iso_cards *cards;     /* sent to an access controller; NULL: there is none */
+    struct iso_panel *panel;           /* an access panel (panel.h); NULL: there is none */
     struct iso_key_ring *ring;         /* the keys of gallery and log */
     struct iso_state_counter *counter; /* NULL: there is none (state_counter.h) */
+    struct iso_card_source reader;     /* of cards and keys (card_source.h) */
     const struct iso_zone_source
-        *zones;               /* of policies; NULL: none, so that every zone is unknown */
+        *zones; /* of policies; NULL: none, so that every zone is unknown */
+    /* Changes of `config` while the appliance works; NULL: it does not change. */
+    struct iso_live_settings *settings;
     const char *lockout_path; /* see lockout_file.h; NULL or "": the state is lost at the end */
     struct iso_gallery *gallery;
     struct iso_audit *audit;
@@ -170,6 +177,8 @@ void iso_appliance_stop(struct iso_appliance *appliance);
  * The descriptor of the sensor may change with every step. */
 int iso_appliance_sensor_fd(const struct iso_appliance *appliance);
 int iso_appliance_door_fd(const struct iso_appliance *appliance);
+int iso_appliance_panel_fd(const struct iso_appliance *appliance);
+int iso_appliance_reader_fd(const struct iso_appliance *appliance);
 
 /* Counts signs of life of the sensor: frames, answers of an idle sensor, attempts to open a lost
  * one. The watchdog is notified only when this number has risen. */
@@ -201,6 +210,14 @@ int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
 int iso_appliance_identify(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Takes the claim, verifies a person for a login of this machine, and gives the claim back by
+ * itself at the end: after the last status it reports claim_lost. It ends after [login] longest_ms
+ * at the latest. The errors of iso_appliance_verify, and: -EOPNOTSUPP the appliance guards a door
+ * ([login] desk), -EBUSY another client has the claim, -EPERM also for a person who is not valid
+ * now. After an error nothing has changed. */
+int iso_appliance_verify_login(struct iso_appliance *appliance, const char *person,
+                               struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Ends an action of this kind without a status, or acknowledges an action that has ended by itself.
  * -ENODATA there is none. */
@@ -293,6 +310,8 @@ struct iso_appliance_status {
     const char *image_check;     /* "off", "flag", "veto", "absent" (pipeline.h) */
     const struct iso_view *view; /* the last frame that was examined; NULL: there was none */
     struct iso_appliance_counts counts;
+    const char *reader_state; /* of the card reader: "off", "works", "lost" */
+    const char *reader_fault; /* why it does not work; "" if it does, or if there is none */
     bool lockdown;
     int64_t lockout_ns; /* how long nobody is let in; 0: not locked out */
     uint64_t frames;

@@ -26,6 +26,12 @@ const char *iso__appliance_wanted(const struct iso_appliance *appliance);
 /* Whether the clock can be trusted to tell the date. */
 bool iso__appliance_knows_date(const struct iso_appliance *appliance);
 
+/* Takes what the card reader has, and reports that it is lost or works again. */
+void iso__appliance_read_cards(struct iso_appliance *appliance);
+
+/* "off", "works", "lost". */
+const char *iso__appliance_reader_state(const struct iso_appliance *appliance);
+
 /* Refuses somebody who did not show what was wanted in time. */
 void iso__appliance_access_time(struct iso_appliance *appliance, int64_t now_ns);
 int64_t iso__appliance_access_due_ns(const struct iso_appliance *appliance);

@@ -6,6 +6,7 @@
 #include <syslog.h>
 
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 #include "firmware/contract/contract.h"
 
 void iso__appliance_init_claim(struct iso_appliance *appliance)
@@ -42,6 +43,7 @@ int iso_appliance_claim(struct iso_appliance *appliance)
 
 void iso_appliance_release(struct iso_appliance *appliance)
 {
+    appliance->claim.login = false;
     if (appliance->mode != ISO_APPLIANCE_WATCH) {
         iso__appliance_picture_drop(appliance);
         rest_claimed(appliance);
@@ -110,6 +112,42 @@ int iso_appliance_verify(struct iso_appliance *appliance, const char *person,
     return 0;
 }
 
+/* The door opens to nobody outside of his or her limits, and neither does a login. */
+static int may_log_in(const struct iso_appliance *appliance, const char *name,
+                      struct iso_fault *fault)
+{
+    const struct iso_person *person = iso_gallery_find(appliance->borrowed.gallery, name);
+    if (!appliance->borrowed.config->login.desk) {
+        return iso_fault_set(fault, -EOPNOTSUPP,
+                             "this appliance guards a door and serves no logins ([login] desk)");
+    }
+    if (person && !iso__appliance_is_valid(appliance, person->id)) {
+        return iso_fault_set(fault, -EPERM, "%s: not valid at this time", name);
+    }
+    return 0;
+}
+
+int iso_appliance_verify_login(struct iso_appliance *appliance, const char *person,
+                               struct iso_fault *fault)
+{
+    int error = may_log_in(appliance, person, fault);
+    if (error) {
+        return error;
+    }
+    if (iso_appliance_claim(appliance)) {
+        return iso_fault_set(fault, -EBUSY, "another client has the camera");
+    }
+    error = iso_appliance_verify(appliance, person, fault);
+    if (error) {
+        iso_appliance_release(appliance);
+        return error;
+    }
+    appliance->claim.login = true;
+    appliance->claim.deadline_ns = iso__appliance_now_ns(appliance) +
+                                   appliance->borrowed.config->login.longest_ms * ISO_NS_PER_MS;
+    return 0;
+}
+
 int iso_appliance_identify(struct iso_appliance *appliance, struct iso_fault *fault)
 {
     const int error = may_recognise(appliance, fault);
@@ -147,6 +185,10 @@ void iso__appliance_end_action(struct iso_appliance *appliance)
     const enum iso_appliance_mode mode = appliance->mode;
     rest_claimed(appliance);
     appliance->claim.ended = mode;
+    if (appliance->claim.login) {
+        iso_appliance_release(appliance);
+        appliance->borrowed.events.claim_lost(appliance->borrowed.events.context);
+    }
 }
 
 void iso__appliance_tell_hint(struct iso_appliance *appliance, enum iso_capture capture)

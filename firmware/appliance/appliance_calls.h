@@ -50,6 +50,15 @@ int iso__appliance_record_grant(struct iso_appliance *appliance,
 void iso__appliance_record_gallery(struct iso_appliance *appliance, const char *event,
                                    const char *note);
 
+/* ---- settings (appliance_settings.c) ---- */
+
+/* Reads the settings that were changed before the restart. Called before the lock-out and the
+ * sensor are started. */
+void iso__appliance_load_settings(struct iso_appliance *appliance);
+
+/* Lets all parts use the present settings. A visit that has begun is forgotten. */
+void iso__appliance_apply_settings(struct iso_appliance *appliance);
+
 /* ---- disk and counter (appliance_storage.c) ---- */
 
 void iso__appliance_init_storage(struct iso_appliance *appliance);
@@ -116,6 +125,12 @@ void iso__appliance_flush_door(struct iso_appliance *appliance);
 
 /* When iso__appliance_tell_door has to record counted changes, by the clock of the steps. */
 int64_t iso__appliance_door_events_due_ns(struct iso_appliance *appliance);
+
+/* Says why the line or the stored key of the panel could not be used. Records
+ * and reports changes of the panel, and when this is due next. They do nothing without a panel. */
+void iso__appliance_start_panel(struct iso_appliance *appliance);
+void iso__appliance_tell_panel(struct iso_appliance *appliance, int64_t now_ns);
+int64_t iso__appliance_panel_due_ns(const struct iso_appliance *appliance);
 
 /* Shows a refusal at the door. */
 void iso__appliance_refuse_at_door(struct iso_appliance *appliance);
@@ -206,6 +221,9 @@ void iso__appliance_repeat_reset(struct iso_appliance *appliance);
 
 /* Called when the sensor was opened: uses its rate, and warns if grants have too little time. */
 void iso__appliance_stale_sensor(struct iso_appliance *appliance);
+
+/* [decision] agree has changed. */
+void iso__appliance_stale_agree(struct iso_appliance *appliance);
 
 /* Called when a usable frame was extracted and judged: uses the time since its exposure, and warns
  * as above. The comparison with the gallery comes later and does not count. */
@@ -304,6 +322,9 @@ size_t iso__appliance_count_valid(const struct iso_appliance *appliance);
  * and lets nobody in until then. */
 void iso__appliance_start_lockout(struct iso_appliance *appliance);
 
+/* The settings of the lock-out have changed. What was counted stays. */
+void iso__appliance_configure_lockout(struct iso_appliance *appliance);
+
 /* Writes the state that has to outlast a restart. Returns an errno of writing it, or -EIO if the
  * existing file could not be read yet and is therefore not replaced. */
 int iso__appliance_keep_lockout(struct iso_appliance *appliance, struct iso_fault *fault);
@@ -329,67 +350,5 @@ void iso__appliance_shut_out(const struct iso_appliance *appliance, struct iso_v
 /* Counts a verdict that was reported. A lock may begin. */
 void iso__appliance_count_verdict(struct iso_appliance *appliance,
                                   const struct iso_verdict *verdict);
-
-/* ---- the claim and its actions (appliance_action.c) ---- */
-
-void iso__appliance_init_claim(struct iso_appliance *appliance);
-
-/* Whether an action may begin: -EACCES not claimed, -EBUSY an action goes on, -ENODEV no sensor, or
- * why the gallery is out of service. */
-int iso__appliance_may_act(const struct iso_appliance *appliance, struct iso_fault *fault);
-
-/* Begins an action, which ends after duration_ms at the latest. Visit, hints and a picture that is
- * awaited are dropped. */
-void iso__appliance_begin_action(struct iso_appliance *appliance, enum iso_appliance_mode mode,
-                                 int duration_ms);
-
-/* Ends an action that has finished by itself. The report to the client comes before, because it
- * needs the mode. */
-void iso__appliance_end_action(struct iso_appliance *appliance);
-
-/* VERIFY, IDENTIFY: handles the verdict. */
-void iso__appliance_finish_recognition(struct iso_appliance *appliance,
-                                       const struct iso_verdict *verdict);
-
-/* WATCH, ENROLL, VERIFY, IDENTIFY: gives a hint to the person. */
-void iso__appliance_tell_hint(struct iso_appliance *appliance, enum iso_capture capture);
-
-/* Ends the claim or the action if its time is over. */
-void iso__appliance_action_deadline(struct iso_appliance *appliance, int64_t now_ns);
-int64_t iso__appliance_action_due_ns(const struct iso_appliance *appliance);
-
-/* Ends an action because the sensor is lost. The claim stays. */
-void iso__appliance_action_disconnect(struct iso_appliance *appliance);
-
-/* Wipes the person of the last action. */
-void iso__appliance_forget_claim(struct iso_appliance *appliance);
-
-/* ---- enrolling (appliance_enroll.c) ---- */
-
-/* Returns ISO_CAPTURE_OK if an enrolment can use the template of the last frame, else the reason
- * why it cannot. */
-enum iso_capture iso__appliance_enroll_gate(const struct iso_appliance *appliance);
-
-/* Adds the template of the last frame to the enrolment. */
-void iso__appliance_enroll_face(struct iso_appliance *appliance);
-
-/* Counts a frame that has a cue of an attack; `cue` is the cue. */
-void iso__appliance_enroll_attack(struct iso_appliance *appliance, enum iso_capture cue);
-
-/* Sends a hint to the client that enrols; `word` is a result of firmware/contract/contract.h. */
-void iso__appliance_tell_enrolment_hint(struct iso_appliance *appliance, const char *word);
-
-/* Ends the enrolment because the sensor is lost. */
-void iso__appliance_disconnect_enrolment(struct iso_appliance *appliance);
-
-/* Ends the enrolment, or its step, if its time is over at now_ns. */
-void iso__appliance_time_enrolment(struct iso_appliance *appliance, int64_t now_ns);
-int64_t iso__appliance_enrolment_due_ns(const struct iso_appliance *appliance);
-
-/* Wipes the templates of the enrolment. */
-void iso__appliance_wipe_enrolment(struct iso_appliance *appliance);
-
-/* Wipes the templates and the person of the enrolment. */
-void iso__appliance_forget_enrolment(struct iso_appliance *appliance);
 
 #endif

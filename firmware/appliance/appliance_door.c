@@ -1,4 +1,5 @@
-/* Starts the door as the configuration says, and records and reports its changes. */
+/* Starts the door as the configuration says, and records and reports its changes, and those of an
+ * access panel. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -101,6 +102,16 @@ int64_t iso__appliance_door_events_due_ns(struct iso_appliance *appliance)
     return record_ns < tell_ns ? record_ns : tell_ns;
 }
 
+static void tell_panel_of_door(const struct iso_appliance *appliance,
+                               const struct iso_door_news *news)
+{
+    const bool open = news->state == ISO_DOOR_OPENED || news->state == ISO_DOOR_HELD_OPEN ||
+                      news->state == ISO_DOOR_FORCED;
+    if (appliance->borrowed.panel) {
+        iso_panel_set_door(appliance->borrowed.panel, open, news->tamper);
+    }
+}
+
 void iso__appliance_tell_door(struct iso_appliance *appliance)
 {
     struct iso_door_news news;
@@ -111,6 +122,7 @@ void iso__appliance_tell_door(struct iso_appliance *appliance)
             iso__appliance_say(appliance, LOG_WARNING, "%zu changes of the door were not reported",
                                missed);
         }
+        tell_panel_of_door(appliance, &news);
         if (iso_door_events_take(&appliance->door_news.reported, &news,
                                  iso__appliance_now_ns(appliance))) {
             tell_change(appliance, &news);
@@ -188,4 +200,43 @@ int iso__appliance_grant_at_door(struct iso_appliance *appliance, int64_t since_
     const int error = iso_door_guard_grant(appliance->door, until_ns, answer);
     iso__appliance_tell_door(appliance);
     return error;
+}
+
+/* ---- the access panel ---- */
+
+static void record_panel(struct iso_appliance *appliance, const struct iso_panel_news *news)
+{
+    struct iso_audit_record record = iso_audit_record_of("panel");
+    record.reason = news->event;
+    record.note = news->note[0] ? news->note : NULL;
+    (void)iso__appliance_note(appliance, &record);
+    iso__appliance_say(appliance, news->alarm ? LOG_WARNING : LOG_INFO, "panel %s%s%s", news->event,
+                       news->note[0] ? ": " : "", news->note);
+}
+
+void iso__appliance_start_panel(struct iso_appliance *appliance)
+{
+    struct iso_panel *panel = appliance->borrowed.panel;
+    if (panel && iso_panel_fault(panel)->text[0]) {
+        iso__appliance_warn(appliance, iso_panel_fault(panel));
+    }
+}
+
+void iso__appliance_tell_panel(struct iso_appliance *appliance, int64_t now_ns)
+{
+    struct iso_panel *panel = appliance->borrowed.panel;
+    struct iso_panel_news news;
+    if (!panel) {
+        return;
+    }
+    iso_panel_set_reader(panel, strcmp(iso__appliance_sensor_state(appliance), "started") == 0);
+    while (iso_panel_next(panel, now_ns, &news)) {
+        record_panel(appliance, &news);
+    }
+}
+
+int64_t iso__appliance_panel_due_ns(const struct iso_appliance *appliance)
+{
+    const struct iso_panel *panel = appliance->borrowed.panel;
+    return panel ? iso_panel_due_ns(panel) : ISO_NEVER_NS;
 }

@@ -6,7 +6,8 @@
 
 #include "drivers/file/storage_fault.h"
 #include "firmware/appliance/appliance_calls.h"
-#include "firmware/appliance/gate/enroll_gate.h"
+#include "firmware/appliance/appliance_claim.h"
+#include "firmware/config/enroll_options.h"
 #include "firmware/contract/contract.h"
 
 /* The stored limits of a person; NULL: no limits. */

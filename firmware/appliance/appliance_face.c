@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 
 /* A check that is turned off gets a limit that is never reached. */
 static void init_liveness(struct iso_appliance *appliance)
@@ -25,7 +26,10 @@ void iso__appliance_init_face(struct iso_appliance *appliance)
         .still_mm_s = config->motion.still_mm_s,
         .still_rad_s = config->motion.still_deg_s * ISO_RAD_PER_DEG,
     };
+    /* A later track has another number than all before, also if the settings change. */
+    const uint64_t number = appliance->face.track.number;
     iso_track_init(&appliance->face.track, &track);
+    appliance->face.track.number = number;
     init_liveness(appliance);
 }
 

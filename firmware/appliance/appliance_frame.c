@@ -8,6 +8,7 @@
 #include "drivers/terminal/words.h"
 #include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 
 /* An attempt that lasts longer becomes several records. */
 static const int64_t attack_longest_ns = 60 * ISO_NS_PER_S;
@@ -165,8 +166,18 @@ static enum iso_capture recognise_face(struct iso_appliance *appliance, int64_t 
     return ISO_CAPTURE_OK;
 }
 
+/* A desk machine has no door to watch. Between logins it recognises nobody and counts no strangers
+ * who walk by, whose number would lock its users out. */
+static bool is_desk_at_rest(const struct iso_appliance *appliance)
+{
+    return appliance->mode == ISO_APPLIANCE_WATCH && appliance->borrowed.config->login.desk;
+}
+
 static enum iso_capture take_face(struct iso_appliance *appliance, int64_t t_ns, int64_t arrival_ns)
 {
+    if (is_desk_at_rest(appliance)) {
+        return ISO_CAPTURE_OK;
+    }
     if (appliance->mode == ISO_APPLIANCE_ENROLL) {
         iso__appliance_enroll_face(appliance);
         return ISO_CAPTURE_OK;
@@ -179,6 +190,9 @@ static void take_attack(struct iso_appliance *appliance, enum iso_capture cue, i
                         int64_t arrival_ns)
 {
     struct iso_verdict verdict;
+    if (is_desk_at_rest(appliance)) {
+        return;
+    }
     iso_attack_tally_frame(&appliance->visit.attacks, cue, t_ns);
     iso__appliance_count_attack_frame(appliance);
     if (appliance->mode == ISO_APPLIANCE_ENROLL) {
@@ -200,7 +214,7 @@ static void take_attack(struct iso_appliance *appliance, enum iso_capture cue, i
 static void take_doubtful_face(struct iso_appliance *appliance, int64_t t_ns, int64_t arrival_ns)
 {
     struct iso_decision_frame nobody = {.score = NAN, .t_ns = t_ns};
-    if (appliance->mode != ISO_APPLIANCE_ENROLL) {
+    if (appliance->mode != ISO_APPLIANCE_ENROLL && !is_desk_at_rest(appliance)) {
         count_face(appliance, &nobody, arrival_ns);
     }
 }
@@ -251,7 +265,9 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
     }
     iso__appliance_time(appliance, frame->t_ns);
     iso__appliance_picture_frame(appliance, frame);
-    if (appliance->mode == ISO_APPLIANCE_CLAIMED) {
+    /* At rest a desk machine examines frames only for somebody who aims the sensor. */
+    if (appliance->mode == ISO_APPLIANCE_CLAIMED ||
+        (is_desk_at_rest(appliance) && !iso_appliance_is_aimed(appliance))) {
         iso__appliance_report_frame(appliance, frame, ISO_CAPTURE_NOBODY);
         return;
     }

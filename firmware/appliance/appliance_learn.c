@@ -7,6 +7,7 @@
 
 #include "drivers/terminal/words.h"
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 #include "firmware/recognise/learning.h"
 #include "isotherm/capture.h"
 

@@ -188,16 +188,26 @@ static void read_file(struct iso_appliance *appliance)
     }
 }
 
-void iso__appliance_start_lockout(struct iso_appliance *appliance)
+static struct iso_lockout_options options_of(const struct iso_appliance *appliance)
 {
     const struct iso_config_lockout *config = &appliance->borrowed.config->lockout;
-    const struct iso_lockout_options options = {
+    return (struct iso_lockout_options){
         .failures = config->failures,
         .attacks = config->attacks,
         .first_ns = config->first_ms * ISO_NS_PER_MS,
         .longest_ns = config->longest_ms * ISO_NS_PER_MS,
         .forget_ns = config->forget_ms * ISO_NS_PER_MS,
     };
+}
+
+void iso__appliance_configure_lockout(struct iso_appliance *appliance)
+{
+    appliance->lockout.state.options = options_of(appliance);
+}
+
+void iso__appliance_start_lockout(struct iso_appliance *appliance)
+{
+    const struct iso_lockout_options options = options_of(appliance);
     iso_lockout_init(&appliance->lockout.state, &options);
     appliance->lockout.save_ns = ISO_NEVER_NS;
     appliance->lockout.read_ns = ISO_NEVER_NS;

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 
 /* Wipes the data in memory of a person of this name, who is not in the gallery any more. */
 static void forget_person(struct iso_appliance *appliance, const char *name)

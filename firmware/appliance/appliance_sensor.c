@@ -3,6 +3,7 @@
 #include <syslog.h>
 
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/appliance/appliance_claim.h"
 
 const char *iso__appliance_sensor_state(const struct iso_appliance *appliance)
 {

@@ -25,6 +25,12 @@ void iso__appliance_stale_sensor(struct iso_appliance *appliance)
     judge(appliance);
 }
 
+void iso__appliance_stale_agree(struct iso_appliance *appliance)
+{
+    appliance->stale.budget.agree = appliance->borrowed.config->decision.agree;
+    judge(appliance);
+}
+
 void iso__appliance_stale_frame(struct iso_appliance *appliance, const struct iso_frame *frame)
 {
     const int64_t took_ns = iso_times_now_ns(&appliance->borrowed.times) - frame->t_ns;

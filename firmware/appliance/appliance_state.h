@@ -81,8 +81,8 @@ struct iso_appliance_door_news {
 struct iso_appliance_access {
     struct iso_site_access *site;
     struct iso_factor_wait wait;
-    struct iso_verdict verdict; /* of the last face that was recognised while waiting */
-    bool duress;                /* a duress PIN was entered; recorded with the grant */
+    struct iso_verdict verdict;    /* of the last face that was recognised while waiting */
+    struct iso_fault reader_fault; /* of the card reader, as it was reported last */
 };
 
 /* Refusals of everybody, whatever the face. (appliance_refusal.c) */
@@ -128,6 +128,7 @@ struct iso_appliance_claim {
     int64_t deadline_ns;           /* the end of the claim, or of the action */
     enum iso_appliance_mode ended; /* the action that ended by itself; CLAIMED: none */
     struct iso_person person;      /* VERIFY: the person who is to be verified */
+    bool login;                    /* the claim lasts no longer than this one VERIFY */
 };
 
 /* ENROLL. (appliance_enroll.c) */

@@ -1,6 +1,7 @@
 /* The status of the appliance, and the view of its sensor. */
 #include <stdio.h>
 
+#include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
 
 struct iso_appliance_status iso_appliance_status(const struct iso_appliance *appliance)
@@ -29,6 +30,8 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .last_outcome = appliance->outcome.text,
         .view = appliance->aim.has_view ? &appliance->aim.view : NULL,
         .counts = appliance->outcome.counts,
+        .reader_state = iso__appliance_reader_state(appliance),
+        .reader_fault = appliance->access.reader_fault.text,
         .lockdown = appliance->lockout.state.lockdown,
         .lockout_ns = iso_lockout_remaining_ns(&appliance->lockout.state,
                                                iso_times_now_ns(&appliance->borrowed.times)),

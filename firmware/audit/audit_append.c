@@ -247,6 +247,10 @@ static enum iso_state_change change_of(const struct iso_audit *audit,
             return ISO_STATE_ADMINISTRATOR;
         }
     }
+    /* A change of a setting has its new value; that the settings were loaded is no change. */
+    if (strcmp(record->event, "setting") == 0 && record->after) {
+        return ISO_STATE_ADMINISTRATOR;
+    }
     if (record->gallery && (strcmp(record->gallery, audit->gallery) != 0 ||
                             record->gallery_changes != audit->gallery_changes)) {
         return ISO_STATE_ADMINISTRATOR;

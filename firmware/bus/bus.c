@@ -95,6 +95,7 @@ void iso_bus_close(struct iso_bus *bus)
 {
     if (bus) {
         bus->claimant[0] = '\0'; /* the appliance may have been freed already */
+        bus->login = (struct iso__bus_login){.on = false};
         bus->aiming = sd_bus_track_unref(bus->aiming);
         bus->picture = sd_bus_message_unref(bus->picture);
         drop_connection(bus);

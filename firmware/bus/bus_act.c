@@ -20,6 +20,16 @@ int iso__bus_user_of(sd_bus_message *call, uid_t *user)
     return r;
 }
 
+void iso__bus_describe_caller(sd_bus_message *call, char *who, size_t size)
+{
+    uid_t user = 0;
+    if (iso__bus_user_of(call, &user) >= 0) {
+        (void)snprintf(who, size, "asked by user %u", (unsigned)user);
+    } else {
+        (void)snprintf(who, size, "asked by a user who is not known");
+    }
+}
+
 /* Both texts go into the log, so they contain nothing that could look like something else there. */
 static bool is_word(const char *text, size_t most)
 {
@@ -73,15 +83,4 @@ int iso__bus_record_consent(struct iso_bus *bus, sd_bus_message *call, const cha
     }
     (void)snprintf(note, sizeof note, "consent, asked by user %u", (unsigned)user);
     return iso_appliance_record_act(bus->appliance, person, note, fault);
-}
-
-void iso__bus_describe_caller(sd_bus_message *call, char *who, size_t size)
-{
-    uid_t uid = 0;
-    const int r = iso__bus_user_of(call, &uid);
-    if (r >= 0) {
-        (void)snprintf(who, size, "asked by user %u", (unsigned)uid);
-    } else {
-        (void)snprintf(who, size, "asked by a user who is not known");
-    }
 }

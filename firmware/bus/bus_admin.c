@@ -169,6 +169,14 @@ int iso__bus_test_door(sd_bus_message *call, void *context, sd_bus_error *out)
     return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
 }
 
+int iso__bus_install_panel(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    const struct iso_bus *bus = context;
+    struct iso_fault fault = {.text = ""};
+    const int r = iso_appliance_install_panel(bus->appliance, &fault);
+    return r < 0 ? iso__bus_refuse(out, r, &fault) : sd_bus_reply_method_return(call, NULL);
+}
+
 int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     const struct iso_bus *bus = context;

@@ -1,4 +1,4 @@
-/* The methods of the claim and its actions, of the status, of lock-out and lockdown, and of the
+/* The methods of the actions of the claim, of the status, of lock-out and lockdown, and of the
  * log; and the error of the contract for an errno. */
 #include <errno.h>
 #include <stdio.h>
@@ -29,6 +29,7 @@ int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
         {-EKEYREJECTED, ISO_CONTRACT_ERROR_REJECTED},
         {-EBADMSG, ISO_CONTRACT_ERROR_REJECTED},
         {-EPERM, ISO_CONTRACT_ERROR_LOCKED_OUT},
+        {-EOPNOTSUPP, ISO_CONTRACT_ERROR_NO_LOGINS},
         {-EIO, ISO_CONTRACT_ERROR_STORAGE},
         {-ENOSPC, ISO_CONTRACT_ERROR_STORAGE},
         {-EROFS, ISO_CONTRACT_ERROR_STORAGE},
@@ -47,73 +48,6 @@ int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault)
 static int invalid_name(sd_bus_error *out, const char *flaw)
 {
     return sd_bus_error_set(out, ISO_CONTRACT_ERROR_INVALID_NAME, flaw);
-}
-
-/* ---- claim ---- */
-
-void iso__bus_forget_claimant(struct iso_bus *bus)
-{
-    bus->track = sd_bus_track_unref(bus->track);
-    bus->claimant[0] = '\0';
-    iso__bus_end_relief(bus);
-}
-
-static int on_claimant_gone(sd_bus_track *track, void *context)
-{
-    struct iso_bus *bus = context;
-    (void)track;
-    iso_appliance_release(bus->appliance);
-    iso__bus_forget_claimant(bus);
-    return 0;
-}
-
-int iso__bus_require_claim(const struct iso_bus *bus, sd_bus_message *call, sd_bus_error *out)
-{
-    if (!bus->claimant[0]) {
-        return sd_bus_error_set(out, ISO_CONTRACT_ERROR_CLAIM_DEVICE, "claim the camera first");
-    }
-    if (strcmp(bus->claimant, sd_bus_message_get_sender(call)) != 0) {
-        return sd_bus_error_set(out, ISO_CONTRACT_ERROR_ALREADY_IN_USE,
-                                "another client has the camera");
-    }
-    return 0;
-}
-
-int iso__bus_claim(sd_bus_message *call, void *context, sd_bus_error *out)
-{
-    struct iso_bus *bus = context;
-    const char *sender = sd_bus_message_get_sender(call);
-    if (bus->claimant[0]) {
-        return sd_bus_error_set(out, ISO_CONTRACT_ERROR_ALREADY_IN_USE,
-                                strcmp(bus->claimant, sender) == 0
-                                    ? "this client has the camera already"
-                                    : "another client has the camera");
-    }
-    int r = sd_bus_track_new(bus->bus, &bus->track, on_claimant_gone, bus);
-    if (r >= 0) {
-        r = sd_bus_track_add_sender(bus->track, call);
-    }
-    if (r >= 0) {
-        r = iso_appliance_claim(bus->appliance);
-    }
-    if (r < 0) {
-        bus->track = sd_bus_track_unref(bus->track);
-        return r;
-    }
-    (void)snprintf(bus->claimant, sizeof bus->claimant, "%s", sender);
-    return sd_bus_reply_method_return(call, NULL);
-}
-
-int iso__bus_release(sd_bus_message *call, void *context, sd_bus_error *out)
-{
-    struct iso_bus *bus = context;
-    const int r = iso__bus_require_claim(bus, call, out);
-    if (r < 0) {
-        return r;
-    }
-    iso_appliance_release(bus->appliance);
-    iso__bus_forget_claimant(bus);
-    return sd_bus_reply_method_return(call, NULL);
 }
 
 /* ---- actions ---- */

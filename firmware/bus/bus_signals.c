@@ -1,5 +1,6 @@
 /* Sends the appliance's events as signals. */
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 
 #include "firmware/bus/bus_state.h"
@@ -58,6 +59,11 @@ static void on_recognition_status(void *context, enum iso_appliance_mode mode, c
     char word[64];
     const bool verify = mode == ISO_APPLIANCE_VERIFY;
     (void)snprintf(word, sizeof word, "%s-%s", verify ? "verify" : "identify", result);
+    if (bus->login.on) { /* the client of a login learns the verdict alone */
+        person = "";
+        score = NAN;
+        threshold = 0.0;
+    }
     int r = iso__bus_new_signal(
         bus, verify ? ISO_CONTRACT_VERIFY_STATUS : ISO_CONTRACT_IDENTIFY_STATUS, &signal);
     if (r >= 0) {

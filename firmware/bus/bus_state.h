@@ -16,13 +16,22 @@ struct iso__bus_relief {
     uint8_t bytes[ISO_STREAM_BYTES_MAX];
 };
 
+/* The login that goes on, and the user of the last VerifySelf. */
+struct iso__bus_login {
+    bool on;         /* the claim of this client is for a login alone */
+    bool self;       /* ... that VerifySelf began */
+    uid_t last_user; /* of the last VerifySelf */
+    int64_t rest_ns; /* before this time that user begins no other */
+};
+
 struct iso_bus {
     char address[256];
     sd_event *event; /* the event loop of iso_bus_serve */
     sd_bus *bus;     /* NULL: the connection is gone */
     sd_bus_slot *object, *disconnected, *filter, *naming;
-    sd_bus_track *track;            /* tracks the claimant */
-    char claimant[256];             /* unique name; "": no client */
+    sd_bus_track *track; /* tracks the claimant */
+    char claimant[256];  /* unique name; "": no client */
+    struct iso__bus_login login;
     sd_bus_track *aiming;           /* clients that get View signals; NULL: none */
     sd_bus_message *picture;        /* the call of Picture that has no answer yet; NULL: none */
     struct iso_stream_list streams; /* of the clients that watch */
@@ -45,8 +54,13 @@ void iso__bus_clean_text(char *to, size_t size, const char *from);
 /* Appends the a{sv} of GetStatus (bus_status.c). */
 int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus);
 
-/* The method that lists the configuration (bus_settings.c). */
+/* The methods that list the configuration and change it (bus_settings.c). */
 int iso__bus_get_settings(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_set_setting(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_reset_setting(sd_bus_message *call, void *context, sd_bus_error *out);
+
+/* Describes the user who makes a call, for a record: "asked by user 1000" (bus_act.c). */
+void iso__bus_describe_caller(sd_bus_message *call, char *who, size_t size);
 
 /* Appends what the people have taught the metric: entries of an a{sv} that is open; and the methods
  * about it (bus_site.c). */
@@ -83,10 +97,8 @@ int iso__bus_record_consent(struct iso_bus *bus, sd_bus_message *call, const cha
                             struct iso_fault *fault);
 int iso__bus_record_act(sd_bus_message *call, void *context, sd_bus_error *out);
 
-/* The methods of the claim and its actions, of the status, of lock-out and lockdown, and of the log
+/* The methods of the actions, of the status, of lock-out and lockdown, and of the log
  * (bus_methods.c). */
-int iso__bus_claim(sd_bus_message *call, void *context, sd_bus_error *out);
-int iso__bus_release(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_enroll_start(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_enroll_stop(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_verify_start(sd_bus_message *call, void *context, sd_bus_error *out);
@@ -107,12 +119,25 @@ int iso__bus_get_credential(sd_bus_message *call, void *context, sd_bus_error *o
 int iso__bus_set_credential(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_list_credentials(sd_bus_message *call, void *context, sd_bus_error *out);
 
-/* Describes the user who makes a call, for the record: "asked by user 1000" (bus_act.c). */
-void iso__bus_describe_caller(sd_bus_message *call, char *who, size_t size);
-
-/* Returns 0 if the sender of a call has the claim. Otherwise returns a negative errno and sets the
- * error (bus_methods.c). */
+/* Returns 0 if the sender of a call has the claim, and not for a login alone. Otherwise returns a
+ * negative errno and sets the error (bus_claim.c). */
 int iso__bus_require_claim(const struct iso_bus *bus, sd_bus_message *call, sd_bus_error *out);
+
+/* The same if nobody has the claim. The other two, in this order, make the caller the claimant: the
+ * first begins to track it (a negative errno if it cannot), the second notes its name once the
+ * appliance has given the claim. (bus_claim.c) */
+int iso__bus_require_free(const struct iso_bus *bus, sd_bus_message *call, sd_bus_error *out);
+int iso__bus_track_claimant(struct iso_bus *bus, sd_bus_message *call);
+void iso__bus_note_claimant(struct iso_bus *bus, sd_bus_message *call);
+
+/* The methods Claim and Release (bus_claim.c). */
+int iso__bus_claim(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_release(sd_bus_message *call, void *context, sd_bus_error *out);
+
+/* The methods that verify a person for a login, and the end of such a claim (bus_login.c). */
+int iso__bus_verify_self(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_verify_login(sd_bus_message *call, void *context, sd_bus_error *out);
+void iso__bus_end_login(struct iso_bus *bus);
 
 /* The error of the contract for an errno of the appliance. A method returns the result. */
 int iso__bus_refuse(sd_bus_error *out, int error, const struct iso_fault *fault);
@@ -135,6 +160,7 @@ int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_rotate_keys(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_get_address(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_test_door(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_install_panel(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_verify_log(sd_bus_message *call, void *context, sd_bus_error *out);
 
 /* Sends a reply that was filled in with result r, and releases it. */
@@ -175,7 +201,7 @@ int iso__bus_new_signal(const struct iso_bus *bus, const char *member, sd_bus_me
  * A signal that cannot be sent is lost, because the appliance does not depend on it. */
 void iso__bus_send_signal(sd_bus_message *signal, const char *destination, int r);
 
-/* Forgets the client that had the claim. */
+/* Forgets the client that had the claim (bus_claim.c). */
 void iso__bus_forget_claimant(struct iso_bus *bus);
 
 #endif

@@ -6,6 +6,7 @@
 
 #include "drivers/base/utf8.h"
 #include "drivers/sensor/contract/sensor.h"
+#include "firmware/appliance/administration/administration.h"
 #include "firmware/bus/bus_state.h"
 #include "firmware/contract/fault_tag.h"
 
@@ -228,6 +229,57 @@ static int append_locks(sd_bus_message *reply, const struct iso_appliance_status
                                  (int)status->lockdown, "lockout-ms", "x", lockout_ms);
 }
 
+/* The policy, and the reader of cards and keys. */
+static int append_access(sd_bus_message *reply, const struct iso_bus *bus,
+                         const struct iso_appliance_status *status)
+{
+    const struct iso_site_access *access = iso_appliance_access(bus->appliance);
+    int r = sd_bus_message_append(reply, "{sv}", "policy-revision", "t",
+                                  iso_site_access_revision(access));
+    r = r < 0 ? r : append_text(reply, "policy-fault", iso_site_access_fault(access)->text);
+    r = r < 0 ? r : append_text(reply, "reader-state", status->reader_state);
+    return r < 0 ? r : append_text(reply, "reader-fault", status->reader_fault);
+}
+
+static int append_shown(sd_bus_message *reply, const struct iso_panel_look *look)
+{
+    char text[sizeof look->shown.text + 4];
+    (void)snprintf(text, sizeof text, "%s%s%s", look->shown.text[0],
+                   look->shown.text[1][0] ? "\n" : "", look->shown.text[1]);
+    int r = append_text(reply, "panel-lamp", look->lamp);
+    if (r >= 0) {
+        r = append_text(reply, "panel-text", text);
+    }
+    return r < 0
+               ? r
+               : sd_bus_message_append(reply, "{sv}", "panel-buzzer", "b", (int)look->shown.buzzer);
+}
+
+/* The access panel, and what it wants the door station to show. */
+static int append_panel(sd_bus_message *reply, const struct iso_bus *bus)
+{
+    struct iso_panel *panel = bus->borrowed->panel;
+    struct iso_panel_look look;
+    if (!panel) {
+        return append_text(reply, "panel-state", "off");
+    }
+    iso_panel_look(panel, &look);
+    int r = append_text(reply, "panel-state", look.state);
+    if (r >= 0) {
+        r = append_text(reply, "panel-fault", look.fault.text);
+    }
+    if (r >= 0) {
+        r = append_text(reply, "panel-fault-code", iso_fault_word(look.fault.code));
+    }
+    if (r >= 0) {
+        r = append_shown(reply, &look);
+    }
+    return r < 0 ? r
+                 : sd_bus_message_append(reply, "{sv}{sv}{sv}", "panel-install", "b",
+                                         (int)look.install, "panel-cards", "t", look.delivered,
+                                         "panel-cards-lost", "t", look.undelivered);
+}
+
 int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
 {
     const struct iso_appliance_status status = iso_appliance_status(bus->appliance);
@@ -243,6 +295,12 @@ int iso__bus_append_status(sd_bus_message *reply, const struct iso_bus *bus)
     }
     if (r >= 0) {
         r = append_lines(reply, &bus->borrowed->config->door.options);
+    }
+    if (r >= 0) {
+        r = append_access(reply, bus, &status);
+    }
+    if (r >= 0) {
+        r = append_panel(reply, bus);
     }
     if (r >= 0) {
         r = append_gallery(reply, bus, status.people_valid);

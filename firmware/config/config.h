@@ -48,6 +48,19 @@ struct iso_config_door {
     int unlock_ms, relay_pulse_ms, held_ms, refused_ms, poll_ms, retry_ms, retry_max_ms;
 };
 
+/* A card reader or keypad with Wiegand lines (drivers/reader/wiegand_in.h). */
+struct iso_config_reader {
+    char d0[ISO_CONFIG_TEXT_SIZE], d1[ISO_CONFIG_TEXT_SIZE]; /* both "": there is none */
+};
+
+/* The bus of an access panel (firmware/panel/panel.h). */
+struct iso_config_panel {
+    char port[ISO_CONFIG_TEXT_SIZE]; /* "": there is no panel */
+    int address, baud;               /* baud: iso_config_panel_baud */
+    bool plain;
+    int card_bits; /* iso_config_panel_card_bits */
+};
+
 struct iso_config_gallery {
     char path[ISO_CONFIG_TEXT_SIZE];
     int capacity; /* people */
@@ -138,6 +151,13 @@ struct iso_config_bus {
     int action_ms, claim_ms;
 };
 
+/* Logins of the machine that the daemon runs on (pam_isotherm). */
+struct iso_config_login {
+    bool desk;                        /* the machine guards no door, so logins may use the camera */
+    char users[ISO_CONFIG_TEXT_SIZE]; /* which person a Unix user is (contract/login_users.h) */
+    int longest_ms;
+};
+
 struct iso_config_process {
     bool confine;
 };
@@ -149,6 +169,8 @@ struct iso_config_model {
 struct iso_config {
     struct iso_config_sensor sensor;
     struct iso_config_door door;
+    struct iso_config_panel panel;
+    struct iso_config_reader reader;
     struct iso_config_gallery gallery;
     struct iso_config_seal seal;
     struct iso_config_recognition recognition;
@@ -162,6 +184,7 @@ struct iso_config {
     struct iso_config_enroll enroll;
     struct iso_config_log log;
     struct iso_config_bus bus;
+    struct iso_config_login login;
     struct iso_config_process process;
     struct iso_config_model model;
     const char *obsolete; /* the last obsolete key in the file, "[section] name"; NULL: none */
@@ -195,6 +218,11 @@ const char *iso_config_find_obsolete(const char *section, const char *name);
 /* Whether the door has a lock of its own. False: the appliance only sends card numbers to an access
  * controller, which has the lock. */
 bool iso_config_has_relay(const struct iso_config *config);
+
+/* The speed of the panel's bus and the number of bits of a card, of which the configuration has the
+ * numbers of words. */
+unsigned iso_config_panel_baud(const struct iso_config *config);
+int iso_config_panel_card_bits(const struct iso_config *config);
 
 /* The lowest score at which a face counts as a person's: the threshold if one is set, else that of
  * the level. With the metric, one of 10^s similar strangers reaches a score of s (metric.h). */

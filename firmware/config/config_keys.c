@@ -57,6 +57,21 @@ const struct iso_config_key iso_config_keys[] = {
     {"door", "retry_max_ms", ISO_CONFIG_COUNT, AT(door, retry_max_ms), 10, 3600000, NULL, "30000",
      "longest such wait"},
 
+    {"reader", "d0", ISO_CONFIG_TEXT, AT(reader, d0), 0, 0, NULL, "",
+     "line D0 of a card reader or keypad (Wiegand), such as gpiochip0:5 active-low pull-up"},
+    {"reader", "d1", ISO_CONFIG_TEXT, AT(reader, d1), 0, 0, NULL, "", "line D1 of it"},
+
+    {"panel", "port", ISO_CONFIG_TEXT, AT(panel, port), 0, 0, NULL, "",
+     "serial line of the RS-485 bus of an access panel (OSDP), such as /dev/ttyS1"},
+    {"panel", "address", ISO_CONFIG_COUNT, AT(panel, address), 0, 126, NULL, "0",
+     "address on that bus, until the panel sets another one"},
+    {"panel", "baud", ISO_CONFIG_CHOICE, AT(panel, baud), 0, 0, "9600|19200|38400|57600|115200",
+     "9600", "speed of that bus, until the panel sets another one"},
+    {"panel", "plain", ISO_CONFIG_SWITCH, AT(panel, plain), 0, 0, NULL, "no",
+     "cards are sent without the secure channel, too: anyone on the wire reads and forges them"},
+    {"panel", "card_bits", ISO_CONFIG_CHOICE, AT(panel, card_bits), 0, 0, "26|34", "26",
+     "format of a card number"},
+
     {"gallery", "path", ISO_CONFIG_TEXT, AT(gallery, path), 0, 0, NULL,
      "/var/lib/isotherm/gallery.db", "people and templates; created if it does not exist"},
     {"gallery", "capacity", ISO_CONFIG_COUNT, AT(gallery, capacity), 1, 100000, NULL, "1000",
@@ -206,6 +221,13 @@ const struct iso_config_key iso_config_keys[] = {
      "longest verify or identify of a client"},
     {"bus", "claim_ms", ISO_CONFIG_COUNT, AT(bus, claim_ms), 1000, 3600000, NULL, "60000",
      "a client that holds the camera and does nothing loses it after this time"},
+
+    {"login", "desk", ISO_CONFIG_SWITCH, AT(login, desk), 0, 0, NULL, "no",
+     "this machine guards no door: its users may log in by face, which takes the camera meanwhile"},
+    {"login", "users", ISO_CONFIG_TEXT, AT(login, users), 0, 0, NULL, "/etc/isotherm/pam-users",
+     "file that says which person each user of this machine is; only root may write it"},
+    {"login", "longest_ms", ISO_CONFIG_COUNT, AT(login, longest_ms), 1000, 60000, NULL, "15000",
+     "longest look for one login"},
 
     {"process", "confine", ISO_CONFIG_SWITCH, AT(process, confine), 0, 0, NULL, "yes",
      "give up what the daemon does not need of files and system calls (Landlock, seccomp)"},

@@ -1,5 +1,6 @@
 /* Rules for several keys of a configuration together. */
 #include <math.h>
+#include <string.h>
 
 #include "firmware/config/config_options.h"
 #include "firmware/config/config_value.h"
@@ -51,6 +52,9 @@ const char *iso__config_find_conflict(const struct iso_config *config)
         config->motion.still_deg_s > config->motion.jump_deg_s) {
         return "[motion] still_mm_s or still_deg_s is above the speed of a jump";
     }
+    if (config->login.desk && strcmp(config->door.backend, "null") != 0) {
+        return "[login] desk needs [door] backend = null: a login would leave the door unwatched";
+    }
     return find_pose_conflict(&config->enroll);
 }
 
@@ -58,6 +62,17 @@ bool iso_config_has_relay(const struct iso_config *config)
 {
     const struct iso_config_options *options = &config->door.options;
     return *iso_config_option(options, "relay") || !*iso_config_option(options, "wiegand_d0");
+}
+
+unsigned iso_config_panel_baud(const struct iso_config *config)
+{
+    static const unsigned bauds[] = {9600, 19200, 38400, 57600, 115200};
+    return bauds[config->panel.baud];
+}
+
+int iso_config_panel_card_bits(const struct iso_config *config)
+{
+    return config->panel.card_bits == 0 ? 26 : 34;
 }
 
 double iso_config_threshold(const struct iso_config *config)

@@ -1,4 +1,5 @@
-/* Values of the keys of a configuration, as text and as fields. Internal to firmware/config. */
+/* Values of the keys of a configuration, as text and as fields. Internal to firmware/config and
+ * firmware/settings. */
 #ifndef ISO_FIRMWARE_CONFIG_CONFIG_VALUE_H
 #define ISO_FIRMWARE_CONFIG_CONFIG_VALUE_H
 

@@ -19,6 +19,17 @@
  *                                        "enrolled" x, "templates" u, "valid-from" x, "valid-until" x
  * + EnrollStop()
  * + VerifyStart(s person)  VerifyStop()  IdentifyStart()  IdentifyStop()
+ *   VerifySelf() -> u user               verifies the person of the calling Unix user for a login of
+ *                                        this machine. The daemon asks the bus for the user and looks
+ *                                        the person up (login_users.h). It is for everybody. The
+ *                                        caller has the camera until the last VerifyStatus, in which
+ *                                        person is "", score NaN and threshold 0. It may call nothing
+ *                                        that needs the claim, and ends the login by leaving the bus.
+ *                                        The same user may call again two seconds later. The reply is
+ *                                        the user
+ *   VerifyLogin(s person)                the same for root, who says which person it is.
+ *                                        Both are recorded first, as the act "login" with the user,
+ *                                        and refused with NoLogins unless [login] desk is set
  *   ListPeople() -> a(sxxxu)             person, enrolled, valid_from, valid_until (s), templates
  *   DeletePerson(s person)
  *   SetValidity(s person, a{sv}) -> s person, x valid_from, x valid_until
@@ -27,9 +38,18 @@
  *   RenamePerson(s person, s name) -> s remark
  *                                        gives a person another name; a remark for people, or ""
  *   GetStatus() -> a{sv}                 the keys of status_keys.h
- *   GetSettings() -> a(ssssss)           for administrators: each key of the configuration, with the
+ *   GetSettings() -> a(ssssssbs)         for administrators: each key of the configuration, with the
  *                                        options of the chosen sensor and door: section, key, value in
- *                                        force, default, allowed values, help (firmware/config/settings.h)
+ *                                        force, default, allowed values, help (firmware/config/settings.h);
+ *                                        whether SetSetting changes it, and the value of the configuration
+ *                                        file, which is that in force unless SetSetting has changed it
+ *   SetSetting(s section, s key, s value) -> s value
+ *                                        for administrators: changes a setting at once and over restarts,
+ *                                        on record with the values before and after. The value is checked
+ *                                        as a line of the configuration file is. The reply is the value in
+ *                                        force. It is refused while an action of a client goes on
+ *   ResetSetting(s section, s key) -> s value
+ *                                        the same; the configuration file's value holds again
  *   GetSite() -> a{sv}                   what the people have taught the metric, and the error rates
  *                                        that their templates show: the keys of status_keys.h
  *   ListLookAlikes() -> a(ssd)           pairs of people who look alike, for clients that may call
@@ -87,6 +107,9 @@
  *                                        recorded before it is done. It is refused while a client has the
  *                                        claim, under lockdown or lock-out, if the door is not locked, and
  *                                        if it has no relay or its lines do not work
+ *   InstallPanel()                       lets the access panel set its key by the default key for two
+ *                                        minutes; for administrators. It is recorded before it is
+ *                                        done, and refused if no panel is configured
  *   RecordAct(s account, s act, s person)
  *                                        puts on record that a client does something for one of its
  *                                        own accounts, before the client does it: the event "act"
@@ -111,7 +134,7 @@
  * An action goes on until a status signal with `done` set. The Stop method ends it before that, and
  * is also legal after it. One client at a time has the claim. No call of a client opens the door,
  * except TestDoor. The daemon's own identification opens it, while nobody has the claim; the exit
- * button opens it at any time.
+ * button opens it at any time. With [login] desk there is no such identification.
  *
  * A name belongs to one person without regard to case ("Ada" and "ada";
  * firmware/contract/person_name.h), and every method accepts any spelling of it. A caller of
@@ -182,12 +205,16 @@
 #define ISO_CONTRACT_VERIFY_STOP      "VerifyStop"
 #define ISO_CONTRACT_IDENTIFY_START   "IdentifyStart"
 #define ISO_CONTRACT_IDENTIFY_STOP    "IdentifyStop"
+#define ISO_CONTRACT_VERIFY_SELF      "VerifySelf"
+#define ISO_CONTRACT_VERIFY_LOGIN     "VerifyLogin"
 #define ISO_CONTRACT_LIST_PEOPLE      "ListPeople"
 #define ISO_CONTRACT_DELETE_PERSON    "DeletePerson"
 #define ISO_CONTRACT_SET_VALIDITY     "SetValidity"
 #define ISO_CONTRACT_RENAME_PERSON    "RenamePerson"
 #define ISO_CONTRACT_GET_STATUS       "GetStatus"
 #define ISO_CONTRACT_GET_SETTINGS     "GetSettings"
+#define ISO_CONTRACT_SET_SETTING      "SetSetting"
+#define ISO_CONTRACT_RESET_SETTING    "ResetSetting"
 #define ISO_CONTRACT_GET_SITE         "GetSite"
 #define ISO_CONTRACT_LIST_LOOK_ALIKES "ListLookAlikes"
 #define ISO_CONTRACT_LIST_OTHER       "ListOtherSensor"
@@ -209,6 +236,7 @@
 #define ISO_CONTRACT_CLEAR_LOCKOUT    "ClearLockout"
 #define ISO_CONTRACT_SET_LOCKDOWN     "SetLockdown"
 #define ISO_CONTRACT_TEST_DOOR        "TestDoor"
+#define ISO_CONTRACT_INSTALL_PANEL    "InstallPanel"
 #define ISO_CONTRACT_AIM_START        "AimStart"
 #define ISO_CONTRACT_AIM_STOP         "AimStop"
 #define ISO_CONTRACT_WATCH            "Watch"
@@ -329,6 +357,7 @@ enum { ISO_CONTRACT_ACCOUNT_BYTES = 32, ISO_CONTRACT_ACT_BYTES = 32 };
 #define ISO_CONTRACT_ERROR_GALLERY_FULL     "org.isotherm.Error.GalleryFull"
 #define ISO_CONTRACT_ERROR_REJECTED         "org.isotherm.Error.Rejected"
 #define ISO_CONTRACT_ERROR_LOCKED_OUT       "org.isotherm.Error.LockedOut"
+#define ISO_CONTRACT_ERROR_NO_LOGINS        "org.isotherm.Error.NoLogins" /* guards a door */
 #define ISO_CONTRACT_ERROR_TOO_MANY_CALLS   "org.isotherm.Error.TooManyCalls"
 #define ISO_CONTRACT_ERROR_DEVICE_FAULT     "org.isotherm.Error.DeviceFault"
 #define ISO_CONTRACT_ERROR_STORAGE          "org.isotherm.Error.Storage" /* the disk refused */

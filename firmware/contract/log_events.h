@@ -14,8 +14,8 @@
 #define ISO_CONTRACT_EVENTS                                                                       \
     "act", "attack", "clock", "counter", "credential", "delete", "door", "door-test", "duress",   \
         "enroll", "export", "forget", "gallery", "grant", "identify", "import", "learn",          \
-        "lockdown", "lockout", "log-recovered", "log-rotated", "log-sealed", "picture", "policy", \
-        "records-lost", "relief", "rename", "rotate-keys", "sensor", "site", "start",             \
-        "state-accepted", "stop", "validity", "verify", "visit"
+        "lockdown", "lockout", "log-recovered", "log-rotated", "log-sealed", "panel", "picture",  \
+        "policy", "records-lost", "relief", "rename", "rotate-keys", "sensor", "setting", "site", \
+        "start", "state-accepted", "stop", "validity", "verify", "visit"
 
 #endif

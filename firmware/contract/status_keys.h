@@ -27,6 +27,17 @@
  *   "door-fault" s            "" while its lines work
  *   "door-realtime" b         false: its thread has no real-time priority, and may be late on a
  *                             busy machine
+ *   "panel-state" s           the access panel (OSDP): "off": none is configured; "gone": its line;
+ *                             "offline"; "waiting": it has not opened the secure channel yet;
+ *                             "default-key": it may only set its key; "plain"; "secure".
+ *                             If it is not "off":
+ *   "panel-fault" s           the line cannot be used, the panel is silent, or its stored key cannot
+ *                             be used; "" while all is well; "panel-fault-code" s
+ *   "panel-lamp" s            what the panel shows: "off", "red", "green", "amber", "blue",
+ *                             "magenta", "cyan", "white"; "panel-buzzer" b; "panel-text" s, of up to
+ *                             two lines of 16 characters
+ *   "panel-install" b         the panel may set its key by the default key
+ *   "panel-cards" t           cards that the panel has got, "panel-cards-lost" t that it has not
  *   "people" u                of these, "people-valid" u may come in at this time
  *   "templates" u             of these, the running algorithm can use "templates-usable" u
  *   "capacity" u, "threshold" d, "algorithm" s, "model" s (checksum)
@@ -44,6 +55,10 @@
  *   "site-growth" d           variance within a person as a multiple of the rendered one; 0: not
  *                             known
  *   "image-check" s           "off", "flag", "veto", "absent"
+ *   "policy-revision" t       of the stored policy; 0: there is none
+ *   "policy-fault" s          why the policy cannot be used, so that nobody is let in; "" if it can
+ *   "reader-state" s          of the card reader: "off" (there is none), "works", "lost"
+ *   "reader-fault" s
  *   "lockdown" b
  *   "lockout-ms" x            how long nobody is let in; 0: not locked out
  *   "visits-allowed" t, "visits-denied" t       since the start; of the denied visits,

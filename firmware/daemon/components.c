@@ -89,6 +89,9 @@ static int open_files(struct iso_components *components, struct iso_fault *fault
     if (!error) {
         error = iso_components_check_counter(config, fault);
     }
+    if (!error) {
+        error = iso_components_check_reader(config, fault);
+    }
     return error ? error : iso_components_check_places(config, fault);
 }
 
@@ -197,6 +200,12 @@ int iso_components_open(const struct iso_config *config, const struct iso_times 
     if (!error) {
         error = iso_components_open_stores(components, fault);
     }
+    if (!error && threads) {
+        error = iso_components_open_panel(components, fault);
+    }
+    if (!error && threads) {
+        error = iso_components_open_reader(components, fault);
+    }
     if (error) {
         iso_components_close(components);
         return error;
@@ -228,6 +237,8 @@ void iso_components_close(struct iso_components *components)
 {
     if (components) {
         stop_door(components);
+        iso_components_close_reader(components);
+        iso_panel_close(components->panel);
         iso_door_io_close(components->door_io);
         iso_cards_free(components->cards);
         if (components->counter) {
@@ -267,9 +278,12 @@ struct iso_appliance_borrowed iso_components_lend(struct iso_components *compone
         .door = components->door,
         .threads = components->threads,
         .cards = components->cards,
+        .panel = components->panel,
+        .reader = iso_components_card_source(components),
         .ring = components->ring,
         .counter = components->counter,
         .zones = &zones,
+        .settings = &components->settings,
         .lockout_path = components->lockout_path,
         .gallery = components->gallery,
         .audit = components->audit,

@@ -8,6 +8,7 @@
 #include "firmware/appliance/appliance.h"
 #include "firmware/audit/journal.h"
 #include "firmware/door/door_guard.h"
+#include "firmware/panel/panel.h"
 
 struct iso_components {
     struct iso_config config;
@@ -19,10 +20,14 @@ struct iso_components {
     struct iso_state_counter *counter; /* NULL: no counter is configured, or it is not open yet */
     struct iso_audit *audit;
     struct iso_door_io *door_io;
-    struct iso_door_guard *door; /* already started; NULL without threads */
-    bool threads;                /* iso_appliance_borrowed.threads */
-    struct iso_cards *cards;     /* NULL: no card numbers are sent */
+    struct iso_door_guard *door;   /* already started; NULL without threads */
+    bool threads;                  /* iso_appliance_borrowed.threads */
+    struct iso_cards *cards;       /* NULL: no card numbers are sent */
+    struct iso_wiegand_in *reader; /* of cards and keys; NULL: there is none */
+    struct iso_panel *panel; /* NULL: no access panel is configured, or there are no threads */
     char lockout_path[ISO_CONFIG_TEXT_SIZE + 8];
+    struct iso_live_settings settings; /* changes of config */
+    char settings_path[ISO_CONFIG_TEXT_SIZE + 10];
 };
 
 /* Loads the modules (drivers/base/module.h) that the configuration needs, because nothing can be
@@ -46,10 +51,10 @@ int iso_components_check(const struct iso_config *config, const struct iso_times
  * With `threads` the door starts as soon as its lines are open, so that the exit button does not
  * wait for a slow disk. The door is locked then, and nobody is let in before there is an appliance.
  * Errors: those of iso_components_check, iso_key_ring_open, iso_gallery_open, iso_audit_open,
- * iso_door_io_open and iso_door_guard_start; -ESTALE if one of the stores is of an earlier time
- * than another store knows (heads.h). After an error nothing is open, and the door's lines are
- * without power. But -ENODEV, -EBUSY, -EACCES and -EIO of opening the door's lines are no errors
- * here: the lines count as lost and may come back. What `times` points to must outlive the
+ * iso_door_io_open, iso_door_guard_start and iso_panel_open; -ESTALE if one of the stores is of an
+ * earlier time than another store knows (heads.h). After an error nothing is open, and the door's
+ * lines are without power. But -ENODEV, -EBUSY, -EACCES and -EIO of opening the door's lines are no
+ * errors here: the lines count as lost and may come back. What `times` points to must outlive the
  * components. */
 int iso_components_open(const struct iso_config *config, const struct iso_times *times,
                         bool threads, struct iso_components **out, struct iso_fault *fault)
@@ -73,6 +78,21 @@ int iso_components_check_counter(const struct iso_config *config, struct iso_fau
  * iso_components_check_counter and iso_tpm2_counter_open, -ENOMEM. (components_counter.c) */
 int iso_components_open_counter(struct iso_components *components, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Opens the access panel if one is configured, once the stores are open. The errors of
+ * iso_panel_open. (components_stores.c) */
+int iso_components_open_panel(struct iso_components *components, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The card reader: checks how its lines are wired; opens it, which a missing chip does not prevent;
+ * closes it; lends it. -EINVAL, -ENOENT a line is configured and there is no libgpiod, -EAGAIN no
+ * thread. (components_reader.c) */
+int iso_components_check_reader(const struct iso_config *config, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+int iso_components_open_reader(struct iso_components *components, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+void iso_components_close_reader(struct iso_components *components);
+struct iso_card_source iso_components_card_source(const struct iso_components *components);
 
 /* Begins to count, when the stores have been compared and everything else is open, before anybody
  * is let in: raises the number in the log's anchor, and the counter. threaded: a thread does the

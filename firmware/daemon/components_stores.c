@@ -129,6 +129,16 @@ static void place_lockout(struct iso_components *components)
     }
 }
 
+/* Changed settings are always next to the audit log. */
+static void place_settings(struct iso_components *components)
+{
+    const char *log = components->config.log.path;
+    (void)snprintf(components->settings_path, sizeof components->settings_path, "%.*ssettings",
+                   (int)directory_length(log), log);
+    iso_live_settings_init(&components->settings, &components->config, components->settings_path,
+                           components->ring);
+}
+
 /* Reads what the lock-out file knows of the other stores, for the comparison. The appliance decides
  * later whether the file can be used, and lets nobody in if it cannot. */
 static void look_at_lockout(const struct iso_components *components)
@@ -164,6 +174,7 @@ int iso_components_open_each_store(struct iso_components *components, struct iso
     place_lockout(components);
     int error = open_ring(components, fault);
     if (!error) {
+        place_settings(components);
         look_at_lockout(components);
     }
     if (!error) {
@@ -179,6 +190,24 @@ int iso_components_open_stores(struct iso_components *components, struct iso_fau
 {
     const int error = iso_components_open_each_store(components, fault);
     return error ? error : iso_components_compare_stores(components, fault);
+}
+
+int iso_components_open_panel(struct iso_components *components, struct iso_fault *fault)
+{
+    const struct iso_config *config = &components->config;
+    char path[ISO_CONFIG_TEXT_SIZE + 8];
+    (void)snprintf(path, sizeof path, "%s.panel", config->gallery.path);
+    const struct iso_panel_options options = {
+        .port = config->panel.port,
+        .address = (uint8_t)config->panel.address,
+        .baud = iso_config_panel_baud(config),
+        .plain = config->panel.plain,
+        .card_bits = iso_config_panel_card_bits(config),
+        .path = path,
+        .ring = components->ring,
+        .clock = components->times.monotonic,
+    };
+    return *config->panel.port ? iso_panel_open(&options, &components->panel, fault) : 0;
 }
 
 static int print_line(void *context, const char *line)

@@ -138,7 +138,7 @@ static int allow_configured(const struct ruleset *ruleset, const struct iso_conf
                                   config->seal.key};
     const char *const named[] = {
         config->model.head, config->model.metric, config->model.cohort, config->recognition.cascade,
-        config->door.cards, ISOTHERM_DATA_DIR,    iso_shipped_model()};
+        config->door.cards, config->login.users,  ISOTHERM_DATA_DIR,    iso_shipped_model()};
     int error = strcmp(config->sensor.backend, "replay") == 0 ? allow_path(ruleset, "/", reading)
                                                               : 0;
     for (size_t i = 0; !error && i < sizeof stores / sizeof *stores; i++) {

@@ -32,7 +32,7 @@ struct daemon {
     struct iso_components *components;
     struct iso_appliance_borrowed lent;
     struct iso_appliance *appliance;
-    struct watched_fd sensor, door;
+    struct watched_fd sensor, door, panel, reader;
     bool quit;
     void *room;                  /* reserved for iso_confine_calls; NULL after it */
     struct iso_fault unlocked;   /* why memory is not locked; "" if it is */
@@ -287,6 +287,8 @@ static int run_loop(struct daemon *daemon, struct iso_fault *fault)
         const int64_t mend_ns = mend_bus(daemon, iso_times_now_ns(&daemon->components->times));
         watch_fd(daemon, &daemon->sensor, iso_appliance_sensor_fd(daemon->appliance));
         watch_fd(daemon, &daemon->door, iso_appliance_door_fd(daemon->appliance));
+        watch_fd(daemon, &daemon->panel, iso_appliance_panel_fd(daemon->appliance));
+        watch_fd(daemon, &daemon->reader, iso_appliance_reader_fd(daemon->appliance));
         tell_service_manager(daemon, iso_times_now_ns(&daemon->components->times));
         const int error = wait_until(daemon, step_ns < mend_ns ? step_ns : mend_ns, fault);
         iso_stack_wipe();
@@ -312,6 +314,8 @@ static void tear_down(struct daemon *daemon)
     }
     watch_fd(daemon, &daemon->sensor, -1);
     watch_fd(daemon, &daemon->door, -1);
+    watch_fd(daemon, &daemon->panel, -1);
+    watch_fd(daemon, &daemon->reader, -1);
     iso_bus_close(daemon->bus);
     iso_appliance_free(daemon->appliance);
     iso_components_close(daemon->components);
@@ -333,7 +337,7 @@ int iso_daemon_check(const struct iso_config *config, struct iso_fault *fault)
 
 int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
 {
-    struct daemon daemon = {.sensor.fd = -1, .door.fd = -1};
+    struct daemon daemon = {.sensor.fd = -1, .door.fd = -1, .panel.fd = -1, .reader.fd = -1};
     int error = set_up(&daemon, config, fault);
     if (!error) {
         warn_of_key(config, daemon.components);

@@ -327,6 +327,16 @@ void iso_door_guard_set_fault(struct iso_door_guard *guard, bool fault)
     unlock_and_wake(guard);
 }
 
+void iso_door_guard_set_times(struct iso_door_guard *guard, const struct iso_door_options *times)
+{
+    (void)pthread_mutex_lock(&guard->mutex);
+    struct iso_door_options *options = &guard->control.door.options;
+    options->unlock_ns = times->unlock_ns;
+    options->held_ns = times->held_ns;
+    options->refused_ns = times->refused_ns;
+    (void)pthread_mutex_unlock(&guard->mutex);
+}
+
 int iso_door_guard_send_card(struct iso_door_guard *guard, const struct iso_wiegand_card *card,
                              struct iso_fault *fault)
 {

@@ -83,6 +83,10 @@ int iso_door_guard_may_test(struct iso_door_guard *guard, struct iso_fault *faul
     __attribute__((warn_unused_result));
 void iso_door_guard_set_fault(struct iso_door_guard *guard, bool fault);
 
+/* Changes how long the door stays unlocked, may be held open, and shows a refusal, from the next
+ * time on. The other options stay. */
+void iso_door_guard_set_times(struct iso_door_guard *guard, const struct iso_door_options *times);
+
 /* Sends the card number of the person granted last. Errors of iso_door_io_send_card; also -EACCES,
  * without a fault, if the door is not unlocked, and -ESTALE if it is later than until_ns of that
  * grant. */

@@ -34,6 +34,7 @@ enum iso_key_use {
     ISO_KEY_ANCHOR = 3,  /* anchor.h */
     ISO_KEY_SIGN = 4,    /* seed of the Ed25519 pair that signs what is exported */
     ISO_KEY_RECEIVE = 5, /* seed of the X25519 pair for which others seal exports */
+    ISO_KEY_PANEL = 6,   /* panel_file.h; made when a panel is configured */
 };
 
 enum { ISO_KEY_RING_MOST = 64 };

@@ -38,14 +38,11 @@ static uint64_t take(struct input *input, size_t bytes)
 /* Takes a known text, or up to 255 ASCII characters: D-Bus refuses texts that are not UTF-8. */
 static const char *take_text(struct input *input)
 {
-    static const char *const known[] = {"anna",
-                                        "bob",
-                                        ISO_CONTRACT_ALLOW_DUPLICATE,
-                                        ISO_CONTRACT_VALID_FROM,
-                                        ISO_CONTRACT_VALID_UNTIL,
-                                        ISO_CONTRACT_EXPIRED,
-                                        ISO_CONTRACT_CONSENT,
-                                        "ANNA"};
+    static const char *const known[] = {
+        "anna",      "bob",       ISO_CONTRACT_ALLOW_DUPLICATE, ISO_CONTRACT_VALID_FROM,
+        "decision",  "threshold", ISO_CONTRACT_VALID_UNTIL,     ISO_CONTRACT_EXPIRED,
+        "-100",      "door",      ISO_CONTRACT_CONSENT,         "ANNA",
+        "unlock_ms", "9000"};
     static char text[256];
     const size_t length = take(input, 1);
     if (length % 2 == 0) {
@@ -257,29 +254,30 @@ static int append_value(sd_bus_message *message, struct input *input, char type)
 
 static const struct {
     const char *name, *types;
-} methods[] = {
-    {ISO_CONTRACT_CLAIM, ""},
-    {ISO_CONTRACT_RELEASE, ""},
-    {ISO_CONTRACT_ENROLL_START, "sa"},
-    {ISO_CONTRACT_ENROLL_STOP, ""},
-    {ISO_CONTRACT_VERIFY_START, "s"},
-    {ISO_CONTRACT_VERIFY_STOP, ""},
-    {ISO_CONTRACT_IDENTIFY_START, ""},
-    {ISO_CONTRACT_IDENTIFY_STOP, ""},
-    {ISO_CONTRACT_LIST_PEOPLE, ""},
-    {ISO_CONTRACT_DELETE_PERSON, "s"},
-    {ISO_CONTRACT_GET_STATUS, ""},
-    {ISO_CONTRACT_READ_LOG, "tu"},
-    {ISO_CONTRACT_CLEAR_LOCKOUT, ""},
-    {ISO_CONTRACT_SET_LOCKDOWN, "b"},
-    {ISO_CONTRACT_AIM_START, ""},
-    {ISO_CONTRACT_AIM_STOP, ""},
-    {ISO_CONTRACT_PICTURE, ""},
-    {"Introspect", ""},
-    {"NoSuchMethod", "s"},
-    {ISO_CONTRACT_SET_VALIDITY, "sa"},
-    {ISO_CONTRACT_RENAME_PERSON, "ss"},
-};
+} methods[] = {{ISO_CONTRACT_CLAIM, ""},
+               {ISO_CONTRACT_RELEASE, ""},
+               {ISO_CONTRACT_ENROLL_START, "sa"},
+               {ISO_CONTRACT_ENROLL_STOP, ""},
+               {ISO_CONTRACT_VERIFY_START, "s"},
+               {ISO_CONTRACT_VERIFY_STOP, ""},
+               {ISO_CONTRACT_IDENTIFY_START, ""},
+               {ISO_CONTRACT_IDENTIFY_STOP, ""},
+               {ISO_CONTRACT_LIST_PEOPLE, ""},
+               {ISO_CONTRACT_DELETE_PERSON, "s"},
+               {ISO_CONTRACT_GET_STATUS, ""},
+               {ISO_CONTRACT_READ_LOG, "tu"},
+               {ISO_CONTRACT_CLEAR_LOCKOUT, ""},
+               {ISO_CONTRACT_SET_LOCKDOWN, "b"},
+               {ISO_CONTRACT_AIM_START, ""},
+               {ISO_CONTRACT_AIM_STOP, ""},
+               {ISO_CONTRACT_PICTURE, ""},
+               {"Introspect", ""},
+               {"NoSuchMethod", "s"},
+               {ISO_CONTRACT_SET_VALIDITY, "sa"},
+               {ISO_CONTRACT_RENAME_PERSON, "ss"},
+               {ISO_CONTRACT_GET_SETTINGS, ""},
+               {ISO_CONTRACT_SET_SETTING, "sss"},
+               {ISO_CONTRACT_RESET_SETTING, "ss"}};
 
 /* Sends a call from one of the clients. The caller holds bus_lock. */
 static void call(struct input *input)
@@ -300,8 +298,9 @@ static void call(struct input *input)
         types = others;
     }
     int r = sd_bus_message_new_method_call(bus, &message, ":1.1", ISO_CONTRACT_PATH,
-                                           method == 16 ? "org.freedesktop.DBus.Introspectable"
-                                                        : ISO_CONTRACT_INTERFACE,
+                                           strcmp(methods[method].name, "Introspect") == 0
+                                               ? "org.freedesktop.DBus.Introspectable"
+                                               : ISO_CONTRACT_INTERFACE,
                                            methods[method].name);
     for (; r >= 0 && *types; types++) {
         r = append_value(message, input, *types);

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Installs the appliance from the packages, or by `make install`, in a fresh Debian that systemd boots. Then it checks that the appliance
 # starts, enrols, lets in and refuses, that it keeps its state over restart, reboot and upgrade, that it is confined, and that purging
-# removes all of its files. The web server is installed once the appliance runs, and is checked in the same ways.
+# removes all of its files. The web server is installed once the appliance runs, and is checked in the same ways; so is the PAM module, from
+# the packages.
 #
 #   first_start.sh packages DIR TAR      DIR: the packages of `make packages`
 #   first_start.sh tree BUILD TAR        BUILD: a configured and built tree whose prefix is /usr/local
@@ -15,11 +16,12 @@ from=$(cd "$2" && pwd)
 tar=$3
 story_scratch=$(mktemp -d)
 install='apt-get install -q -y --no-install-recommends'
-installed_packages='isotherm isotherm-data libisotherm0 isotherm-board-pc-usb isotherm-web'
+installed_packages='isotherm isotherm-data libisotherm0 isotherm-board-pc-usb isotherm-web libpam-isotherm'
 . "$here/container.sh"
 . "$here/story.sh"
 . "$here/say.sh"
 . "$here/web_story.sh"
+. "$here/pam_story.sh"
 
 # apt WHAT COMMAND...: runs COMMAND, and shows its output only if it fails
 apt() {
@@ -43,7 +45,7 @@ packages() {
 install_packages() {
     mkdir "$container_root/srv/packages"
     # shellcheck disable=SC2046
-    cp $(packages isotherm isotherm-data libisotherm0 isotherm-sim isotherm-board-pc-usb isotherm-web) "$container_root/srv/packages"
+    cp $(packages isotherm isotherm-data libisotherm0 isotherm-sim isotherm-board-pc-usb isotherm-web libpam-isotherm) "$container_root/srv/packages"
     in_root apt-get update -qq
     in_root dpkg-query -W -f '${Package}\n' | sort >"$story_scratch/before"
     apt 'installing isotherm' in_root sh -c "$install"' /srv/packages/isotherm_*.deb /srv/packages/isotherm-data_*.deb /srv/packages/libisotherm0_*.deb'
@@ -107,6 +109,12 @@ install_web() {
     web_works
 }
 
+# Only the packages put the module where PAM finds it.
+install_pam() {
+    apt 'installing libpam-isotherm' inside sh -c "$install"' pamtester /srv/packages/libpam-isotherm_*.deb'
+    pam_works
+}
+
 everything_works() {
     others_are_refused
     p01_is_enrolled
@@ -145,10 +153,11 @@ upgrade_keeps() {
     done
     before=$(daemon_pid)
     apt 'the upgrade' inside sh -c "$install"' /srv/newer/isotherm_*.deb /srv/newer/isotherm-data_*.deb /srv/newer/libisotherm0_*.deb \
-        /srv/newer/isotherm-board-pc-usb_*.deb /srv/newer/isotherm-web_*.deb'
+        /srv/newer/isotherm-board-pc-usb_*.deb /srv/newer/isotherm-web_*.deb /srv/newer/libpam-isotherm_*.deb'
     wait_for 10 'the unit does not come back' unit_is active
     [ "$(daemon_pid)" != "$before" ] || die 'the upgrade does not restart the daemon'
     state_is_kept 'an upgrade'
+    pam_is_enabled || die 'an upgrade disables the profile of PAM'
     web_is_back 'an upgrade'
 }
 
@@ -162,6 +171,7 @@ removal_keeps_people() {
     # shellcheck disable=SC2086
     apt 'the removal' inside apt-get remove -q -y $installed_packages
     [ -z "$(inside find /proc -maxdepth 2 -name exe -lname '*/isothermd*' 2>/dev/null)" ] || die 'the daemon outlives the removal of its package'
+    pam_is_gone
     web_is_gone
     apt 'the purge' inside apt-get purge -q -y isotherm
     state_files | cmp -s - "$story_scratch/state" || die 'purging removes people without a question'
@@ -200,6 +210,9 @@ active_within 5
 add_users
 everything_works
 install_web
+if [ "$way" = packages ]; then
+    install_pam
+fi
 state_is_lasting
 if [ "$way" = packages ]; then
     upgrade_keeps

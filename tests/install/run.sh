@@ -35,7 +35,7 @@ first_start() {
 check_piuparts() {
     scratch=$(mktemp -d)
     mkdir "$scratch/before"
-    for name in isotherm isotherm-data libisotherm0 isotherm-web; do
+    for name in isotherm isotherm-data libisotherm0 isotherm-web libpam-isotherm; do
         "$here/repack.sh" "$(ls "$packages/${name}"_*_"$architecture".deb "$packages/${name}"_*_all.deb 2>/dev/null | head -n 1)" '~before' \
             "$scratch/before"
     done
@@ -46,7 +46,7 @@ check_piuparts() {
     piuparts -b "$scratch/base.tar.gz" --no-eatmydata --bindmount="$scratch/before" --distribution bookworm \
         --mirror 'http://deb.debian.org/debian main' --extra-repo="deb [trusted=yes] file://$scratch/before ./" \
         "$packages"/isotherm_*_"$architecture".deb "$packages"/isotherm-data_*_all.deb "$packages"/libisotherm0_*_"$architecture".deb \
-        "$packages"/isotherm-web_*_"$architecture".deb |
+        "$packages"/isotherm-web_*_"$architecture".deb "$packages"/libpam-isotherm_*_"$architecture".deb |
         sed -n 's/^[0-9ms.]* \(INFO: PASS\|ERROR\|FAIL\)/\1/p' >"$scratch/result" || code=$?
     cat "$scratch/result"
     grep -q 'PASS: All tests' "$scratch/result" || code=1

@@ -16,6 +16,7 @@ import { login, oldSession } from './story_login.mjs';
 import { pages } from './story_pages.mjs';
 import { people, removal } from './story_people.mjs';
 import { policies } from './story_policy.mjs';
+import { settingsInForce } from './story_settings.mjs';
 import { streams } from './story_streams.mjs';
 
 const here = (name) => process.env[`WEB_CHECK_${name}`];
@@ -125,6 +126,7 @@ async function all(run) {
   await access(run);
   await enrol(run);
   await door(run);
+  await settingsInForce(run);
   await people(run);
   await policies(run);
   await pages(run);

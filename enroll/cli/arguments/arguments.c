@@ -162,7 +162,8 @@ static enum cli_exit parse_words(int n_words, char **words, struct cli_arguments
     }
     const char *takes = cli_commands[out->verb].words;
     const int most = 1 + (*takes != '\0') + (strchr(takes, ' ') != NULL);
-    const int least = *takes == '[' ? 1 : most;
+    const char *optional = strchr(takes, '['); /* the word that may be missing is the last one */
+    const int least = optional ? most - 1 : most;
     if (n_words < least && !out->help) {
         return missing_word(&cli_commands[out->verb], words[n_words - 1], fault);
     }

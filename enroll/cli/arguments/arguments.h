@@ -28,19 +28,39 @@ enum cli_verb {
     CLI_KEY,
     CLI_LOCKDOWN,
     CLI_LOCKOUT,
+    CLI_SETTINGS,
     CLI_SETUP,
     CLI_DOOR,
+    CLI_PANEL,
+    CLI_POLICY,
+    CLI_CREDENTIAL,
     CLI_WEB,
     CLI_VERBS /* how many there are; as a verb: no command was given */
 };
 
-enum { CLI_PEOPLE_MAX = 64 };
+enum { CLI_PEOPLE_MAX = 64, CLI_CARDS_MAX = 8, CLI_PROFILES_MAX = 8 };
+
+/* What `credential set` changes. */
+struct cli_credential_change {
+    const char *cards[CLI_CARDS_MAX]; /* instead of all cards */
+    size_t n_cards;
+    const char *profiles[CLI_PROFILES_MAX]; /* instead of all profiles */
+    size_t n_profiles;
+    bool no_cards, no_profiles;
+    bool pin, duress_pin, no_pin, no_duress_pin; /* pin, duress_pin: a new one is asked for */
+    bool enable;
+    const char *disable;               /* the reason; NULL: not given */
+    const char *escort, *antipassback; /* "yes" or "no"; NULL: not given */
+    bool has_class;                    /* the number below is given */
+    unsigned two_person_class;
+};
 
 struct cli_arguments {
     enum cli_verb verb;
     const char *person; /* the same as word, for the commands that take a NAME */
     const char *word;   /* the word after the command, a NAME or another one; NULL: there is none */
-    const char *name;   /* rename: the new name */
+    const char *name;   /* rename: the new name; settings: the value; policy: the file; credential:
+                         * the person; NULL: not given */
     bool help, version, json;
     struct cli_bus bus;
     double timeout_s;                      /* 0: the default of the command */
@@ -59,13 +79,19 @@ struct cli_arguments {
     bool csv, full;                        /* log */
     const char *head;                      /* log verify: of an earlier report; NULL: not given */
     const char *address, *passphrase_file; /* export, import; NULL: not given */
-    const char *people[CLI_PEOPLE_MAX];    /* export, log: only these; none: all */
+    const char *people[CLI_PEOPLE_MAX]; /* export, log: only these; none: all. policy test: one */
     size_t n_people;
-    bool replace;               /* import */
-    const char *picture;        /* aim, setup: the file to write; NULL: not given */
-    const char *sensor, *board; /* setup; NULL: not given */
-    bool yes;                   /* setup, door test: ask nothing */
-    bool dry_run;               /* setup */
+    bool reset;                              /* settings: back to the configuration file */
+    bool replace;                            /* import */
+    const char *picture;                     /* aim, setup: the file to write; NULL: not given */
+    const char *sensor, *board;              /* setup; NULL: not given */
+    bool yes;                                /* setup, door test: ask nothing */
+    bool dry_run;                            /* setup, policy import */
+    bool has_at;                             /* policy test: the moment below is given */
+    int64_t at_s;                            /* since 1970 */
+    const char *door, *zone;                 /* policy test, policy import; NULL: not given */
+    const char *shown;                       /* policy test: "face,card"; NULL: not given */
+    struct cli_credential_change credential; /* credential set */
 };
 
 /* Reads argv: options and words in any order. The texts of *out point into argv. With --help or

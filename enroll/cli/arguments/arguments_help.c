@@ -26,11 +26,16 @@ static void print_option(const struct cli_option *option, enum cli_verb verb, FI
     cli_wrap(help_text(option, verb), column, out);
 }
 
+enum { WORDS_MAX = 40, SUMMARY_COLUMN = 26 };
+
 static void print_commands(FILE *out)
 {
     for (size_t i = 0; i < CLI_VERBS; i++) {
         const struct cli_command *command = &cli_commands[i];
-        const int column = fprintf(out, "  %-8s %-14s ", command->name, command->words);
+        int column = fprintf(out, "  %-8s %-14s ", command->name, command->words);
+        if (column > WORDS_MAX) { /* the summary has a line of its own */
+            column = fprintf(out, "\n%*s", SUMMARY_COLUMN, "") - 1;
+        }
         cli_wrap(command->summary, column, out);
     }
 }
@@ -66,6 +71,6 @@ void cli_arguments_help(enum cli_verb verb, FILE *out)
         fputs("\n`isotherm COMMAND --help` lists a command's own options.\n", out);
     }
     fputs("\nExit status: 0 yes or done, 1 no match or refused, 2 usage, 3 no such thing,\n"
-          "4 device, daemon or data fault, 5 timed out.\n",
+          "4 device, daemon or data fault, 5 timed out, 6 more has to be shown.\n",
           out);
 }

@@ -7,6 +7,7 @@
 
 #include "enroll/cli/arguments/value.h"
 #include "enroll/cli/arguments/when.h"
+#include "enroll/cli/arguments/when_next.h"
 
 /* The member that an option without a value sets; NULL if it sets none. */
 static bool *flag_member(struct cli_arguments *out, enum cli_option_id id)
@@ -26,12 +27,28 @@ static bool *flag_member(struct cli_arguments *out, enum cli_option_id id)
         return &out->csv;
     case CLI_OPTION_FULL:
         return &out->full;
+    case CLI_OPTION_RESET:
+        return &out->reset;
     case CLI_OPTION_REPLACE:
         return &out->replace;
     case CLI_OPTION_YES:
         return &out->yes;
     case CLI_OPTION_DRY_RUN:
         return &out->dry_run;
+    case CLI_OPTION_NO_CARDS:
+        return &out->credential.no_cards;
+    case CLI_OPTION_PIN:
+        return &out->credential.pin;
+    case CLI_OPTION_NO_PIN:
+        return &out->credential.no_pin;
+    case CLI_OPTION_DURESS_PIN:
+        return &out->credential.duress_pin;
+    case CLI_OPTION_NO_DURESS_PIN:
+        return &out->credential.no_duress_pin;
+    case CLI_OPTION_NO_PROFILES:
+        return &out->credential.no_profiles;
+    case CLI_OPTION_ENABLE:
+        return &out->credential.enable;
     case CLI_OPTION_SESSION:
         return &out->bus.session;
     case CLI_OPTION_HELP:
@@ -62,6 +79,14 @@ static const char **text_member(struct cli_arguments *out, enum cli_option_id id
         return &out->sensor;
     case CLI_OPTION_BOARD:
         return &out->board;
+    case CLI_OPTION_DOOR:
+        return &out->door;
+    case CLI_OPTION_SHOWN:
+        return &out->shown;
+    case CLI_OPTION_ZONE:
+        return &out->zone;
+    case CLI_OPTION_DISABLE:
+        return &out->credential.disable;
     case CLI_OPTION_BUS:
         return &out->bus.address;
     default:
@@ -87,6 +112,57 @@ static bool add_person(struct cli_arguments *out, const char *name)
     }
     out->people[out->n_people++] = name;
     return *name != '\0';
+}
+
+static bool add_text(const char **texts, size_t *n, size_t max, const char *text)
+{
+    if (*n == max) {
+        return false;
+    }
+    texts[(*n)++] = text;
+    return *text != '\0';
+}
+
+static bool read_yes_or_no(const char **out, const char *text)
+{
+    *out = text;
+    return strcmp(text, "yes") == 0 || strcmp(text, "no") == 0;
+}
+
+static bool read_class(struct cli_arguments *out, const char *text)
+{
+    unsigned long long number = 0;
+
+    if (strcmp(text, "0") != 0 && !cli_value_count(text, 255, &number)) {
+        return false;
+    }
+    out->credential.has_class = true;
+    out->credential.two_person_class = (unsigned)number;
+    return true;
+}
+
+/* The options of `credential` and `policy` that have a value of their own. */
+static bool store_access(struct cli_arguments *out, enum cli_option_id id, const char *value)
+{
+    struct cli_credential_change *change = &out->credential;
+
+    switch (id) {
+    case CLI_OPTION_CARD:
+        return add_text(change->cards, &change->n_cards, CLI_CARDS_MAX, value);
+    case CLI_OPTION_PROFILE:
+        return add_text(change->profiles, &change->n_profiles, CLI_PROFILES_MAX, value);
+    case CLI_OPTION_ESCORT:
+        return read_yes_or_no(&change->escort, value);
+    case CLI_OPTION_ANTIPASSBACK:
+        return read_yes_or_no(&change->antipassback, value);
+    case CLI_OPTION_CLASS:
+        return read_class(out, value);
+    case CLI_OPTION_AT:
+        out->has_at = true;
+        return cli_when_parse_next(value, time(NULL), &out->at_s);
+    default:
+        return false;
+    }
 }
 
 static bool read_count(struct cli_arguments *out, const char *text)
@@ -133,7 +209,7 @@ bool cli_option_store(struct cli_arguments *out, enum cli_option_id id, const ch
     case CLI_OPTION_UNTIL:
         return read_limit(value, true, &out->names_until, &out->valid_until_s);
     default:
-        return false;
+        return store_access(out, id, value);
     }
 }
 

@@ -20,6 +20,8 @@ static const struct translation {
     {ISO_CONTRACT_ERROR_INVALID_NAME, CLI_EXIT_USAGE, "invalid-name", NULL},
     {ISO_CONTRACT_ERROR_INVALID_ARGUMENT, CLI_EXIT_USAGE, "invalid-argument", NULL},
     {ISO_CONTRACT_ERROR_NAME_IN_USE, CLI_EXIT_NO, "name-in-use", NULL},
+    {ISO_CONTRACT_ERROR_CONFLICT, CLI_EXIT_NO, "conflict",
+     "the policy has been changed meanwhile; look at it (isotherm policy show) and try again"},
     {ISO_CONTRACT_ERROR_GALLERY_FULL, CLI_EXIT_FAULT, "gallery-full", NULL},
     {ISO_CONTRACT_ERROR_REJECTED, CLI_EXIT_FAULT, "rejected", NULL},
     {ISO_CONTRACT_ERROR_LOCKED_OUT, CLI_EXIT_NO, "locked-out", NULL},

@@ -12,6 +12,7 @@ enum cli_exit {
     CLI_EXIT_NOT_FOUND = 3,
     CLI_EXIT_FAULT = 4, /* device, data, daemon or bus */
     CLI_EXIT_TIMED_OUT = 5,
+    CLI_EXIT_MORE = 6,          /* policy test: more has to be shown */
     CLI_EXIT_INTERRUPTED = 130, /* by SIGINT or SIGTERM, after a clean release */
 };
 

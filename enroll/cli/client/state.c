@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <string.h>
 
 /* Converts the value of a variant to JSON. -EBADMSG for a type that no status has. */
 static int read_value(sd_bus_message *reply, char type, json_t **out)
@@ -48,6 +49,27 @@ static int read_value(sd_bus_message *reply, char type, json_t **out)
     return *out ? 0 : -ENOMEM;
 }
 
+/* Reads a list of texts. */
+static int read_texts(sd_bus_message *reply, json_t **out)
+{
+    json_t *list = json_array();
+    const char *text;
+    int r = list ? sd_bus_message_enter_container(reply, 'a', "s") : -ENOMEM;
+
+    while (r >= 0 && (r = sd_bus_message_read_basic(reply, 's', &text)) > 0) {
+        r = json_array_append_new(list, json_string(text)) == 0 ? r : -ENOMEM;
+    }
+    if (r >= 0) {
+        r = sd_bus_message_exit_container(reply);
+    }
+    if (r < 0) {
+        json_decref(list);
+        return r;
+    }
+    *out = list;
+    return 0;
+}
+
 /* Reads one {sv} whose container has been entered. */
 static int read_entry(sd_bus_message *reply, json_t *state)
 {
@@ -63,7 +85,8 @@ static int read_entry(sd_bus_message *reply, json_t *state)
         r = sd_bus_message_enter_container(reply, 'v', type);
     }
     if (r >= 0) {
-        r = read_value(reply, type[0], &value);
+        r = strcmp(type, "as") == 0 ? read_texts(reply, &value)
+                                    : read_value(reply, type[0], &value);
     }
     if (r >= 0) {
         r = json_object_set_new(state, name, value);

@@ -6,9 +6,9 @@
 
 #include "enroll/cli/client/daemon.h"
 
-/* Reads an a{sv} of texts, numbers and booleans from a message, as a JSON object with its names and
- * types. The caller releases *out with json_decref(). -EBADMSG for a value of another type,
- * -ENOMEM, errors of sd_bus_message_read(). */
+/* Reads an a{sv} of texts, lists of texts, numbers and booleans from a message, as a JSON object
+ * with its names and types. The caller releases *out with json_decref(). -EBADMSG for a value of
+ * another type, -ENOMEM, errors of sd_bus_message_read(). */
 int cli_state_read(sd_bus_message *message, json_t **out) __attribute__((warn_unused_result));
 
 /* Asks the daemon for its status. The caller releases *out with json_decref(). Faults of

@@ -42,8 +42,22 @@ enum cli_exit cli_lockdown(struct cli_daemon *daemon, const struct cli_arguments
                            struct cli_fault *fault);
 enum cli_exit cli_lockout(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                           struct cli_fault *fault);
+enum cli_exit cli_settings(struct cli_daemon *daemon, const struct cli_arguments *arguments,
+                           struct cli_fault *fault);
 enum cli_exit cli_door_test(struct cli_daemon *daemon, const struct cli_arguments *arguments,
                             struct cli_fault *fault);
+
+enum cli_exit cli_panel(struct cli_daemon *daemon, const struct cli_arguments *arguments,
+                        struct cli_fault *fault);
+
+enum cli_exit cli_policy(struct cli_daemon *daemon, const struct cli_arguments *arguments,
+                         struct cli_fault *fault);
+enum cli_exit cli_policy_import(struct cli_daemon *daemon, const struct cli_arguments *arguments,
+                                struct cli_fault *fault);
+enum cli_exit cli_policy_test(struct cli_daemon *daemon, const struct cli_arguments *arguments,
+                              struct cli_fault *fault);
+enum cli_exit cli_credential(struct cli_daemon *daemon, const struct cli_arguments *arguments,
+                             struct cli_fault *fault);
 
 /* Opens the bus itself, because a bus that cannot be reached is one of its findings. */
 enum cli_exit cli_doctor(const struct cli_arguments *arguments, struct cli_fault *fault);

@@ -11,12 +11,27 @@ static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault
 {
     static enum cli_exit (*const commands[CLI_VERBS])(
         struct cli_daemon *, const struct cli_arguments *, struct cli_fault *) = {
-        [CLI_ENROLL] = cli_enroll,   [CLI_IDENTIFY] = cli_identify, [CLI_VERIFY] = cli_verify,
-        [CLI_LIST] = cli_list,       [CLI_REMOVE] = cli_remove,     [CLI_STATUS] = cli_status,
-        [CLI_LOG] = cli_log,         [CLI_AIM] = cli_aim,           [CLI_EXPORT] = cli_export,
-        [CLI_IMPORT] = cli_import,   [CLI_KEY] = cli_key,           [CLI_LOCKDOWN] = cli_lockdown,
-        [CLI_LOCKOUT] = cli_lockout, [CLI_VALIDITY] = cli_validity, [CLI_RENAME] = cli_rename,
-        [CLI_DOOR] = cli_door_test,  [CLI_SITE] = cli_site,
+        [CLI_ENROLL] = cli_enroll,
+        [CLI_IDENTIFY] = cli_identify,
+        [CLI_VERIFY] = cli_verify,
+        [CLI_LIST] = cli_list,
+        [CLI_REMOVE] = cli_remove,
+        [CLI_STATUS] = cli_status,
+        [CLI_LOG] = cli_log,
+        [CLI_AIM] = cli_aim,
+        [CLI_EXPORT] = cli_export,
+        [CLI_IMPORT] = cli_import,
+        [CLI_KEY] = cli_key,
+        [CLI_LOCKDOWN] = cli_lockdown,
+        [CLI_LOCKOUT] = cli_lockout,
+        [CLI_VALIDITY] = cli_validity,
+        [CLI_RENAME] = cli_rename,
+        [CLI_DOOR] = cli_door_test,
+        [CLI_SITE] = cli_site,
+        [CLI_POLICY] = cli_policy,
+        [CLI_CREDENTIAL] = cli_credential,
+        [CLI_PANEL] = cli_panel,
+        [CLI_SETTINGS] = cli_settings,
     };
     struct cli_daemon *daemon = NULL;
 

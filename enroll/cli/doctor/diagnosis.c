@@ -281,6 +281,7 @@ static const struct judgement {
     {.judge = judge_image_check},
     {.told = {"disk", "storage-fault", "storage-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
     {.told = {"counter", "counter-fault", "counter-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
+    {.told = {"panel", "panel-fault", "panel-fault-code", CLI_CHECK_BAD, CLI_CHECK_BAD}},
     {.judge = judge_gallery},
     {.judge = judge_site},
 };

@@ -46,6 +46,10 @@ static const char *const remedies[ISO_FAULT_CODES] = {
     [ISO_FAULT_LINE_BUSY] = "end the other program that uses the line, or release the line in the board's device tree",
     [ISO_FAULT_LINE_FAILED] = "check its wiring, and [door] in isotherm.conf(5)",
 
+    [ISO_FAULT_PANEL_LINE] = "check [panel] port, and install the drop-in osdp.conf of the examples, which permits the daemon to use serial lines; end any other program that uses the line",
+    [ISO_FAULT_PANEL_SILENT] = "check the wires A, B and ground, and that the panel has the address and the speed of this device ([panel] in isotherm.conf(5))",
+    [ISO_FAULT_PANEL_KEY] = "let the panel set its key again: isotherm panel install",
+
     [ISO_FAULT_KEY_MISSING] = "put the key file back from a copy; see KEYS in isothermd(8)",
     [ISO_FAULT_KEY_WRONG] = "put back the key with which the files were sealed, or the key ring from a backup; see KEYS in isothermd(8)",
     [ISO_FAULT_KEY_EXPOSED] = "chmod 600 the key file, then seal everything with new keys: isotherm key rotate",

@@ -20,10 +20,10 @@ enum { KEPT_BYTES = 256 * 1024, PATIENCE_S = 30, SLICE_MS = 200 };
 struct stream {
     int fd; /* -1 after the end of the stream */
     char *text;
-    size_t size;
+    size_t size, room; /* room: bytes of the text */
 };
 
-static int spawn(const char *const argv[], int out_fd, int err_fd, pid_t *pid)
+static int spawn(const char *const argv[], int in_fd, int out_fd, int err_fd, pid_t *pid)
 {
     posix_spawn_file_actions_t actions;
 
@@ -31,7 +31,9 @@ static int spawn(const char *const argv[], int out_fd, int err_fd, pid_t *pid)
     if (error) {
         return error;
     }
-    error = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    error = in_fd >= 0 ? posix_spawn_file_actions_adddup2(&actions, in_fd, STDIN_FILENO)
+                       : posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null",
+                                                          O_RDONLY, 0);
     if (!error) {
         error = posix_spawn_file_actions_adddup2(&actions, out_fd, STDOUT_FILENO);
     }
@@ -60,7 +62,7 @@ static void take(struct stream *stream)
         stream->fd = -1;
         return;
     }
-    const size_t room = KEPT_BYTES - 1 - stream->size;
+    const size_t room = stream->room - 1 - stream->size;
     const size_t kept = (size_t)n < room ? (size_t)n : room;
     memcpy(stream->text + stream->size, piece, kept);
     stream->size += kept;
@@ -90,12 +92,12 @@ static bool drain(struct stream streams[2])
     return true;
 }
 
-static enum cli_exit run(const char *const argv[], int pipes[2][2], struct stream streams[2],
-                         int *code, struct cli_fault *fault)
+static enum cli_exit run(const char *const argv[], int in_fd, int pipes[2][2],
+                         struct stream streams[2], int *code, struct cli_fault *fault)
 {
     pid_t pid = 0;
     int status = 0;
-    const int error = spawn(argv, pipes[0][1], pipes[1][1], &pid);
+    const int error = spawn(argv, in_fd, pipes[0][1], pipes[1][1], &pid);
 
     close(pipes[0][1]);
     close(pipes[1][1]);
@@ -122,8 +124,16 @@ static enum cli_exit run(const char *const argv[], int pipes[2][2], struct strea
 enum cli_exit cli_child_run(const char *const argv[], struct cli_child *out,
                             struct cli_fault *fault)
 {
-    struct stream streams[2] = {{.fd = -1, .text = calloc(1, KEPT_BYTES)},
-                                {.fd = -1, .text = calloc(1, KEPT_BYTES)}};
+    return cli_child_feed(argv, -1, KEPT_BYTES, out, fault);
+}
+
+enum cli_exit cli_child_feed(const char *const argv[], int in_fd, size_t kept_bytes,
+                             struct cli_child *out, struct cli_fault *fault)
+{
+    struct stream streams[2] = {
+        {.fd = -1, .text = calloc(1, kept_bytes), .room = kept_bytes},
+        {.fd = -1, .text = calloc(1, kept_bytes), .room = kept_bytes},
+    };
     int pipes[2][2] = {{-1, -1}, {-1, -1}};
     enum cli_exit exit;
 
@@ -135,7 +145,7 @@ enum cli_exit cli_child_run(const char *const argv[], struct cli_child *out,
     } else {
         streams[0].fd = pipes[0][0];
         streams[1].fd = pipes[1][0];
-        exit = run(argv, pipes, streams, &out->exit, fault);
+        exit = run(argv, in_fd, pipes, streams, &out->exit, fault);
     }
     for (int i = 0; i < 2; i++) {
         if (streams[i].fd >= 0) {

@@ -18,6 +18,12 @@ struct cli_child {
 enum cli_exit cli_child_run(const char *const argv[], struct cli_child *out,
                             struct cli_fault *fault) __attribute__((warn_unused_result));
 
+/* The same, with the file `in_fd` as standard input (-1: empty), and the first kept_bytes - 1 of
+ * each stream are kept. */
+enum cli_exit cli_child_feed(const char *const argv[], int in_fd, size_t kept_bytes,
+                             struct cli_child *out, struct cli_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* Frees the texts. An all-zero child is accepted. */
 void cli_child_done(struct cli_child *child);
 

@@ -1,5 +1,9 @@
 #include "enroll/cli/machine/places.h"
 
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
 const struct cli_web_places cli_web_installed = {
     .program = ISOTHERM_WEB,
     .systemctl = "/usr/bin/systemctl",
@@ -17,3 +21,14 @@ const struct cli_setup_places cli_setup_installed = {
     .root = true,
     .daemon_wait_s = 10,
 };
+
+void cli_places_policy_reader(char path[PATH_MAX])
+{
+    char own[PATH_MAX] = "";
+    const ssize_t length = readlink("/proc/self/exe", own, sizeof own - 1);
+    own[length > 0 ? length : 0] = '\0';
+    char *slash = strrchr(own, '/');
+    const int folder = slash ? (int)(slash - own) : 0;
+    (void)snprintf(path, PATH_MAX, "%.*s/../lib/isotherm/isotherm-policy-reader",
+                   folder < PATH_MAX - 64 ? folder : 0, own);
+}

@@ -3,6 +3,7 @@
 #ifndef CLI_MACHINE_PLACES_H
 #define CLI_MACHINE_PLACES_H
 
+#include <limits.h>
 #include <stdbool.h>
 
 #include "enroll/cli/client/daemon.h"
@@ -25,6 +26,10 @@ struct cli_web_places {
     const char *systemctl; /* knows where the web server listens */
     bool root;             /* only root may read the state of the web server */
 };
+
+/* Writes the path of the program that reads files of policies (policy/policy_reader.h). It is at
+ * ../lib/isotherm from the folder of this program, in a build tree as in an installed one. */
+void cli_places_policy_reader(char path[PATH_MAX]);
 
 /* The paths of the installed program. */
 extern const struct cli_web_places cli_web_installed;

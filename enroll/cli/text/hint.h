@@ -7,9 +7,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* The text of a word of isotherm/capture.h: "come closer" for "too-far". A constant; NULL for any
- * other word. */
-const char *cli_hint_text(const char *capture_word);
+#include "enroll/cli/text/hint_text.h"
 
 /* Whether `result` is `prefix` + "-retry-" + a word. Then *capture_word points to the word within
  * `result`. For "enroll-retry-too-far" with the prefix "enroll" it is "too-far". */

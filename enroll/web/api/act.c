@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include "enroll/web/http/now.h"
+#include "firmware/contract/contract.h"
 
 int64_t web__api_now_s(void)
 {
@@ -22,7 +23,17 @@ static void on_noted(void *context, sd_bus_message *reply, const sd_bus_error *e
 
 void web__api_note(struct web_api *api, const char *account, const char *act)
 {
-    web_daemon_record(api->daemon, account, act, "", on_noted, (void *)(uintptr_t)act);
+    char text[ISO_CONTRACT_ACT_BYTES + 1];
+    uint32_t left_out = 0;
+
+    if (!web_note_limit_take(&api->notes, account, web_now_ns(), &left_out)) {
+        return;
+    }
+    (void)snprintf(text, sizeof text, "%s", act);
+    if (left_out > 0) {
+        (void)snprintf(text, sizeof text, "%s-after-%u", act, (unsigned)left_out);
+    }
+    web_daemon_record(api->daemon, account, text, "", on_noted, (void *)(uintptr_t)act);
 }
 
 void web__api_account_problem(struct web_exchange *exchange, int error,

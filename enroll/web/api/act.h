@@ -18,7 +18,9 @@ void web__api_act(struct web_api *api, struct web_exchange *exchange, const char
                   const char *concerned,
                   void (*go)(struct web_api *api, struct web_exchange *exchange));
 
-/* The same for what must work without the daemon: a failure is only reported on stderr. */
+/* The same for what must work without the daemon: a failure is only reported on stderr. A login or
+ * logout beyond the limit of note_limit.h is not recorded; the next one is "login-after-17" after
+ * 17 of them. `act` lives as long as the program. */
 void web__api_note(struct web_api *api, const char *account, const char *act);
 
 /* Answers a fault of enroll/web/account as a problem. */

@@ -8,6 +8,7 @@
 #include "enroll/web/daemon/daemon.h"
 #include "enroll/web/http/route.h"
 #include "enroll/web/http/server.h"
+#include "enroll/web/session/note_limit.h"
 #include "enroll/web/session/session.h"
 
 struct web_feed;      /* enroll/web/daemon/feed.h: what the daemon reports, for the streams */
@@ -20,8 +21,9 @@ struct web_api {
     struct web_accounts *accounts;
     struct web_sessions *sessions;
     struct web_guess *guess;
-    const char *setup_code; /* the file of the one-time code */
-    const char *document;   /* the text of openapi.json */
+    struct web_note_limit notes; /* of logins and logouts */
+    const char *setup_code;      /* the file of the one-time code */
+    const char *document;        /* the text of openapi.json */
     const struct web_certificate *certificate;
     struct web_daemon *daemon;
     struct web_feed *feed;
@@ -49,9 +51,13 @@ void web_api_get_document(void *api, struct web_exchange *exchange);
 /* ---- the door (api_door.c) ---- */
 void web_api_get_status(void *api, struct web_exchange *exchange);
 void web_api_get_health(void *api, struct web_exchange *exchange);
-void web_api_get_settings(void *api, struct web_exchange *exchange);
 void web_api_set_lockdown(void *api, struct web_exchange *exchange);
 void web_api_clear_lockout(void *api, struct web_exchange *exchange);
+
+/* ---- settings (api_settings.c) ---- */
+void web_api_get_settings(void *api, struct web_exchange *exchange);
+void web_api_set_setting(void *api, struct web_exchange *exchange);
+void web_api_reset_setting(void *api, struct web_exchange *exchange);
 
 /* ---- streams (api_streams.c) ---- */
 void web_api_get_events(void *api, struct web_exchange *exchange);

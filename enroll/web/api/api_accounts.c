@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "enroll/web/api/act.h"
+#include "enroll/web/api/turns.h"
 
 void web_api_list_accounts(void *context, struct web_exchange *exchange)
 {
@@ -59,6 +60,10 @@ static void add(struct web_api *api, struct web_exchange *exchange)
 {
     const char *name = text_of(exchange, "name");
     struct iso_fault fault = {.text = ""};
+
+    if (!web_api_goes_on(api, exchange)) {
+        return;
+    }
     const int r = web_accounts_add(api->accounts, name, text_of(exchange, "password"),
                                    web_role_of(text_of(exchange, "role")), &fault);
 
@@ -67,6 +72,12 @@ static void add(struct web_api *api, struct web_exchange *exchange)
         return;
     }
     web_exchange_json(exchange, 201, web__api_account_json(web_accounts_find(api->accounts, name)));
+}
+
+/* The password is hashed when it is the request's turn. */
+static void add_in_turn(struct web_api *api, struct web_exchange *exchange)
+{
+    web_turns_wait(api->turns, exchange, add);
 }
 
 void web_api_add_account(void *context, struct web_exchange *exchange)
@@ -87,7 +98,7 @@ void web_api_add_account(void *context, struct web_exchange *exchange)
     } else if (web_accounts_count(api->accounts) == WEB_ACCOUNTS_MOST) {
         web_exchange_problem(exchange, 409, "too-many-accounts", "there are too many accounts");
     } else {
-        web__api_act(api, exchange, "account-add", name, add);
+        web__api_act(api, exchange, "account-add", name, add_in_turn);
     }
 }
 
@@ -121,6 +132,9 @@ static void change(struct web_api *api, struct web_exchange *exchange)
     struct iso_fault fault = {.text = ""};
     int r = 0;
 
+    if (!web_api_goes_on(api, exchange)) {
+        return;
+    }
     if (has(exchange, "role")) {
         r = web_accounts_set_role(api->accounts, name, web_role_of(text_of(exchange, "role")),
                                   &fault);
@@ -139,6 +153,16 @@ static void change(struct web_api *api, struct web_exchange *exchange)
     web_exchange_json(exchange, 200, web__api_account_json(web_accounts_find(api->accounts, name)));
 }
 
+/* A password is hashed when it is the request's turn. */
+static void change_in_turn(struct web_api *api, struct web_exchange *exchange)
+{
+    if (has(exchange, "password")) {
+        web_turns_wait(api->turns, exchange, change);
+    } else {
+        change(api, exchange);
+    }
+}
+
 void web_api_change_account(void *context, struct web_exchange *exchange)
 {
     struct web_api *api = context;
@@ -149,7 +173,7 @@ void web_api_change_account(void *context, struct web_exchange *exchange)
         web_exchange_problem(exchange, 400, "invalid-member", "there is no role and no password");
     } else if (are_allowed(exchange, web_exchange_part(exchange)) &&
                find_account(api, exchange, loses)) {
-        web__api_act(api, exchange, "account-change", web_exchange_part(exchange), change);
+        web__api_act(api, exchange, "account-change", web_exchange_part(exchange), change_in_turn);
     }
 }
 

@@ -1,69 +1,16 @@
-/* The state of the appliance, its settings, and the calls of an administrator that concern the
- * door. */
-#include <errno.h>
+/* The state of the appliance, and the calls of an administrator that concern the door. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "enroll/web/api/api.h"
 #include "enroll/web/api/parts.h"
 #include "enroll/web/daemon/feed.h"
-#include "enroll/web/daemon/json_text.h"
 #include "firmware/contract/contract.h"
 
 void web_api_get_status(void *context, struct web_exchange *exchange)
 {
     const struct web_api *api = context;
     web_exchange_json(exchange, 200, web_feed_state(api->feed));
-}
-
-/* ---- settings ---- */
-
-/* Writes the settings of a reply. A negative errno of sd-bus. */
-static int write_settings(sd_bus_message *reply, FILE *out)
-{
-    static const char *const members[] = {"section", "key", "value", "default", "range", "help"};
-    const char *texts[6];
-    bool first = true;
-    int r = sd_bus_message_enter_container(reply, 'a', "(ssssss)");
-    (void)fputs("{\"settings\":[", out);
-    while (r >= 0 && (r = sd_bus_message_read(reply, "(ssssss)", &texts[0], &texts[1], &texts[2],
-                                              &texts[3], &texts[4], &texts[5])) > 0) {
-        (void)fputs(first ? "{" : ",{", out);
-        first = false;
-        for (int i = 0; i < 6; i++) {
-            (void)fprintf(out, "\"%s\":", members[i]);
-            web_json_text(out, texts[i]);
-            (void)fputc(',', out);
-        }
-        (void)fputs("\"changeable\":false}", out);
-    }
-    (void)fputs("]}", out);
-    return r;
-}
-
-static void on_settings(void *context, sd_bus_message *reply, const sd_bus_error *error)
-{
-    struct web_exchange *exchange = context;
-    char *text = NULL;
-    size_t size = 0;
-    if (error) {
-        web_api_daemon_problem(exchange, error);
-        return;
-    }
-    FILE *out = open_memstream(&text, &size);
-    const int r = out ? write_settings(reply, out) : -ENOMEM;
-    if (!out || fclose(out) != 0 || r < 0) {
-        free(text);
-        text = NULL;
-    }
-    web_exchange_text(exchange, 200, text, size);
-}
-
-void web_api_get_settings(void *context, struct web_exchange *exchange)
-{
-    const struct web_api *api = context;
-    web_daemon_send(api->daemon, web_daemon_message(api->daemon, ISO_CONTRACT_GET_SETTINGS), 0,
-                    on_settings, exchange);
 }
 
 /* ---- changes, which are put on record first ---- */

@@ -80,7 +80,7 @@ static void write_people(FILE *out, const struct web_last_seen *seen,
         if (i > 0) {
             (void)fputc(',', out);
         }
-        web__api_person_write(out, seen, &people[i]);
+        web__api_person_write(out, seen, &people[i], "");
     }
     (void)fputs("]}", out);
 }

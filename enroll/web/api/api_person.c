@@ -7,6 +7,7 @@
 #include "enroll/web/api/parts.h"
 #include "enroll/web/api/person.h"
 #include "enroll/web/daemon/last_seen.h"
+#include "enroll/web/http/now.h"
 #include "firmware/contract/contract.h"
 #include "firmware/contract/person_name.h"
 
@@ -17,6 +18,7 @@ struct request {
     char name[ISO_PERSON_NAME_SIZE];   /* the new name; "": it stays */
     struct web_api_limits limits;
     bool renamed;
+    char remark[256]; /* of the daemon about the new name; "": none */
 };
 
 /* ---- the answer of a change: the person as it is now ---- */
@@ -38,7 +40,7 @@ static bool answer_person(const struct request *request, sd_bus_message *reply)
                             iso_person_name_key_is_same(&wanted, &found));
         FILE *out = is_it ? open_memstream(&text, &size) : NULL;
         if (out) {
-            web__api_person_write(out, request->api->last_seen, &person);
+            web__api_person_write(out, request->api->last_seen, &person, request->remark);
             (void)fclose(out);
         }
         if (is_it) {
@@ -70,14 +72,23 @@ static void ask_person(struct request *request)
 
 /* ---- another name, then other limits ---- */
 
-static void refuse(struct request *request, const sd_bus_error *error)
+enum { DONE_SIZE = ISO_PERSON_NAME_SIZE + 96 };
+
+/* What has been done already, to be set before what is wrong; "": nothing. */
+static void say_done(const struct request *request, char *done, size_t size)
 {
-    char done[ISO_PERSON_NAME_SIZE + 96] = "";
+    done[0] = '\0';
     if (request->renamed) {
         (void)snprintf(
-            done, sizeof done,
+            done, size,
             "The person was renamed to \"%s\", but the limits were not changed: ", request->name);
     }
+}
+
+static void refuse(struct request *request, const sd_bus_error *error)
+{
+    char done[DONE_SIZE];
+    say_done(request, done, sizeof done);
     web__api_limits_problem(request->exchange, error, done);
     free(request);
 }
@@ -90,7 +101,12 @@ static bool may_act(struct request *request, const sd_bus_error *error)
         refuse(request, error);
         return false;
     }
-    if (!web_api_goes_on(request->api, request->exchange)) {
+    if (!web_session_goes_on(request->api->sessions, web_exchange_session(request->exchange),
+                             web_now_ns())) {
+        char detail[DONE_SIZE + 32];
+        say_done(request, detail, sizeof detail);
+        (void)strncat(detail, "the session has ended", sizeof detail - strlen(detail) - 1);
+        web_exchange_problem(request->exchange, 401, "login-required", detail);
         free(request);
         return false;
     }
@@ -160,10 +176,13 @@ static void record(struct request *request, const char *act, web_daemon_reply_fn
 static void on_renamed(void *context, sd_bus_message *reply, const sd_bus_error *error)
 {
     struct request *request = context;
-    (void)reply;
+    const char *remark = "";
     if (error) {
         refuse(request, error);
         return;
+    }
+    if (sd_bus_message_read(reply, "s", &remark) > 0) {
+        (void)snprintf(request->remark, sizeof request->remark, "%s", remark);
     }
     web_last_seen_rename(request->api->last_seen, request->person, request->name);
     request->renamed = true;

@@ -122,6 +122,10 @@ static void set_own_password(struct web_api *api, struct web_exchange *exchange)
     const char *name = web_exchange_account(exchange);
     const char *password = text_of(exchange, "new");
     struct iso_fault fault = {.text = ""};
+
+    if (!web_api_goes_on(api, exchange)) {
+        return;
+    }
     const int r = web_accounts_set_password(api->accounts, name, password, &fault);
 
     if (r < 0) {
@@ -131,6 +135,12 @@ static void set_own_password(struct web_api *api, struct web_exchange *exchange)
     web_session_end_account(api->sessions, name, web_exchange_session(exchange));
     web__api_end_streams(api);
     web_exchange_done(exchange);
+}
+
+/* The new password is hashed in a turn of its own. */
+static void set_own_password_in_turn(struct web_api *api, struct web_exchange *exchange)
+{
+    web_turns_wait(api->turns, exchange, set_own_password);
 }
 
 /* Compares the old password, and puts on record that there will be a new one. */
@@ -154,7 +164,7 @@ static void check_own_password(struct web_api *api, struct web_exchange *exchang
         return;
     }
     web_guess_passed(api->guess, name);
-    web__api_act(api, exchange, "password-change", "", set_own_password);
+    web__api_act(api, exchange, "password-change", "", set_own_password_in_turn);
 }
 
 void web_api_set_own_password(void *context, struct web_exchange *exchange)
@@ -199,6 +209,22 @@ static void set_up(struct web_api *api, struct web_exchange *exchange, const cha
     begin_session(api, exchange, web_accounts_find(api->accounts, name));
 }
 
+/* Those who had their turn before may have failed, or may have used the code. */
+static void set_up_in_turn(struct web_api *api, struct web_exchange *exchange)
+{
+    const char *code = text_of(exchange, "code"), *name = text_of(exchange, "account");
+
+    if (web__api_must_wait(api, exchange, setup_name)) {
+        return;
+    }
+    if (!web_setup_code_is(api->setup_code, web__api_now_s(), code)) {
+        web_guess_failed(api->guess, setup_name, web_exchange_address(exchange), web_now_ns());
+        web_exchange_problem(exchange, 401, "wrong-code", "the code is wrong or has ended");
+    } else if (!is_refused(api, exchange, name)) {
+        set_up(api, exchange, code, name, text_of(exchange, "password"));
+    }
+}
+
 void web_api_setup(void *context, struct web_exchange *exchange)
 {
     struct web_api *api = context;
@@ -207,17 +233,14 @@ void web_api_setup(void *context, struct web_exchange *exchange)
     const char *password = name ? web_api_text(exchange, "password", WEB_PASSWORD_MOST_BYTES)
                                 : NULL;
 
-    if (!password || web__api_must_wait(api, exchange, setup_name)) {
+    if (!password) {
         return;
     }
     if (web_account_name_flaw(name)) {
         web_exchange_problem(exchange, 400, "invalid-account", web_account_name_flaw(name));
     } else if (web_password_flaw(name, password)) {
         web_exchange_problem(exchange, 400, "invalid-password", web_password_flaw(name, password));
-    } else if (!web_setup_code_is(api->setup_code, web__api_now_s(), code)) {
-        web_guess_failed(api->guess, setup_name, web_exchange_address(exchange), web_now_ns());
-        web_exchange_problem(exchange, 401, "wrong-code", "the code is wrong or has ended");
-    } else if (!is_refused(api, exchange, name)) {
-        set_up(api, exchange, code, name, password);
+    } else {
+        web_turns_wait(api->turns, exchange, set_up_in_turn);
     }
 }

@@ -6,7 +6,12 @@
 void web_api_get_events(void *context, struct web_exchange *exchange)
 {
     const struct web_api *api = context;
-    (void)web_feed_open_events(api->feed, exchange);
+    const enum web_role role = web_exchange_role(exchange);
+    struct web_stream *stream = web_feed_open_events(api->feed, exchange);
+    /* Who opens the page during an enrolment sees at once how far it is. */
+    if (stream && role >= WEB_ROLE_ENROLLER && web_enrolment_is_known(api->enrolment)) {
+        web_feed_send_one(stream, "enrolment", web_enrolment_json(api->enrolment, 0));
+    }
 }
 
 void web_api_get_outline(void *context, struct web_exchange *exchange)

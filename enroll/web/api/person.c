@@ -12,7 +12,7 @@ int web__api_person_read(sd_bus_message *reply, struct web_api_person *out)
 }
 
 void web__api_person_write(FILE *out, const struct web_last_seen *seen,
-                           const struct web_api_person *person)
+                           const struct web_api_person *person, const char *remark)
 {
     const int64_t seen_s = web_last_seen_of(seen, person->name);
     (void)fputs("{\"name\":", out);
@@ -26,8 +26,13 @@ void web__api_person_write(FILE *out, const struct web_last_seen *seen,
                   person->enrolled_s, person->valid_from_s, person->valid_until_s,
                   person->templates);
     if (seen_s > 0) {
-        (void)fprintf(out, "%" PRId64 "}", seen_s);
+        (void)fprintf(out, "%" PRId64, seen_s);
     } else {
-        (void)fputs("null}", out);
+        (void)fputs("null", out);
     }
+    if (*remark) {
+        (void)fputs(",\"remark\":", out);
+        web_json_text(out, remark);
+    }
+    (void)fputc('}', out);
 }

@@ -20,9 +20,10 @@ struct web_api_person {
 int web__api_person_read(sd_bus_message *reply, struct web_api_person *out)
     __attribute__((warn_unused_result));
 
-/* Writes the object Person of openapi.json. */
+/* Writes the object Person of openapi.json. remark: what the daemon remarked about a change; "":
+ * nothing. */
 void web__api_person_write(FILE *out, const struct web_last_seen *seen,
-                           const struct web_api_person *person);
+                           const struct web_api_person *person, const char *remark);
 
 /* The cards of all people, from a reply of ListCredentials (access/people_access.c). */
 struct web_api_cards;

@@ -16,6 +16,8 @@ const struct web_route web_api_routes[] = {
     {"GET", "/status", WEB_ROLE_OBSERVER, web_api_get_status},
     {"GET", "/health", WEB_ROLE_OBSERVER, web_api_get_health},
     {"GET", "/settings", WEB_ROLE_ADMINISTRATOR, web_api_get_settings},
+    {"PUT", "/settings/{name}", WEB_ROLE_ADMINISTRATOR, web_api_set_setting},
+    {"DELETE", "/settings/{name}", WEB_ROLE_ADMINISTRATOR, web_api_reset_setting},
     {"PUT", "/lockdown", WEB_ROLE_ADMINISTRATOR, web_api_set_lockdown},
     {"DELETE", "/lockout", WEB_ROLE_ADMINISTRATOR, web_api_clear_lockout},
     {"GET", "/events", WEB_ROLE_OBSERVER, web_api_get_events},

@@ -4,10 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/queue.h>
 
 #include "enroll/cli/client/state.h"
-#include "enroll/web/http/now.h"
 #include "firmware/contract/bus_connect.h"
 #include "firmware/contract/contract.h"
 
@@ -15,78 +13,21 @@ static const uint64_t retry_us = 1000000;
 static const uint64_t status_us = 3000000; /* a daemon that does not answer within this is gone */
 static const uint64_t call_us = 10000000;
 
-/* The daemon answers a client 40 calls at once and 20 a second (firmware/bus/call_rate.h). All who
- * use the web server are one client, so calls beyond a somewhat smaller allowance wait. */
-static const double allowance_most = 30.0, allowance_per_s = 15.0;
-static const uint64_t wait_us = 70000;
-
 const sd_bus_error web_daemon_is_gone = SD_BUS_ERROR_MAKE_CONST(
     "org.freedesktop.DBus.Error.Disconnected", "The daemon does not answer.");
-static const sd_bus_error no_memory = SD_BUS_ERROR_MAKE_CONST(SD_BUS_ERROR_NO_MEMORY,
-                                                              "There is no memory for the call.");
-
-struct web_call {
-    TAILQ_ENTRY(web_call) link;
-    struct web_daemon *daemon;
-    /* Of a call that has been sent there is a slot, and of one that waits there is a message. One
-     * that has neither could not be sent, and is answered with an error. */
-    sd_bus_slot *slot;
-    sd_bus_message *message;
-    uint64_t timeout_us;
-    web_daemon_reply_fn on_reply;
-    void *context;
-};
-
 struct web_daemon {
     sd_event *event;
-    sd_event_source *tick, *failing, *waiting;
-    double allowance; /* calls that may be sent at allowance_ns */
-    int64_t allowance_ns;
+    sd_event_source *tick;
+    struct web_call_queue *calls;
     sd_bus *bus; /* NULL: not connected */
     sd_bus_slot *signals, *owners;
     char *address;
     char owner[64]; /* the daemon's name on the bus; "": not known */
     bool is_asking, is_there;
     struct web_daemon_listener *listeners;
-    TAILQ_HEAD(, web_call) calls;
 };
 
 /* ---- calls ---- */
-
-static void answer(struct web_call *call, sd_bus_message *reply, const sd_bus_error *error)
-{
-    TAILQ_REMOVE(&call->daemon->calls, call, link);
-    call->on_reply(call->context, reply, error);
-    sd_bus_slot_unref(call->slot);
-    sd_bus_message_unref(call->message);
-    free(call);
-}
-
-static int on_answer(sd_bus_message *reply, void *context, sd_bus_error *out)
-{
-    (void)out;
-    if (sd_bus_message_is_method_error(reply, NULL)) {
-        answer(context, NULL, sd_bus_message_get_error(reply));
-    } else {
-        answer(context, reply, NULL);
-    }
-    return 0;
-}
-
-/* Answers the calls that could not be sent. */
-static int on_failing(sd_event_source *source, void *context)
-{
-    struct web_daemon *daemon = context;
-    (void)source;
-    for (struct web_call *call = TAILQ_FIRST(&daemon->calls), *next; call; call = next) {
-        next = TAILQ_NEXT(call, link);
-        if (!call->slot && !call->message) {
-            answer(call, NULL, &web_daemon_is_gone);
-            next = TAILQ_FIRST(&daemon->calls); /* the callback may have answered others */
-        }
-    }
-    return 0;
-}
 
 sd_bus_message *web_daemon_message(struct web_daemon *daemon, const char *method)
 {
@@ -99,79 +40,27 @@ sd_bus_message *web_daemon_message(struct web_daemon *daemon, const char *method
     return call;
 }
 
-/* Whether one more call may be sent now; such a call is counted. */
-static bool take_allowance(struct web_daemon *daemon)
+static void send(const struct web_daemon *daemon, sd_bus_message *message, uint64_t timeout_us,
+                 bool urgent, web_daemon_reply_fn on_reply, void *context)
 {
-    const int64_t t_ns = web_now_ns();
-    daemon->allowance += allowance_per_s * (double)(t_ns - daemon->allowance_ns) / 1e9;
-    daemon->allowance = daemon->allowance < allowance_most ? daemon->allowance : allowance_most;
-    daemon->allowance_ns = t_ns;
-    if (daemon->allowance < 1.0) {
-        return false;
-    }
-    daemon->allowance -= 1.0;
-    return true;
-}
-
-/* Sends the calls that wait, in their order, as far as they may be sent. */
-static void send_waiting(struct web_daemon *daemon)
-{
-    for (struct web_call *call = TAILQ_FIRST(&daemon->calls); call; call = TAILQ_NEXT(call, link)) {
-        if (!call->message) {
-            continue;
-        }
-        if (!take_allowance(daemon)) {
-            (void)sd_event_source_set_time_relative(daemon->waiting, wait_us);
-            (void)sd_event_source_set_enabled(daemon->waiting, SD_EVENT_ONESHOT);
-            return;
-        }
-        if (sd_bus_call_async(daemon->bus, &call->slot, call->message, on_answer, call,
-                              call->timeout_us) < 0) {
-            call->slot = NULL;
-            (void)sd_event_source_set_enabled(daemon->failing, SD_EVENT_ONESHOT);
-        }
-        call->message = sd_bus_message_unref(call->message);
-    }
-}
-
-static int on_waiting(sd_event_source *source, uint64_t usec, void *context)
-{
-    (void)source;
-    (void)usec;
-    send_waiting(context);
-    return 0;
+    const struct web_call_request request = {.message = message,
+                                             .timeout_us = timeout_us ? timeout_us : call_us,
+                                             .urgent = urgent,
+                                             .on_reply = on_reply,
+                                             .context = context};
+    web_call_queue_send(daemon->calls, &request);
 }
 
 void web_daemon_send(struct web_daemon *daemon, sd_bus_message *message, uint64_t timeout_us,
                      web_daemon_reply_fn on_reply, void *context)
 {
-    struct web_call *call = calloc(1, sizeof *call);
-    if (!call) {
-        sd_bus_message_unref(message);
-        on_reply(context, NULL, &no_memory);
-        return;
-    }
-    *call = (struct web_call){.daemon = daemon,
-                              .message = message,
-                              .timeout_us = timeout_us ? timeout_us : call_us,
-                              .on_reply = on_reply,
-                              .context = context};
-    TAILQ_INSERT_TAIL(&daemon->calls, call, link);
-    if (message) {
-        send_waiting(daemon);
-    } else {
-        (void)sd_event_source_set_enabled(daemon->failing, SD_EVENT_ONESHOT);
-    }
+    send(daemon, message, timeout_us,
+         message && web_call_is_urgent(sd_bus_message_get_member(message)), on_reply, context);
 }
 
 size_t web_daemon_waiting(const struct web_daemon *daemon)
 {
-    size_t n = 0;
-    for (const struct web_call *call = TAILQ_FIRST(&daemon->calls); call;
-         call = TAILQ_NEXT(call, link)) {
-        n += call->message != NULL;
-    }
-    return n;
+    return web_call_queue_waiting(daemon->calls);
 }
 
 void web_daemon_record(struct web_daemon *daemon, const char *account, const char *act,
@@ -181,7 +70,7 @@ void web_daemon_record(struct web_daemon *daemon, const char *account, const cha
     if (call && sd_bus_message_append(call, "sss", account, act, person) < 0) {
         call = sd_bus_message_unref(call);
     }
-    web_daemon_send(daemon, call, 0, on_reply, context);
+    send(daemon, call, 0, web_act_is_urgent(act), on_reply, context);
 }
 
 /* ---- listeners ---- */
@@ -286,15 +175,12 @@ static void disconnect(struct web_daemon *daemon)
     daemon->owner[0] = '\0';
     daemon->signals = sd_bus_slot_unref(daemon->signals);
     daemon->owners = sd_bus_slot_unref(daemon->owners);
-    for (struct web_call *call = TAILQ_FIRST(&daemon->calls); call; call = TAILQ_NEXT(call, link)) {
-        call->slot = sd_bus_slot_unref(call->slot);
-        call->message = sd_bus_message_unref(call->message);
-    }
+    web_call_queue_drop(daemon->calls);
     if (daemon->bus) {
         (void)sd_bus_detach_event(daemon->bus);
         daemon->bus = sd_bus_close_unref(daemon->bus);
     }
-    (void)on_failing(NULL, daemon);
+    web_call_queue_fail(daemon->calls);
     if (was_there && daemon->is_there) {
         tell_status(daemon, NULL);
     }
@@ -345,28 +231,22 @@ int web_daemon_new(sd_event *event, const char *address, struct web_daemon **out
     if (!daemon) {
         return -ENOMEM;
     }
-    TAILQ_INIT(&daemon->calls);
     daemon->event = sd_event_ref(event);
-    daemon->allowance = allowance_most;
-    daemon->allowance_ns = web_now_ns();
     daemon->address = strdup(address);
-    int r = daemon->address ? 0 : -ENOMEM;
-    if (r >= 0) {
-        r = sd_event_add_defer(event, &daemon->failing, on_failing, daemon);
-    }
-    if (r >= 0) {
-        r = sd_event_source_set_enabled(daemon->failing, SD_EVENT_OFF);
-    }
-    if (r >= 0) {
-        r = sd_event_add_time_relative(event, &daemon->waiting, CLOCK_MONOTONIC, 0, 1000,
-                                       on_waiting, daemon);
-    }
+    int r = daemon->address ? web_call_queue_new(event, &web_daemon_is_gone, &daemon->calls)
+                            : -ENOMEM;
     if (r >= 0) {
         r = sd_event_add_time_relative(event, &daemon->tick, CLOCK_MONOTONIC, 0, 0, on_tick,
                                        daemon);
     }
     if (r < 0) {
-        web_daemon_free(daemon);
+        if (daemon->calls) {
+            web_daemon_free(daemon);
+        } else {
+            sd_event_unref(daemon->event);
+            free(daemon->address);
+            free(daemon);
+        }
         return r;
     }
     *out = daemon;
@@ -377,15 +257,14 @@ void web_daemon_close(struct web_daemon *daemon)
 {
     daemon->tick = sd_event_source_disable_unref(daemon->tick);
     disconnect(daemon);
-    (void)on_failing(NULL, daemon); /* calls that were made because the connection ended */
+    web_call_queue_fail(daemon->calls); /* calls that were made because the connection ended */
 }
 
 void web_daemon_free(struct web_daemon *daemon)
 {
     if (daemon) {
         web_daemon_close(daemon);
-        sd_event_source_disable_unref(daemon->failing);
-        sd_event_source_disable_unref(daemon->waiting);
+        web_call_queue_free(daemon->calls);
         sd_event_unref(daemon->event);
         free(daemon->address);
         free(daemon);

@@ -9,6 +9,8 @@
 #include <systemd/sd-bus.h>
 #include <systemd/sd-event.h>
 
+#include "enroll/web/calls/call_queue.h"
+
 struct web_daemon;
 
 /* Makes a connection on an event loop. `address` is "system", "session" or a D-Bus address.
@@ -43,18 +45,17 @@ void web_daemon_unlisten(struct web_daemon *daemon, struct web_daemon_listener *
 /* Whether the daemon answered the last time it was asked for its state. */
 bool web_daemon_is_there(const struct web_daemon *daemon);
 
-/* The answer of a call: `reply` has the values; or, after a failure, it is NULL and `error` has the
- * D-Bus name of the error and its text. Both are valid during the callback. */
-typedef void (*web_daemon_reply_fn)(void *context, sd_bus_message *reply,
-                                    const sd_bus_error *error);
+/* The answer of a call (call_queue.h). */
+typedef web_call_reply_fn web_daemon_reply_fn;
 
 /* Makes a call of a method of the contract, to which the caller appends arguments.
  * web_daemon_send() takes it over; NULL, after a failure, is accepted there. */
 sd_bus_message *web_daemon_message(struct web_daemon *daemon, const char *method);
 
 /* Sends the call. on_reply is called once, and not before web_daemon_send() has returned, except if
- * there is no memory for the call. A call waits while the daemon would refuse it as one too many.
- * timeout_us: how long the daemon may take; 0 for 10 s. */
+ * there is no memory for the call. A call waits while the daemon would refuse it as one too many;
+ * calls that protect the door or belong to an enrolment go first. timeout_us: how long the daemon
+ * may take; 0 for 10 s. */
 void web_daemon_send(struct web_daemon *daemon, sd_bus_message *call, uint64_t timeout_us,
                      web_daemon_reply_fn on_reply, void *context);
 

@@ -331,6 +331,11 @@ bool web_enrolment_end(struct web_enrolment *enrolment, uint64_t session,
     return true;
 }
 
+bool web_enrolment_is_known(const struct web_enrolment *enrolment)
+{
+    return enrolment->report.state != WEB_ENROLMENT_NONE;
+}
+
 json_t *web_enrolment_json(const struct web_enrolment *enrolment, uint64_t session)
 {
     json_t *object = web__enrolment_report_json(&enrolment->report);

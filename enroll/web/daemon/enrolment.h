@@ -65,6 +65,9 @@ int web_enrolment_new(const struct web_enrolment_setup *setup, struct web_enrolm
  * accepted. */
 void web_enrolment_free(struct web_enrolment *enrolment);
 
+/* Whether an enrolment goes on, or one has ended whose result is known. */
+bool web_enrolment_is_known(const struct web_enrolment *enrolment);
+
 /* Whether an enrolment is not idle. */
 bool web_enrolment_is_busy(const struct web_enrolment *enrolment);
 

@@ -59,6 +59,15 @@ void web_feed_send(struct web_feed *feed, const char *name, json_t *data, enum w
     }
 }
 
+void web_feed_send_one(struct web_stream *stream, const char *name, json_t *data)
+{
+    struct web_chunk *chunk = chunk_of(name, data);
+    if (chunk) {
+        web_stream_send(stream, chunk);
+        web_chunk_unref(chunk);
+    }
+}
+
 int web_feed_viewers(const struct web_feed *feed, uint64_t session)
 {
     return web_stream_set_of(&feed->events, session);
@@ -74,10 +83,8 @@ struct web_stream *web_feed_open_events(struct web_feed *feed, struct web_exchan
 {
     struct web_stream *stream = web_stream_set_open(&feed->events, exchange, "text/event-stream",
                                                     WEB_STREAM_EVENTS, on_viewer_gone, feed);
-    struct web_chunk *chunk = stream ? chunk_of("status", web_feed_state(feed)) : NULL;
-    if (chunk) {
-        web_stream_send(stream, chunk);
-        web_chunk_unref(chunk);
+    if (stream) {
+        web_feed_send_one(stream, "status", web_feed_state(feed));
     }
     return stream;
 }

@@ -45,6 +45,9 @@ void web_feed_open_outline(struct web_feed *feed, struct web_exchange *exchange)
  * memory, and for a NULL, nothing is sent. */
 void web_feed_send(struct web_feed *feed, const char *name, json_t *data, enum web_role least);
 
+/* Sends an event to one stream of web_feed_open_events. `data` is taken over. */
+void web_feed_send_one(struct web_stream *stream, const char *name, json_t *data);
+
 /* How many streams of events a session has. */
 int web_feed_viewers(const struct web_feed *feed, uint64_t session);
 

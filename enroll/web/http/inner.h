@@ -10,6 +10,7 @@
 
 #include <microhttpd.h>
 
+#include "enroll/web/http/deadline.h"
 #include "enroll/web/http/exchange.h"
 #include "enroll/web/http/files.h"
 #include "enroll/web/http/percent.h"
@@ -18,8 +19,9 @@
 enum {
     WEB_HEADERS_MOST = 4, /* that a handler adds */
     WEB_URI_MOST_BYTES = 2048,
-    WEB_BODY_DRAIN_BYTES = 1 << 20, /* of a body that is too large, so many bytes are read */
-    WEB_SWEEP_S = 3,                /* between two searches for stale streams */
+    WEB_BODY_DRAIN_BYTES = 1 << 20,  /* of a body that is too large, so many bytes are read */
+    WEB_SWEEP_S = 3,                 /* between two searches for stale streams */
+    WEB_DEADLINE_SWEEP_US = 1000000, /* between two searches for connections that are too late */
 };
 
 struct web_header {
@@ -85,8 +87,9 @@ struct web_stream {
 struct web_server {
     struct web_server_setup setup;
     struct MHD_Daemon *mhd;
-    sd_event_source *io, *timeout, *wake, *sweep;
+    sd_event_source *io, *timeout, *wake, *sweep, *deadline;
     struct web_files files;
+    struct web_link *links; /* all connections */
     struct web_exchange *exchanges;
     struct web_stream *streams;
     int n_streams;

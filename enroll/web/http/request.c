@@ -14,16 +14,15 @@ static void refuse_as_too_large(struct web_exchange *exchange)
 
 void *web__request_begin(void *server, const char *uri, struct MHD_Connection *connection)
 {
-    (void)connection;
+    web__deadline_begin(server, connection, WEB_PHASE_REQUEST);
     return web__exchange_new(server, uri);
 }
 
 void web__request_completed(void *server, struct MHD_Connection *connection, void **exchange,
                             enum MHD_RequestTerminationCode code)
 {
-    (void)server;
-    (void)connection;
     (void)code;
+    web__deadline_begin(server, connection, WEB_PHASE_IDLE);
     if (*exchange) {
         web__exchange_completed(*exchange);
         *exchange = NULL;
@@ -34,6 +33,8 @@ static enum MHD_Result queue(struct web_exchange *exchange)
 {
     enum MHD_Result result;
 
+    web__deadline_begin(exchange->server, exchange->connection,
+                        exchange->stream ? WEB_PHASE_STREAM : WEB_PHASE_ANSWER);
     if (exchange->file && !exchange->refusal.status) {
         const char *known = MHD_lookup_connection_value(exchange->connection, MHD_HEADER_KIND,
                                                         "If-None-Match");
@@ -142,6 +143,7 @@ static void read_json(struct web_exchange *exchange)
 static void handle(struct web_exchange *exchange)
 {
     exchange->handled = true;
+    web__deadline_begin(exchange->server, exchange->connection, WEB_PHASE_HANDLER);
     if (!exchange->refusal.status && exchange->route) {
         read_json(exchange);
         if (!json_is_object(exchange->json)) {

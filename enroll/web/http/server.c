@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "enroll/web/http/inner.h"
+#include "enroll/web/http/now.h"
 
 /* TLS 1.2 and later, forward secrecy, authenticated ciphers. */
 static const char priorities[] = "SECURE128:-VERS-ALL:+VERS-TLS1.3:+VERS-TLS1.2:-KX-ALL:"
@@ -78,6 +79,18 @@ static int on_sweep(sd_event_source *source, uint64_t usec, void *context)
     return sd_event_source_set_time_relative(source, WEB_SWEEP_S * UINT64_C(1000000));
 }
 
+static int on_deadline(sd_event_source *source, uint64_t usec, void *context)
+{
+    struct web_server *server = context;
+
+    (void)usec;
+    web__deadline_sweep(server);
+    if (!server->links) {
+        return sd_event_source_set_enabled(source, SD_EVENT_OFF);
+    }
+    return sd_event_source_set_time_relative(source, WEB_DEADLINE_SWEEP_US);
+}
+
 static int add_sources(struct web_server *server)
 {
     const union MHD_DaemonInfo *info = MHD_get_daemon_info(server->mhd, MHD_DAEMON_INFO_EPOLL_FD);
@@ -92,6 +105,10 @@ static int add_sources(struct web_server *server)
     r = r < 0 ? r
               : sd_event_add_time_relative(event, &server->sweep, CLOCK_MONOTONIC, 0, 100000,
                                            on_sweep, server);
+    r = r < 0 ? r
+              : sd_event_add_time_relative(event, &server->deadline, CLOCK_MONOTONIC, 0, 100000,
+                                           on_deadline, server);
+    r = r < 0 ? r : sd_event_source_set_enabled(server->deadline, SD_EVENT_OFF);
     return r < 0 ? r : sd_event_source_set_enabled(server->sweep, SD_EVENT_OFF);
 }
 
@@ -136,7 +153,8 @@ static struct MHD_Daemon *start(struct web_server *server)
         MHD_OPTION_PER_IP_CONNECTION_LIMIT, (unsigned)WEB_CONNECTIONS_OF_ADDRESS,
         MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)WEB_IDLE_S, MHD_OPTION_URI_LOG_CALLBACK,
         web__request_begin, server, MHD_OPTION_UNESCAPE_CALLBACK, decode_nothing, NULL,
-        MHD_OPTION_NOTIFY_COMPLETED, web__request_completed, server, MHD_OPTION_END);
+        MHD_OPTION_NOTIFY_COMPLETED, web__request_completed, server, MHD_OPTION_NOTIFY_CONNECTION,
+        web__deadline_notify, server, MHD_OPTION_END);
 }
 
 /* Whether libmicrohttpd closes the socket when it fails depends on where it fails. */
@@ -155,6 +173,7 @@ int web_server_new(const struct web_server_setup *setup, struct web_server **out
 
     if (r == 0) {
         server->setup = *setup;
+        server->setup.now_ns = setup->now_ns ? setup->now_ns : web_now_ns;
         r = web__files_read(&server->files, setup->pages, fault);
     }
     if (r == 0) {
@@ -207,5 +226,6 @@ void web_server_free(struct web_server *server)
     web__files_free(&server->files);
     sd_event_source_disable_unref(server->wake);
     sd_event_source_disable_unref(server->sweep);
+    sd_event_source_disable_unref(server->deadline);
     free(server);
 }

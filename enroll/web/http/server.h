@@ -16,8 +16,9 @@
  * Only what is no HTTP request, or has headers of more than some kB, is answered by libmicrohttpd
  * itself, without these headers.
  *
- * A client that is gone is noticed at once if it closes its connection, and after half a minute if
- * it has lost its power or its network. */
+ * A client that is too slow with its request, or takes too long to receive an answer, is
+ * disconnected; streams live on. A client that is gone is noticed at once if it closes its
+ * connection, and after half a minute if it has lost its power or its network. */
 #ifndef WEB_HTTP_SERVER_H
 #define WEB_HTTP_SERVER_H
 
@@ -38,6 +39,10 @@ enum {
      * asks without end would keep the others waiting. */
     WEB_REQUESTS_OF_ACCOUNT = 12,
     WEB_IDLE_S = 60, /* a connection without a request is closed; streams are not */
+    /* The phases of a connection have an end, however slowly bytes come (deadline.h): the handshake
+     * with the line of the first request, and the rest of a request; and an answer that is sent. */
+    WEB_REQUEST_S = 20,
+    WEB_ANSWER_S = 180,
 };
 
 struct web_server;
@@ -50,6 +55,7 @@ struct web_server_setup {
     struct web_sessions *sessions;
     const struct web_route *routes; /* ends with a method of NULL */
     void *context;                  /* of the handlers */
+    int64_t (*now_ns)(void);        /* the clock of the deadlines; NULL: web_now_ns of now.h */
 };
 
 /* Starts to answer. All that `setup` points to has to live longer than the server. A negative errno

@@ -328,7 +328,8 @@ int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *f
 
 /* ---- keys ---- */
 
-/* The keys of the use ISO_KEY_ANCHOR seal the anchors of gallery and log, and the lock-out file. */
+/* The keys of the use ISO_KEY_ANCHOR seal the anchors of gallery and log, the lock-out file and
+ * the file of changed settings. */
 static int rotate_anchors(struct iso_appliance *appliance, struct iso_audit *audit,
                           struct iso_fault *fault)
 {
@@ -343,6 +344,9 @@ static int rotate_anchors(struct iso_appliance *appliance, struct iso_audit *aud
     }
     if (!error) {
         error = iso__appliance_keep_lockout(appliance, fault);
+    }
+    if (!error && borrowed->settings) {
+        error = iso_live_settings_renew(borrowed->settings, fault);
     }
     return error ? error : iso_key_ring_drop(borrowed->ring, ISO_KEY_ANCHOR, anchor, fault);
 }

@@ -1,7 +1,7 @@
 /* The acts of an administrator: renames people, limits the time of their access, changes their
- * credentials and the policy, copies people from door to door, rotates keys, tests the relay, takes
- * back what people have taught the metric. Each act is recorded before it is done. Its result
- * is recorded after it. */
+ * credentials and the policy, copies people from door to door, rotates keys, tests the relay,
+ * changes settings, takes back what people have taught the metric. Each act is recorded before it
+ * is done. Its result is recorded after it. */
 #ifndef ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_ADMINISTRATION_H
 #define ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_ADMINISTRATION_H
 
@@ -9,6 +9,7 @@
 #include <stddef.h>
 
 #include "firmware/appliance/appliance.h"
+#include "firmware/settings/live_settings.h"
 #include "firmware/transfer/transfer.h"
 
 /* Errors of all these functions: -EBUSY while an action of a client goes on, or an error of the log
@@ -19,6 +20,12 @@
  * the camera, or the door is not locked; -EPERM lockdown or lock-out; -ENODEV the door has no
  * relay, or its lines do not work. */
 int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Lets the access panel open a secure channel with the default key and set a key of its own, for
+ * two minutes (osdp_peripheral.h). It may be called at any time. -ENODEV no panel is configured, or
+ * an error of the log; then nothing was done. */
+int iso_appliance_install_panel(struct iso_appliance *appliance, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Writes people to an open, empty file: those of a list that NULL ends, or all if the list is NULL
@@ -58,6 +65,23 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
                                const struct iso_validity_change *change, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* A setting that is to be changed while the daemon runs. */
+struct iso_setting_request {
+    const char *section, *key;
+    const char *value; /* in the form of the configuration file; NULL: as that file has it */
+    const char *who;   /* describes the user who asks, for the record */
+};
+
+/* Changes a setting, records the values before and after, and keeps the change over a restart. The
+ * change holds at once; a visit that goes on begins anew. *value is then the value in force.
+ * -EINVAL a key that cannot be changed, a bad value, or one that contradicts other settings; or an
+ * error of the disk; then nothing has changed. -ENOSYS the appliance has no such settings.
+ * (appliance_settings.c) */
+int iso_appliance_set_setting(struct iso_appliance *appliance,
+                              const struct iso_setting_request *request,
+                              char value[ISO_LIVE_VALUE_SIZE], struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* Excludes templates, so that the metric no longer learns from them: all that are enrolled now, or
  * those of the last enrolment that is not excluded (iso_gallery_reset_site()). `who` describes the
  * user who asks, for the record. *n is the number of templates that this call has excluded; 0:
@@ -68,11 +92,11 @@ int iso_appliance_reset_site(struct iso_appliance *appliance, const char *who, s
 int iso_appliance_roll_back_site(struct iso_appliance *appliance, const char *who, size_t *n,
                                  struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Seals the gallery, the anchors and the lock-out file with new keys, and drops the old ones. The
- * log goes on with a new key; its closed segments keep the old key, which is dropped when the last
- * of them is deleted. Then gives the ring another key of the appliance, unless that key is a
- * credential of the system; *remark says so then, else it is "". After an error some of the keys
- * may be new. */
+/* Seals the gallery, the anchors, the lock-out file and the changed settings with new keys, and
+ * drops the old ones. The log goes on with a new key; its closed segments keep the old key, which
+ * is dropped when the last of them is deleted. Then gives the ring another key of the appliance,
+ * unless that key is a credential of the system; *remark says so then, else it is "". After an
+ * error some of the keys may be new. */
 int iso_appliance_rotate_keys(struct iso_appliance *appliance,
                               const struct iso_work_listener *listener, const char **remark,
                               struct iso_fault *fault) __attribute__((warn_unused_result));

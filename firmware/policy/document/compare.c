@@ -18,7 +18,7 @@ static char *record_text(const struct iso_policy_document *document, enum iso__k
         return strdup("");
     }
     json_t *record = iso__document_record(document, kind, index);
-    char *text = record ? json_dumps(record, JSON_COMPACT) : NULL;
+    char *text = record ? iso__document_dump(record) : NULL;
     json_decref(record);
     return text;
 }
@@ -86,7 +86,7 @@ static char *default_text(const struct iso_policy_document *document)
     }
     json_t *token = json_string(
         iso__document_token(document, ISO__PROFILE, document->default_profile));
-    char *text = token ? json_dumps(token, JSON_COMPACT | JSON_ENCODE_ANY) : NULL;
+    char *text = token ? iso__document_dump(token) : NULL;
     json_decref(token);
     return text;
 }

@@ -57,6 +57,10 @@ uint16_t iso__document_find(const struct iso_policy_document *document, enum iso
 json_t *iso__document_record(const struct iso_policy_document *document, enum iso__kind_id kind,
                              uint16_t index);
 
+/* The value as compact text, which the caller frees, or NULL without memory. Not json_dumps(),
+ * which in Jansson 2.14 leaves out a key when memory runs out. */
+char *iso__document_dump(const json_t *value);
+
 /* The functions of iso__kinds. */
 int iso__read_group(struct iso__reader *reader, const json_t *object, void *record);
 int iso__read_schedule(struct iso__reader *reader, const json_t *object, void *record);

@@ -33,6 +33,30 @@ static bool is_too_deep(const char *json, size_t size)
     return false;
 }
 
+/* Jansson 2.14 leaves out a character, or reports an error of the syntax, when memory runs out
+ * within a text. So the text is parsed twice, and memory has run out unless both times are the
+ * same. */
+static int parse_twice(const struct iso__reader *reader, const char *json, size_t size,
+                       json_t **out)
+{
+    json_error_t error = {.line = 0}, again = {.line = 0};
+    json_t *first = json_loadb(json, size, JSON_REJECT_DUPLICATES, &error);
+    json_t *second = json_loadb(json, size, JSON_REJECT_DUPLICATES, &again);
+    const bool is_wrong = !first && !second && error.text[0] &&
+                          json_error_code(&error) != json_error_out_of_memory &&
+                          strcmp(error.text, again.text) == 0;
+    const bool is_right = first && second && json_equal(first, second);
+    json_decref(second);
+    if (is_right) {
+        *out = first;
+        return 0;
+    }
+    json_decref(first);
+    return is_wrong ? iso__reader_refuse(reader, "line %d, column %d: %s", error.line, error.column,
+                                         error.text)
+                    : iso__reader_no_memory(reader);
+}
+
 static int parse(const struct iso__reader *reader, const char *json, size_t size, json_t **out)
 {
     if (size > ISO_POLICY_DOCUMENT_MAX_BYTES) {
@@ -43,15 +67,7 @@ static int parse(const struct iso__reader *reader, const char *json, size_t size
         return iso__reader_refuse(reader, "has more than %d arrays and objects within each other",
                                   ISO_POLICY_DOCUMENT_MAX_DEPTH);
     }
-    json_error_t error;
-    *out = json_loadb(json, size, JSON_REJECT_DUPLICATES, &error);
-    if (*out) {
-        return 0;
-    }
-    return json_error_code(&error) == json_error_out_of_memory
-               ? iso__reader_no_memory(reader)
-               : iso__reader_refuse(reader, "line %d, column %d: %s", error.line, error.column,
-                                    error.text);
+    return parse_twice(reader, json, size, out);
 }
 
 static int check_members(const struct iso__reader *reader, const json_t *root)

@@ -66,7 +66,7 @@ int iso__reader_refuse(const struct iso__reader *reader, const char *format, ...
 
 int iso__reader_no_memory(const struct iso__reader *reader)
 {
-    return iso_fault_set(reader->fault, -ENOMEM, "policy: no memory");
+    return iso_fault_set(reader->fault, -ENOMEM, "out of memory");
 }
 
 int iso__reader_members(const struct iso__reader *reader, const char *what, const json_t *value,

@@ -254,15 +254,30 @@ json_t *iso__document_record(const struct iso_policy_document *document, enum is
     return object;
 }
 
+char *iso__document_dump(const json_t *value)
+{
+    enum { FLAGS = JSON_COMPACT | JSON_ENCODE_ANY };
+    const size_t size = json_dumpb(value, NULL, 0, FLAGS);
+    char *text = size > 0 ? malloc(size + 1) : NULL;
+    if (!text) {
+        return NULL;
+    }
+    if (json_dumpb(value, text, size, FLAGS) != size) {
+        free(text);
+        return NULL;
+    }
+    text[size] = '\0';
+    return text;
+}
+
 static int write_root(const struct iso_policy_document *document, json_t *root)
 {
     int error = 0;
-    for (enum iso__kind_id kind = ISO__GROUP; kind < ISO__KINDS; kind++) {
-        json_t *list = document->n[kind] > 0 ? json_array() : NULL;
-        if (list) {
-            error = error != 0 ? error : put(root, iso__kinds[kind].array, list);
-        } else if (document->n[kind] > 0) {
-            error = -1;
+    for (enum iso__kind_id kind = ISO__GROUP; error == 0 && kind < ISO__KINDS; kind++) {
+        json_t *list = NULL;
+        if (document->n[kind] > 0) {
+            list = json_array();
+            error = put(root, iso__kinds[kind].array, list);
         }
         for (uint16_t i = 0; error == 0 && i < document->n[kind]; i++) {
             error = append(list, iso__document_record(document, kind, i));
@@ -280,10 +295,10 @@ int iso_policy_document_write(const struct iso_policy_document *document, char *
                               struct iso_fault *fault)
 {
     json_t *root = json_object();
-    char *text = root && write_root(document, root) == 0 ? json_dumps(root, JSON_COMPACT) : NULL;
+    char *text = root && write_root(document, root) == 0 ? iso__document_dump(root) : NULL;
     json_decref(root);
     if (!text) {
-        return iso_fault_set(fault, -ENOMEM, "policy: no memory");
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
     }
     if (strlen(text) > ISO_POLICY_DOCUMENT_MAX_BYTES) {
         (void)iso_fault_set(fault, -E2BIG, "policy: has %zu bytes as a document, at most %d",

@@ -60,26 +60,32 @@ struct fake_script {
     const char *sensor_fault, *sensor_calibration, *door_lines; /* NULL: "" */
     const char *sensor_devices;                                 /* NULL: "" */
     const char *sensor_state, *door_state, *model, *version;    /* NULL: all is well */
-    const char *counter_fault;                                  /* NULL: "" */
+    const char *counter_fault, *panel_fault;                    /* NULL: "" */
     const char *storage_fault;                                  /* NULL: "" */
     const char *stale_fault;                                    /* NULL: "" */
     bool door_ordinary;                                         /* "door-realtime" is false */
     const char *sensor_health, *clock_fault;                    /* NULL: "" */
     const char *sensor_fault_code, *sensor_health_code, *sensor_devices_code; /* NULL: "" */
     const char *sensor_calibration_code, *door_fault_code, *storage_fault_code, *clock_fault_code;
-    const char *stale_fault_code, *counter_fault_code;
+    const char *stale_fault_code, *counter_fault_code, *panel_fault_code;
     const char *door, *door_fault; /* of the lines; NULL: "gpiod", "" */
     unsigned n_records;            /* number of records in the log, numbered from 1 */
     const char *last_record;       /* its members from "event" on; NULL: like the other records */
     /* Each ReadLog adds so many records and removes so many of the oldest. */
     unsigned records_come, records_go;
-    const char *picture;  /* content of the file that Picture returns; NULL: "PNG" */
-    size_t picture_size;  /* its length in bytes; 0: up to the NUL */
-    const char *site;     /* the word of "site"; NULL: "off" */
-    uint32_t site_people; /* people that the metric of the site has learned from */
-    uint32_t site_other;  /* people who were enrolled before another class of sensor */
-    bool site_estimated;  /* GetSite has error rates, and anna and Bo Ek look alike */
-    unsigned refused;     /* the first calls of ReadLog, so many, fail with TooManyCalls */
+    const char *picture;      /* content of the file that Picture returns; NULL: "PNG" */
+    size_t picture_size;      /* its length in bytes; 0: up to the NUL */
+    const char *site;         /* the word of "site"; NULL: "off" */
+    uint32_t site_people;     /* people that the metric of the site has learned from */
+    uint32_t site_other;      /* people who were enrolled before another class of sensor */
+    bool site_estimated;      /* GetSite has error rates, and anna and Bo Ek look alike */
+    const char *policy;       /* the document that is stored; NULL: "" */
+    uint64_t policy_revision; /* SetPolicy returns the revision that it is given plus 1 */
+    const char *policy_remark, *finding; /* of SetPolicy and CheckPolicy; NULL: none */
+    const char *outcome, *reason; /* of TestAccess; NULL: "allow", "". "want" wants card, pin */
+    bool companion;               /* "want" wants a second person, too */
+    const char *credential;       /* of GetCredential and SetCredential; NULL: one with nothing */
+    unsigned refused;             /* the first calls of ReadLog, so many, fail with TooManyCalls */
 };
 
 struct fake_daemon {

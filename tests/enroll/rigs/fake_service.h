@@ -55,6 +55,15 @@ int fake_on_get_site(sd_bus_message *call, void *context, sd_bus_error *error);
 int fake_on_list_look_alikes(sd_bus_message *call, void *context, sd_bus_error *error);
 int fake_on_list_other(sd_bus_message *call, void *context, sd_bus_error *error);
 int fake_on_take_back(sd_bus_message *call, void *context, sd_bus_error *error);
+int fake_on_get_settings(sd_bus_message *call, void *context, sd_bus_error *error);
+int fake_on_set_setting(sd_bus_message *call, void *context, sd_bus_error *error);
+int fake_on_reset_setting(sd_bus_message *call, void *context, sd_bus_error *error);
+int fake_on_get_policy(sd_bus_message *call, void *context, sd_bus_error *error);
+int fake_on_set_policy(sd_bus_message *call, void *context, sd_bus_error *error);
+int fake_on_check_policy(sd_bus_message *call, void *context, sd_bus_error *error);
+int fake_on_test_access(sd_bus_message *call, void *context, sd_bus_error *error);
+int fake_on_get_credential(sd_bus_message *call, void *context, sd_bus_error *error);
+int fake_on_set_credential(sd_bus_message *call, void *context, sd_bus_error *error);
 int fake_on_read_log(sd_bus_message *call, void *context, sd_bus_error *error);
 
 #endif

@@ -1,8 +1,12 @@
 #include "tests/enroll/rigs/fake_status.h"
 
-static int append_numbers(sd_bus_message *reply, const struct fake_script *script,
-                          uint32_t templates)
+static int append_numbers(sd_bus_message *reply, const struct fake_script *script)
 {
+    uint32_t templates = 0;
+
+    for (size_t i = 0; i < script->n_people; i++) {
+        templates += script->people[i].templates;
+    }
     int r = sd_bus_message_append(reply, "{sv}", "uptime-ms", "x", (int64_t)7530000);
     if (r >= 0) {
         r = sd_bus_message_append(reply, "{sv}", "distance-mm", "d", 612.4);
@@ -53,6 +57,8 @@ int fake_status_append(sd_bus_message *reply, const struct fake_script *script)
         {"door-fault-code", script->door_fault_code, ""},
         {"counter-fault", script->counter_fault, ""},
         {"counter-fault-code", script->counter_fault_code, ""},
+        {"panel-fault", script->panel_fault, ""},
+        {"panel-fault-code", script->panel_fault_code, ""},
         {"stale-fault", script->stale_fault, ""},
         {"stale-fault-code", script->stale_fault_code, ""},
         {"storage-fault", script->storage_fault, ""},
@@ -60,11 +66,6 @@ int fake_status_append(sd_bus_message *reply, const struct fake_script *script)
         {"clock-fault", script->clock_fault, ""},
         {"clock-fault-code", script->clock_fault_code, ""},
     };
-    uint32_t templates = 0;
-
-    for (size_t i = 0; i < script->n_people; i++) {
-        templates += script->people[i].templates;
-    }
     int r = sd_bus_message_open_container(reply, 'a', "{sv}");
     for (size_t i = 0; r >= 0 && i < sizeof texts / sizeof *texts; i++) {
         r = sd_bus_message_append(reply, "{sv}", texts[i].key, "s",
@@ -77,7 +78,7 @@ int fake_status_append(sd_bus_message *reply, const struct fake_script *script)
         r = fake_site_append(reply, script);
     }
     if (r >= 0) {
-        r = append_numbers(reply, script, templates);
+        r = append_numbers(reply, script);
     }
     return r < 0 ? r : sd_bus_message_close_container(reply);
 }

@@ -39,6 +39,63 @@ static void accounts_are_added_changed_and_removed(void **state)
     free(root);
 }
 
+static void send_request(const char *method, const char *path, const char *headers,
+                         const char *body)
+{
+    char *text = NULL;
+    assert_true(asprintf(&text,
+                         "%s %s HTTP/1.1\r\nHost: door.test\r\n%sContent-Length: %zu\r\n\r\n%s",
+                         method, path, headers, strlen(body), body) > 0);
+    https_send(&api_rig.client, text);
+    free(text);
+}
+
+/* The record of an act is answered, and nothing else happens. */
+static void answer_record(void)
+{
+    while (!api_rig.on_reply) {
+        https_pump(api_rig.web.event, -1);
+    }
+    (void)api_rig_reply(NULL, NULL);
+}
+
+static void expect_status(int status)
+{
+    struct https_answer answer;
+    https_read(&api_rig.client, &answer);
+    assert_int_equal(answer.status, status);
+    https_answer_free(&answer);
+}
+
+/* Like the check of a login, so that the loop goes on between two hashes. */
+static void a_new_password_is_hashed_in_its_turn(void **state)
+{
+    (void)state;
+    api_rig_add_account("root", WEB_ROLE_ADMINISTRATOR);
+    char *root = api_rig_log_in_as("root");
+    api_rig.waits = true;
+    send_request("POST", "/api/v1/accounts", root,
+                 "{\"name\":\"bob\",\"password\":\"" PASSWORD "\",\"role\":\"observer\"}");
+    answer_record();
+    assert_null(web_accounts_find(api_rig.api.accounts, "bob"));
+    expect_status(201);
+    assert_non_null(web_accounts_find(api_rig.api.accounts, "bob"));
+
+    send_request("PATCH", "/api/v1/accounts/bob", root, "{\"password\":\"" OTHER "\"}");
+    answer_record();
+    assert_true(web_password_is(PASSWORD, web_accounts_find(api_rig.api.accounts, "bob")->hash));
+    expect_status(200);
+    assert_true(web_password_is(OTHER, web_accounts_find(api_rig.api.accounts, "bob")->hash));
+
+    /* The session ends between the record and the turn. */
+    send_request("PATCH", "/api/v1/accounts/bob", root, "{\"password\":\"" PASSWORD "\"}");
+    answer_record();
+    web_session_end_account(api_rig.api.sessions, "root", 0);
+    expect_status(401);
+    assert_true(web_password_is(OTHER, web_accounts_find(api_rig.api.accounts, "bob")->hash));
+    free(root);
+}
+
 static void wrong_changes_of_accounts_are_refused(void **state)
 {
     static const struct {
@@ -203,6 +260,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(accounts_are_added_changed_and_removed),
+        TEST(a_new_password_is_hashed_in_its_turn),
         TEST(wrong_changes_of_accounts_are_refused),
         TEST(nothing_is_changed_without_a_record),
         TEST(a_session_that_ends_before_the_record_changes_nothing),

@@ -8,6 +8,7 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "enroll/web/account/setup_code.h"
+#include "enroll/web/http/now.h"
 #include "tests/enroll/web/rigs/api_rig.h"
 
 /* Whether the problem of GET /session says that there is no account yet. */
@@ -101,6 +102,17 @@ static void a_wrong_password_is_refused_and_slowed_down(void **state)
     assert_string_equal(https_header(&answer, "Retry-After"), "1");
     https_answer_free(&answer);
     assert_string_equal(api_rig.said, "");
+}
+
+/* The record after those that were left out says how many they were. */
+static void logins_beyond_a_limit_are_counted(void **state)
+{
+    (void)state;
+    api_rig_add_account("ada", WEB_ROLE_OBSERVER);
+    api_rig.api.notes.items[0] = (struct web_note_count){
+        .account = "ada", .used = 1.5, .last_ns = web_now_ns(), .left_out = 17};
+    free(api_rig_log_in_as("ada"));
+    assert_string_equal(api_rig.said, "ada login-after-17 \n");
 }
 
 static const char wrong_login[] =
@@ -248,6 +260,7 @@ static void the_document_is_served(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        TEST(logins_beyond_a_limit_are_counted),
         TEST(a_person_logs_in_and_out),
         TEST(a_new_login_ends_the_session_before),
         TEST(a_login_works_without_the_daemon),

@@ -50,6 +50,38 @@ static void an_enrolment_is_followed_to_its_end(void **state)
     rig_exchange_done(&observer);
 }
 
+/* Who opens the events during an enrolment need not wait for the next change of it. */
+static void events_that_begin_later_begin_with_the_enrolment(void **state)
+{
+    struct rig *rig = *state;
+    struct rig_story story;
+    if (!rig) {
+        skip();
+    }
+    struct web_exchange before = rig_exchange(WEB_ROLE_ENROLLER, rig_session(rig), NULL);
+    web_api_get_events(&rig->api, &before);
+    assert_non_null(strstr(before.stream->text, "event: status"));
+    assert_null(strstr(before.stream->text, "event: enrolment"));
+    rig_close(&before);
+    rig_exchange_done(&before);
+
+    rig_story_begin(&story, rig);
+    struct web_exchange later = rig_exchange(WEB_ROLE_ENROLLER, rig_session(rig), NULL);
+    web_api_get_events(&rig->api, &later);
+    assert_non_null(strstr(later.stream->text, "event: enrolment\ndata: {\"state\":\"running\","
+                                               "\"person\":\"Bo\""));
+    rig_close(&later);
+    rig_exchange_done(&later);
+    struct web_exchange observer = rig_exchange(WEB_ROLE_OBSERVER, rig_session(rig), NULL);
+    web_api_get_events(&rig->api, &observer);
+    assert_non_null(strstr(observer.stream->text, "event: status"));
+    assert_null(strstr(observer.stream->text, "event: enrolment"));
+    rig_close(&observer);
+    rig_exchange_done(&observer);
+    rig_send_status(rig, "enroll-completed", true, 4, 1.0, "");
+    json_decref(rig_story_end(&story, "completed"));
+}
+
 static void a_duplicate_and_a_full_disk_are_explained(void **state)
 {
     struct rig *rig = *state;
@@ -262,6 +294,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         RIG_TEST(an_enrolment_is_followed_to_its_end),
+        RIG_TEST(events_that_begin_later_begin_with_the_enrolment),
         RIG_TEST(a_duplicate_and_a_full_disk_are_explained),
         RIG_TEST(only_the_session_that_began_it_stops_it),
         RIG_TEST(an_enrolment_that_nobody_watches_ends),

@@ -111,6 +111,41 @@ static void calls_that_wait_are_answered_at_the_end(void **state)
     assert_string_equal(reply.error, "org.freedesktop.DBus.Error.Disconnected");
 }
 
+/* More calls wait than the daemon answers at once. Then comes what protects the door. */
+static void urgent_calls_do_not_wait_for_the_others(void **state)
+{
+    enum { MANY = 50 };
+    struct rig *rig = *state;
+    struct reply replies[MANY], record = {.answered = false}, lockdown = {.answered = false},
+                                login = {.answered = false};
+    if (!rig) {
+        skip();
+    }
+    struct web_daemon *daemon = rig->api.daemon;
+    rig->service.trace[0] = '\0';
+    for (int i = 0; i < MANY; i++) {
+        sd_bus_message *call = web_daemon_message(daemon, ISO_CONTRACT_RENAME_PERSON);
+        assert_true(sd_bus_message_append(call, "ss", "a", "b") >= 0);
+        replies[i] = (struct reply){.answered = false};
+        web_daemon_send(daemon, call, 0, on_reply, &replies[i]);
+    }
+    assert_true(web_daemon_waiting(daemon) > 10);
+    web_daemon_record(daemon, "ada", "lockdown-on", "", on_reply, &record);
+    sd_bus_message *call = web_daemon_message(daemon, ISO_CONTRACT_SET_LOCKDOWN);
+    assert_true(sd_bus_message_append(call, "b", 1) >= 0);
+    web_daemon_send(daemon, call, 0, on_reply, &lockdown);
+    web_daemon_record(daemon, "ada", "login", "", on_reply, &login);
+    rig_until(rig->event, &record.answered);
+    rig_until(rig->event, &lockdown.answered);
+    rig_until(rig->event, &login.answered);
+    const char *at = strstr(rig->service.trace, "RecordAct ada lockdown-on ;SetLockdown 1;");
+    assert_non_null(at);
+    assert_non_null(strstr(at, "RenamePerson a b;RenamePerson a b;"));
+    at = strstr(rig->service.trace, "RecordAct ada login ;");
+    assert_non_null(at);
+    assert_null(strstr(at, "RenamePerson"));
+}
+
 /* ---- events ---- */
 
 static void send_visit(struct rig *rig, const char *verdict, const char *person, const char *door)
@@ -266,6 +301,7 @@ int main(void)
         RIG_TEST(each_call_is_answered_when_the_daemon_goes_and_comes_back),
         RIG_TEST(each_call_is_answered_when_the_bus_goes_and_comes_back),
         RIG_TEST(calls_that_wait_are_answered_at_the_end),
+        RIG_TEST(urgent_calls_do_not_wait_for_the_others),
         RIG_TEST(a_stream_of_events_begins_with_the_state_and_follows_it),
         RIG_TEST(signals_become_events_and_those_of_other_clients_do_not),
         RIG_TEST(one_stream_of_the_daemon_serves_all_who_watch_the_outline),

@@ -5,6 +5,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "enroll/web/session/note_limit.h"
 #include "enroll/web/session/origin.h"
 #include "enroll/web/session/session.h"
 
@@ -133,10 +134,61 @@ static void only_the_own_pages_may_change_something(void **state)
     }
 }
 
+/* ---- how often a login is recorded ---- */
+
+static int recorded_of(struct web_note_limit *limit, const char *account, int n, int64_t now_ns,
+                       uint32_t *left_out)
+{
+    int recorded = 0;
+    for (int i = 0; i < n; i++) {
+        recorded += web_note_limit_take(limit, account, now_ns, left_out);
+    }
+    return recorded;
+}
+
+static void logins_without_end_do_not_fill_the_log(void **state)
+{
+    static struct web_note_limit limit;
+    const int64_t every_ns = WEB_NOTE_EVERY_S * INT64_C(1000000000);
+    int64_t now_ns = 7;
+    uint32_t left_out = 99;
+    (void)state;
+    assert_int_equal(recorded_of(&limit, "ada", 1000, now_ns, &left_out), WEB_NOTES_AT_ONCE);
+    assert_int_equal(left_out, 0);
+    assert_int_equal(recorded_of(&limit, "eve", 1, now_ns, &left_out), 1);
+    now_ns += every_ns - 1;
+    assert_int_equal(recorded_of(&limit, "ada", 1, now_ns, &left_out), 0);
+    now_ns += 2;
+    assert_int_equal(recorded_of(&limit, "ada", 5, now_ns, &left_out), 1);
+    assert_int_equal(left_out, 1000 - WEB_NOTES_AT_ONCE + 1);
+    now_ns += 1000 * every_ns;
+    assert_int_equal(recorded_of(&limit, "ada", 1000, now_ns, &left_out), WEB_NOTES_AT_ONCE);
+}
+
+/* Names of accounts that are gone make room. */
+static void as_many_accounts_as_there_may_be_have_a_limit_each(void **state)
+{
+    static struct web_note_limit limit;
+    char name[WEB_ACCOUNT_NAME_SIZE];
+    uint32_t left_out = 0;
+    (void)state;
+    for (int round = 0; round < 2; round++) {
+        for (int i = 0; i < WEB_ACCOUNTS_MOST; i++) {
+            (void)snprintf(name, sizeof name, "%c%d", 'a' + round, i);
+            assert_int_equal(recorded_of(&limit, name, 50, 100 * round + i, &left_out),
+                             WEB_NOTES_AT_ONCE);
+        }
+    }
+    assert_int_equal(recorded_of(&limit, "b7", 50, 300, &left_out), 0);
+    assert_int_equal(recorded_of(&limit, "a7", 50, 300, &left_out), WEB_NOTES_AT_ONCE);
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup(f, setup)
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(logins_without_end_do_not_fill_the_log),
+        cmocka_unit_test(as_many_accounts_as_there_may_be_have_a_limit_each),
         TEST(a_session_ends_when_it_is_idle_or_old),
         TEST(a_table_that_is_full_ends_the_session_used_least),
         TEST(an_account_that_changes_loses_its_other_sessions),

@@ -5,6 +5,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "drivers/door/wiegand.h"
 #include "tests/firmware/appliance/access_rig.h"
 
 /* ---- more than a face ---- */
@@ -179,6 +180,63 @@ static void a_card_replaces_a_camera_at_fault(void **state)
     access_rig_expect(rig_news(rig), "anna credential");
 }
 
+/* ---- the reader ---- */
+
+/* A reader of a test: the events that it still has, and its fault. */
+struct puppet_reader {
+    struct iso_reader_event events[16];
+    int first, n;
+    struct iso_fault fault;
+};
+
+static bool take_event(void *context, struct iso_reader_event *out)
+{
+    struct puppet_reader *reader = context;
+    if (reader->first == reader->n) {
+        return false;
+    }
+    *out = reader->events[reader->first++];
+    return true;
+}
+
+static void copy_fault(void *context, struct iso_fault *out)
+{
+    *out = ((struct puppet_reader *)context)->fault;
+}
+
+static int no_descriptor(void *context)
+{
+    (void)context;
+    return -1;
+}
+
+/* A card of 34 bits is the card of the same facility and number in another format. */
+static void a_reader_brings_cards_and_keys(void **state)
+{
+    struct rig *rig = *state;
+    struct puppet_reader reader = {.n = 0};
+    const struct iso_wiegand_card card = {17, 4711};
+    rig->borrowed.reader = (struct iso_card_source){take_event, copy_fault, no_descriptor, &reader};
+    access_rig_start(rig, "");
+    access_rig_restart(rig);
+    (void)access_rig_set_policy(
+        rig, access_rig_always("\"recognition_groups\": [[\"card\", \"pin\"]]", false, ""));
+    access_rig_set_credential(rig, "anna", "{\"cards\": [\"17/4711\"], \"pin\": \"2580\"}");
+    reader.events[reader.n].kind = ISO_READER_CARD;
+    reader.events[reader.n].bits = 34;
+    assert_int_equal(iso_wiegand_encode(34, &card, &reader.events[reader.n++].code), 0);
+    for (const char *key = "2580#"; *key; key++) {
+        reader.events[reader.n++] = (struct iso_reader_event){.kind = ISO_READER_KEY, .key = *key};
+    }
+    rig_run(rig, 100);
+    access_rig_expect(rig_news(rig), "visit allow anna credential");
+    assert_string_equal(iso_appliance_status(rig->appliance).reader_state, "works");
+    (void)iso_fault_set(&reader.fault, -ENODEV, "the reader is gone");
+    rig_run(rig, 100);
+    assert_string_equal(iso_appliance_status(rig->appliance).reader_state, "lost");
+    access_rig_expect(rig->warned, "the reader is gone");
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
@@ -190,6 +248,7 @@ int main(void)
         TEST(guessing_a_pin_locks_the_door),
         TEST(two_people_come_together),
         TEST(a_card_replaces_a_camera_at_fault),
+        TEST(a_reader_brings_cards_and_keys),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

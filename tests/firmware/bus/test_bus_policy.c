@@ -73,6 +73,8 @@ static const struct {
     {ISO_CONTRACT_VERIFY_STOP, {false, true, false, true, false, false}},
     {ISO_CONTRACT_ENROLL_START, {false, false, true, true, false, true}},
     {ISO_CONTRACT_ENROLL_STOP, {false, false, true, true, false, true}},
+    {ISO_CONTRACT_VERIFY_SELF, {true, true, true, true, true, true}},
+    {ISO_CONTRACT_VERIFY_LOGIN, {false, false, false, true, false, false}},
     {ISO_CONTRACT_LIST_PEOPLE, {false, false, true, true, false, true}},
     {ISO_CONTRACT_DELETE_PERSON, {false, false, false, true, false, true}},
     {ISO_CONTRACT_SET_VALIDITY, {false, false, false, true, false, true}},
@@ -82,6 +84,7 @@ static const struct {
     {ISO_CONTRACT_PICTURE, {false, false, false, true, false, false}},
     {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false, true}},
     {ISO_CONTRACT_TEST_DOOR, {false, false, false, true, false, false}},
+    {ISO_CONTRACT_INSTALL_PANEL, {false, false, false, true, false, false}},
     {ISO_CONTRACT_WATCH, {true, false, false, true, false, true}},
     {ISO_CONTRACT_WATCH_RELIEF, {false, false, true, true, false, true}},
     {ISO_CONTRACT_VERIFY_LOG, {false, false, false, true, false, true}},
@@ -90,6 +93,8 @@ static const struct {
     {ISO_CONTRACT_ROTATE_KEYS, {false, false, false, true, false, false}},
     {ISO_CONTRACT_GET_ADDRESS, {false, false, false, true, false, false}},
     {ISO_CONTRACT_GET_SETTINGS, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_SET_SETTING, {false, false, false, true, false, true}},
+    {ISO_CONTRACT_RESET_SETTING, {false, false, false, true, false, true}},
 };
 
 enum { RULES = sizeof rules / sizeof *rules };

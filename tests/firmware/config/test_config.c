@@ -281,6 +281,9 @@ static void refuses_values_that_contradict_each_other(void **state)
             "door.conf: [sensor] distance_min_mm is not below distance_max_mm");
     refuses("[sensor]\nretry_ms = 500\nretry_max_ms = 400\n",
             "door.conf: [sensor] retry_ms is above retry_max_ms");
+    refuses("[door]\nbackend = gpio\n[login]\ndesk = yes\n",
+            "door.conf: [login] desk needs [door] backend = null: a login would leave the door "
+            "unwatched");
 }
 
 /* The angles of the poses exclude the frontal attitude, and the extractor accepts all of them. */

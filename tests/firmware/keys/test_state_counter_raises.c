@@ -47,6 +47,13 @@ static void changes_raise_it_at_once(void **state)
         state_rig_append(components, events[i]);
         assert_int_equal(counter_rig_puppet.increments, ++expected);
     }
+    state_rig_append(components, "setting"); /* settings were loaded */
+    assert_int_equal(counter_rig_puppet.increments, expected);
+    struct iso_audit_record setting = iso_audit_record_of("setting");
+    setting.before = "3";
+    setting.after = "4";
+    assert_int_equal(iso_audit_append(components->audit, &setting, NULL), 0);
+    assert_int_equal(counter_rig_puppet.increments, ++expected);
     state_rig_enrol(components);
     assert_int_equal(counter_rig_puppet.increments, ++expected);
     state_rig_close(components);

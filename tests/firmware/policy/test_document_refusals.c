@@ -175,7 +175,7 @@ static void zone_without_memory(void **state)
 {
     (void)state;
     static const char json[] = "{\"schedules\":[{\"token\":\"s\",\"zone\":\"Test/Memory\"}]}";
-    refuse(json, strlen(json), -ENOMEM, "policy: no memory");
+    refuse(json, strlen(json), -ENOMEM, "out of memory");
 }
 
 /* A document of `size` bytes; the rest is blank. */

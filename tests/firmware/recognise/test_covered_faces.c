@@ -7,7 +7,7 @@
 
 #include "drivers/base/times.h"
 #include "drivers/recording/recording.h"
-#include "firmware/appliance/gate/enroll_gate.h"
+#include "firmware/config/enroll_options.h"
 #include "firmware/recognise/pipeline.h"
 
 enum { FACES = 4 };

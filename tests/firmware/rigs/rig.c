@@ -147,6 +147,9 @@ static void open_parts(struct rig *rig)
     assert_int_equal(iso_gallery_open(&gallery, &rig->gallery, NULL), 0);
     assert_int_equal(iso_audit_open(&audit, &rig->borrowed.times, &rig->audit, NULL), 0);
     rig->borrowed.ring = stores_ring(rig->directory);
+    (void)snprintf(rig->settings_path, sizeof rig->settings_path, "%s/settings", rig->directory);
+    iso_live_settings_init(&rig->settings, &rig->config, rig->settings_path, rig->borrowed.ring);
+    rig->borrowed.settings = &rig->settings;
     rig->borrowed.door_io = rig->door_io;
     rig->borrowed.gallery = rig->gallery;
     rig->borrowed.audit = rig->audit;

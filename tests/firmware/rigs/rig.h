@@ -20,6 +20,8 @@ struct rig {
     struct iso_door_io *door_io;
     struct iso_gallery *gallery;
     struct iso_audit *audit;
+    struct iso_live_settings settings; /* of `config`; the file "settings" of the directory */
+    char settings_path[256];
     struct iso_appliance_borrowed borrowed;
     struct iso_appliance *appliance;
     char warned[256]; /* last line for the system's log that was a warning or worse */

@@ -86,9 +86,21 @@ test('the findings of isotherm doctor come also if its exit code is not 0, in th
 });
 
 test('the settings of the daemon have the members of the API', async () => {
-    const bus = script({ GetSettings: [[['door', 'backend', 'null', 'gpio', 'null gpio', 'what moves the door']]] });
+    const bus = script({ GetSettings: [[['door', 'backend', 'null', 'gpio', 'null gpio', 'what moves the door', false, 'null']]] });
     assert.deepEqual(await makeCockpitApi(bus).settings(),
-        [{ section: 'door', key: 'backend', value: 'null', default: 'gpio', range: 'null gpio', help: 'what moves the door' }]);
+        [{ section: 'door', key: 'backend', value: 'null', default: 'gpio', range: 'null gpio', help: 'what moves the door', changeable: false, configured: 'null' }]);
+});
+
+test('a setting is changed on the bus, and a bad value has a code of its own', async () => {
+    const bus = script({});
+    const api = makeCockpitApi(bus);
+    await api.setSetting('decision', 'level', 'strict');
+    await api.resetSetting('door', 'unlock_ms');
+    assert.deepEqual(bus.calls.slice(-2), [['SetSetting', 'decision', 'level', 'strict'], ['ResetSetting', 'door', 'unlock_ms']]);
+    const refused = makeCockpitApi(script({ SetSetting: refusal('org.isotherm.Error.InvalidArgument') }));
+    await assert.rejects(refused.setSetting('decision', 'level', 'lax'), { code: 'invalid-setting' });
+    const denied = makeCockpitApi(script({ SetSetting: refusal('org.freedesktop.DBus.Error.AccessDenied') }));
+    await assert.rejects(denied.setSetting('decision', 'level', 'strict'), { code: 'not-allowed' });
 });
 
 test('a daemon that is gone is a state, not a fault', async () => {

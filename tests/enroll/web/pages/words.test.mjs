@@ -32,7 +32,7 @@ test('states and causes of the door: firmware/door/door.c', () => {
 
 test('words of the contract', () => {
     const contract = 'firmware/contract/contract.h';
-    same(EVENTS, quoted('firmware/contract/log_events.h', '#define ISO_CONTRACT_EVENTS', '#endif'), 36);
+    same(EVENTS, quoted('firmware/contract/log_events.h', '#define ISO_CONTRACT_EVENTS', '#endif'), 38);
     same(words.DOOR_ACTS, quoted(contract, '#define ISO_CONTRACT_DOOR_UNLOCKED', '/* Keys of the reply of TestAccess'), 3);
     same(words.MODES, quoted('firmware/contract/status_keys.h', '"mode" s', '"sensor" s').filter((word) => word !== 'mode'), 5);
     same(words.POSES, quoted(contract, '#define ISO_CONTRACT_POSE_FRONTAL', '/* The states of a step'), 5);

@@ -97,9 +97,9 @@ static int on_lists(sd_bus_message *call, void *context, sd_bus_error *error)
     } else if (r >= 0 && strcmp(method, ISO_CONTRACT_LIST_PEOPLE) == 0) {
         r = append_people(reply, service);
     } else if (r >= 0 && strcmp(method, ISO_CONTRACT_GET_SETTINGS) == 0) {
-        r = sd_bus_message_append(reply, "a(ssssss)", 2, "door", "unlock_ms", "3000", "5000",
-                                  "100..60000", "how long", "sensor", "backend", "replay", "",
-                                  "a word", "says \"which\"");
+        r = sd_bus_message_append(reply, "a(ssssssbs)", 2, "door", "unlock_ms", "3000", "5000",
+                                  "100..60000", "how long", 1, "4000", "sensor", "backend",
+                                  "replay", "", "a word", "says \"which\"", 0, "replay");
     } else if (r >= 0) {
         service->n_log_calls++;
         r = sd_bus_message_read(call, "tu", &from, &max);
@@ -165,7 +165,11 @@ static int on_change(sd_bus_message *call, void *context, sd_bus_error *error)
         service->mode = "enroll";
         return sd_bus_reply_method_return(call, "a{sv}", 0);
     } else if (strcmp(method, ISO_CONTRACT_RENAME_PERSON) == 0) {
-        return sd_bus_reply_method_return(call, "s", "");
+        return sd_bus_reply_method_return(call, "s", service->remark ? service->remark : "");
+    } else if (strcmp(method, ISO_CONTRACT_SET_SETTING) == 0) {
+        return sd_bus_reply_method_return(call, "s", text);
+    } else if (strcmp(method, ISO_CONTRACT_RESET_SETTING) == 0) {
+        return sd_bus_reply_method_return(call, "s", "4000");
     } else if (strcmp(method, ISO_CONTRACT_SET_VALIDITY) == 0) {
         return sd_bus_reply_method_return(call, "sxx", "person 00000", INT64_C(0), INT64_C(0));
     } else if (strcmp(method, ISO_CONTRACT_VERIFY_LOG) == 0) {
@@ -202,7 +206,9 @@ static int on_watch(sd_bus_message *call, void *context, sd_bus_error *error)
 static const sd_bus_vtable vtable[] = {
     SD_BUS_VTABLE_START(0),
     METHOD(ISO_CONTRACT_GET_STATUS, "", "a{sv}", on_lists),
-    METHOD(ISO_CONTRACT_GET_SETTINGS, "", "a(ssssss)", on_lists),
+    METHOD(ISO_CONTRACT_GET_SETTINGS, "", "a(ssssssbs)", on_lists),
+    METHOD(ISO_CONTRACT_SET_SETTING, "sss", "s", on_change),
+    METHOD(ISO_CONTRACT_RESET_SETTING, "ss", "s", on_change),
     METHOD(ISO_CONTRACT_LIST_PEOPLE, "", "a(sxxxu)", on_lists),
     METHOD(ISO_CONTRACT_READ_LOG, "tu", "as", on_lists),
     METHOD(ISO_CONTRACT_RECORD_ACT, "sss", "", on_change),

@@ -19,7 +19,8 @@ struct rig_service {
     uint64_t uptime_ms;
     const char *mode;
     bool lockdown;
-    int n_people; /* "person 00000" and so on */
+    const char *remark; /* of RenamePerson; NULL: "" */
+    int n_people;       /* "person 00000" and so on */
     int last_record;
     /* Writes record `number`; NULL: there are none. */
     void (*record)(int number, char *line, size_t size);

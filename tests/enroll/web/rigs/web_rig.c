@@ -12,6 +12,8 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 #include "tests/support/scratch.h"
 
+int64_t (*web_rig_clock)(void);
+
 int web_rig_listen(int *port)
 {
     struct sockaddr_in address = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
@@ -58,7 +60,8 @@ void web_rig_start(struct web_rig *rig, const char *folder, const struct web_rou
                                            .pages = pages,
                                            .sessions = &rig->sessions,
                                            .routes = routes,
-                                           .context = context};
+                                           .context = context,
+                                           .now_ns = web_rig_clock};
     if (web_server_new(&setup, &rig->server, &fault)) {
         fail_msg("%s", fault.text);
     }

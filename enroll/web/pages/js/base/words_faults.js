@@ -22,6 +22,7 @@ export const FAULTS = {
     'invalid-password': N_('This password is not allowed.'),
     'invalid-policy': N_('The door service does not accept this policy.'),
     'invalid-role': N_('This role does not exist.'),
+    'invalid-setting': N_('This value is not allowed.'),
     'last-administrator': N_('This is the last administrator. Make another one first.'),
     'locked-out': N_('The door is locked out after too many attempts.'),
     'login-required': N_('Please log in.'),
@@ -34,6 +35,7 @@ export const FAULTS = {
     'no-such-method': N_('The web server did not understand the request.'),
     'no-such-path': N_('The web server did not understand the request.'),
     'no-such-person': N_('This person is not enrolled any more.'),
+    'no-such-setting': N_('There is no such setting.'),
     'no-group': N_(
         'You may not use the door service. Turn on administrative access in Cockpit, or ask an administrator to add you to the group isotherm-observe, and log in again.'),
     'not-allowed': N_('Your account may not do this.'),

@@ -41,7 +41,10 @@ function editor({ api }, person, close) {
             }
         }
         if (Object.keys(change).length) {
-            await api.changePerson(person.name, change);
+            const { remark } = (await api.changePerson(person.name, change)) ?? {};
+            if (remark) {
+                notice(remark);
+            }
         }
     };
     return [

@@ -1,4 +1,5 @@
-/* The page Settings: lockdown and lock-out, and the values with which the daemon runs. */
+/* The page Settings: lockdown and lock-out, and the values with which the daemon runs, some of which
+ * can be changed. */
 
 import {N_, _, _f} from '../base/i18n.js';
 import {fill, h, say} from '../base/dom.js';
@@ -9,6 +10,7 @@ import {badge} from '../view/badge.js';
 import {input} from '../view/fields.js';
 import {stack} from '../view/stack.js';
 import {lockControls} from './lock_controls.js';
+import {changeSetting} from './setting.js';
 
 function lockState({ hub }) {
     const list = h('dl', { class: 'facts' });
@@ -24,26 +26,38 @@ function lockState({ hub }) {
     return { element: list, stop };
 }
 
-function sectionTable(section, list) {
+const shown = (text) => h('code', {}, text === '' ? '–' : text);
+
+function valueCell(one, change) {
+    const name = `${one.section}.${one.key}`;
+    return h(
+        'td', {}, shown(one.value), one.value !== one.default && h('span', { class: 'unseen' }, ` ${_('changed')}`),
+        one.changeable &&
+            h('div', {},
+              h('button', {
+                  type: 'button',
+                  class: 'plain',
+                  'aria-label': _f('Change {name}', { name }),
+                  onclick: () => change(one)
+              },
+                _('Change…'))));
+}
+
+function sectionTable(section, list, change) {
     const head = (text) => h('th', { scope: 'col' }, text);
+    const row = (one) =>
+        h('tr', { class: one.value === one.default ? '' : 'own' }, h('th', { scope: 'row' }, h('code', {}, one.key)),
+          valueCell(one, change), h('td', {}, shown(one.configured ?? one.value)), h('td', {}, shown(one.default)),
+          h('td', { lang: 'en', dir: 'ltr' }, one.range), h('td', { lang: 'en', dir: 'ltr' }, one.help));
     return h(
         'section', { class: 'panel' }, h('h3', { dir: 'ltr' }, h('code', {}, `[${section}]`)),
         h('div', { class: 'scroll' },
           stack(
               h('table', { class: 'settings' },
                 h('thead', {},
-                  h('tr', {}, head(_('Setting')), head(_('Value')), head(_('Default')), head(_('Allowed')),
-                    head(_('Meaning')))),
-                h('tbody', {},
-                  list.map(
-                      (one) =>
-                          h('tr', { class: one.value === one.default ? '' : 'own' },
-                            h('th', { scope: 'row' }, h('code', {}, one.key)),
-                            h('td', {}, h('code', {}, one.value === '' ? '–' : one.value),
-                              one.value !== one.default && h('span', { class: 'unseen' }, ` ${_('changed')}`)),
-                            h('td', {}, h('code', {}, one.default === '' ? '–' : one.default)),
-                            h('td', { lang: 'en', dir: 'ltr' }, one.range),
-                            h('td', { lang: 'en', dir: 'ltr' }, one.help))))))));
+                  h('tr', {}, head(_('Setting')), head(_('Value')), head(_('In the file')), head(_('Default')),
+                    head(_('Allowed')), head(_('Meaning')))),
+                h('tbody', {}, list.map(row))))));
 }
 
 function make(context) {
@@ -56,10 +70,18 @@ function make(context) {
     let all = [];
     const draw = () => {
         const takes = matcher(search.value);
-        const shown = all.filter((one) => takes(fold(`${one.section} ${one.key} ${one.help}`)));
-        const sections = [...new Set(shown.map((one) => one.section))];
-        fill(place, sections.map((section) => sectionTable(section, shown.filter((one) => one.section === section))));
-        say(count, _f('Settings: {n}', { n: number(shown.length) }));
+        const found = all.filter((one) => takes(fold(`${one.section} ${one.key} ${one.help}`)));
+        const sections = [...new Set(found.map((one) => one.section))];
+        const tableOf = (section) => sectionTable(section, found.filter((one) => one.section === section), change);
+        fill(place, sections.map(tableOf));
+        say(count, _f('Settings: {n}', { n: number(found.length) }));
+    };
+    const change = async (one) => {
+        if (await changeSetting(api, one)) {
+            await load();
+            const label = _f('Change {name}', { name: `${one.section}.${one.key}` });
+            [...place.querySelectorAll('button')].find((button) => button.ariaLabel === label)?.focus();
+        }
     };
     search.addEventListener('input', draw);
     const load = async () => {
@@ -79,7 +101,7 @@ function make(context) {
             h('section', { class: 'panel' }, h('h2', {}, _('Lockdown and lock-out')), state.element, controls.element),
             h('section', {}, h('h2', {}, _('Settings of the door service')),
               h('p', { class: 'quiet' },
-                _('They are in the file /etc/isotherm/isotherm.conf on the appliance and hold from its next start on. Values that differ from the default are bold.')),
+                _('They are in the file /etc/isotherm/isotherm.conf on the appliance. Those with a button can be changed here and hold at once; the others hold from its next start on. Values that differ from the default are bold.')),
               api.can.settings && [h('div', { class: 'bar' }, search), count, place])),
         resume: load,
         leave() {

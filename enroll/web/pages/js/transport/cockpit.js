@@ -146,13 +146,15 @@ export function makeCockpitApi(cockpit) {
 
     async function changePerson(name, change) {
         let present = name;
+        let remark = '';
         if (change.name !== undefined && change.name !== name) {
-            await bus.call('RenamePerson', [name, change.name]);
+            [remark] = await bus.call('RenamePerson', [name, change.name]);
             present = change.name;
         }
         if (change.valid_from_s !== undefined || change.valid_until_s !== undefined) {
             await bus.call('SetValidity', [present, bus.options(change)], 'sa{sv}');
         }
+        return { remark };
     }
 
     /* ReadLog reads forwards from a number; the page asks for what is before one. */
@@ -193,8 +195,18 @@ export function makeCockpitApi(cockpit) {
 
     async function settings() {
         const [list] = await bus.call('GetSettings', []);
-        return list.map(([section, key, value, standard, range,
-                          help]) => ({ section, key, value, default: standard, range, help }));
+        return list.map(
+            ([section, key, value, standard, range, help, changeable, configured]) =>
+                ({ section, key, value, default: standard, range, help, changeable, configured }));
+    }
+
+    /* The daemon's word for a bad argument is that of limits everywhere else. */
+    async function changeSetting(method, args, type) {
+        try {
+            await bus.call(method, args, type);
+        } catch (fault) {
+            throw fault.code === 'invalid-limits' ? new Fault('invalid-setting', { detail: fault.detail }) : fault;
+        }
     }
 
     return {
@@ -216,6 +228,8 @@ export function makeCockpitApi(cockpit) {
         status,
         health,
         settings,
+        setSetting: (section, key, value) => changeSetting('SetSetting', [section, key, value], 'sss'),
+        resetSetting: (section, key) => changeSetting('ResetSetting', [section, key], 'ss'),
         setLockdown: (on) => change('SetLockdown', [on], 'b'),
         clearLockout: () => change('ClearLockout', []),
         people,

@@ -149,6 +149,8 @@ export const http = {
     status: () => ask('GET', '/status'),
     health: () => ask('GET', '/health'),
     settings: async () => (await ask('GET', '/settings')).settings ?? [],
+    setSetting: (section, key, value) => ask('PUT', `/settings/${part(`${section}.${key}`)}`, {value}),
+    resetSetting: (section, key) => ask('DELETE', `/settings/${part(`${section}.${key}`)}`),
     setLockdown: (on) => ask('PUT', '/lockdown', {on}),
     clearLockout: () => ask('DELETE', '/lockout'),
 

@@ -1,0 +1,21 @@
+/* A reader of cards and keys, whatever it is connected to. wiegand_in.h is one. */
+#ifndef ISO_DRIVERS_READER_CARD_SOURCE_H
+#define ISO_DRIVERS_READER_CARD_SOURCE_H
+
+#include <stdbool.h>
+
+#include "core/base/fault.h"
+#include "drivers/reader/wiegand_frame.h"
+
+/* All three are REQUIRED unless `take` is NULL, which means that there is no reader. */
+struct iso_card_source {
+    /* Takes the oldest event; false: there is none. */
+    bool (*take)(void *context, struct iso_reader_event *out);
+    /* Copies why the reader does not work; "" while it does. */
+    void (*fault)(void *context, struct iso_fault *out);
+    /* The descriptor that polls readable while there is an event, or the fault has changed. */
+    int (*fd)(void *context);
+    void *context;
+};
+
+#endif
