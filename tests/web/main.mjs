@@ -15,6 +15,7 @@ import { enrol } from './story_enrol.mjs';
 import { login, oldSession } from './story_login.mjs';
 import { pages } from './story_pages.mjs';
 import { people, removal } from './story_people.mjs';
+import { policies } from './story_policy.mjs';
 import { settingsInForce } from './story_settings.mjs';
 import { streams } from './story_streams.mjs';
 
@@ -127,6 +128,7 @@ async function all(run) {
   await door(run);
   await settingsInForce(run);
   await people(run);
+  await policies(run);
   await pages(run);
   await cockpit(run);
   await removal(run);

@@ -25,7 +25,7 @@ async function opens(run) {
   run.rig.show();
   await seesText(page, /nobody is there/i);
   const names = (await pagesOf(page)).map((one) => one.name).join();
-  expectEqual(names, 'Door,People,Enrol,Events,Health,Settings', 'the pages of root in Cockpit');
+  expectEqual(names, 'Door,People,Enrol,Policy,Events,Health,Settings', 'the pages of root in Cockpit');
 }
 
 async function begins(page, name) {

@@ -69,6 +69,14 @@ void web_api_list_people(void *api, struct web_exchange *exchange);
 void web_api_change_person(void *api, struct web_exchange *exchange);
 void web_api_remove_person(void *api, struct web_exchange *exchange);
 
+/* ---- cards and the policy (access/api_credential.c, access/api_policy.c) ---- */
+void web_api_get_credential(void *api, struct web_exchange *exchange);
+void web_api_change_credential(void *api, struct web_exchange *exchange);
+void web_api_get_policy(void *api, struct web_exchange *exchange);
+void web_api_set_policy(void *api, struct web_exchange *exchange);
+void web_api_get_findings(void *api, struct web_exchange *exchange);
+void web_api_test_access(void *api, struct web_exchange *exchange);
+
 /* ---- enrolment (api_enrolment.c) ---- */
 void web_api_get_enrolment(void *api, struct web_exchange *exchange);
 void web_api_begin_enrolment(void *api, struct web_exchange *exchange);

@@ -14,6 +14,7 @@ struct request {
     const struct web_api *api;
     struct web_exchange *exchange;
     char person[ISO_PERSON_NAME_SIZE]; /* whom it concerns */
+    struct web_api_cards *cards;       /* of the list for administrators; else NULL */
 };
 
 static struct request *new_request(const struct web_api *api, struct web_exchange *exchange)
@@ -84,6 +85,19 @@ static void write_people(FILE *out, const struct web_last_seen *seen,
     (void)fputs("]}", out);
 }
 
+static void free_list(struct request *request)
+{
+    web__api_cards_free(request->cards);
+    free(request);
+}
+
+static void add_cards(const struct web_api_cards *cards, struct web_api_person *people, size_t n)
+{
+    for (size_t i = 0; cards && i < n; i++) {
+        people[i].cards = web__api_cards_of(cards, people[i].name);
+    }
+}
+
 static void on_list(void *context, sd_bus_message *reply, const sd_bus_error *error)
 {
     struct request *request = context;
@@ -92,11 +106,12 @@ static void on_list(void *context, sd_bus_message *reply, const sd_bus_error *er
     size_t n = 0, size = 0;
     if (error) {
         web_api_daemon_problem(request->exchange, error);
-        free(request);
+        free_list(request);
         return;
     }
     FILE *out = read_people(reply, &people, &n) < 0 ? NULL : open_memstream(&text, &size);
     if (out) {
+        add_cards(request->cards, people, n);
         write_people(out, request->api->last_seen, people, n);
         if (fclose(out) != 0) {
             free(text);
@@ -105,17 +120,44 @@ static void on_list(void *context, sd_bus_message *reply, const sd_bus_error *er
     }
     free(people);
     web_exchange_text(request->exchange, 200, text, size);
-    free(request);
+    free_list(request);
 }
 
+static void ask_list(struct request *request)
+{
+    struct web_daemon *daemon = request->api->daemon;
+    web_daemon_send(daemon, web_daemon_message(daemon, ISO_CONTRACT_LIST_PEOPLE), 0, on_list,
+                    request);
+}
+
+static void on_cards(void *context, sd_bus_message *reply, const sd_bus_error *error)
+{
+    struct request *request = context;
+    if (error) {
+        web_api_daemon_problem(request->exchange, error);
+        free_list(request);
+    } else if (web__api_cards_read(reply, &request->cards) < 0) {
+        web_exchange_json(request->exchange, 500, NULL);
+        free_list(request);
+    } else {
+        ask_list(request);
+    }
+}
+
+/* Only administrators see cards, by the rights of the daemon and by those of the accounts. */
 void web_api_list_people(void *context, struct web_exchange *exchange)
 {
     const struct web_api *api = context;
     struct request *request = new_request(api, exchange);
-    if (request) {
-        web_daemon_send(api->daemon, web_daemon_message(api->daemon, ISO_CONTRACT_LIST_PEOPLE), 0,
-                        on_list, request);
+    if (!request) {
+        return;
     }
+    if (web_exchange_role(exchange) < WEB_ROLE_ADMINISTRATOR) {
+        ask_list(request);
+        return;
+    }
+    web_daemon_send(api->daemon, web_daemon_message(api->daemon, ISO_CONTRACT_LIST_CREDENTIALS), 0,
+                    on_cards, request);
 }
 
 /* ---- removal ---- */

@@ -20,21 +20,24 @@ static void refuse(struct web_exchange *exchange, unsigned status, const char *c
     exchange->refusal = (struct web_refusal){.status = status, .code = code, .detail = detail};
 }
 
-/* Compares the path of a request with that of a route. `*part` is what stands for "{name}". */
-static bool is_path_of(const struct web_route *route, const char *path, const char **part)
+/* Compares the path of a request with that of a route. `*part` is what stands for "{name}", of
+ * `*length` bytes. */
+static bool is_path_of(const struct web_route *route, char *path, char **part, size_t *length)
 {
     const char *brace = strchr(route->path, '{');
 
     *part = NULL;
+    *length = 0;
     if (!brace) {
         return strcmp(route->path, path) == 0;
     }
     const size_t n = (size_t)(brace - route->path);
-    if (strncmp(route->path, path, n) != 0 || !path[n] || strchr(path + n, '/')) {
+    if (strncmp(route->path, path, n) != 0) {
         return false;
     }
     *part = path + n;
-    return true;
+    *length = strcspn(*part, "/");
+    return *length > 0 && strcmp(*part + *length, strchr(brace, '}') + 1) == 0;
 }
 
 /* Adds a method to a list such as "GET, PUT". */
@@ -45,17 +48,21 @@ static void add_method(char allow[40], const char *method)
     (void)snprintf(allow + n, 40 - n, "%s%s", n > 0 ? ", " : "", method);
 }
 
-static void find_route(struct web_exchange *exchange, const char *path, const char *method)
+static void find_route(struct web_exchange *exchange, char *path, const char *method)
 {
     char allow[40] = "";
-    const char *part;
+    char *part;
+    size_t length;
 
     for (const struct web_route *route = exchange->server->setup.routes; route->method; route++) {
-        if (!is_path_of(route, path, &part)) {
+        if (!is_path_of(route, path, &part, &length)) {
             continue;
         }
         if (strcmp(route->method, method) == 0) {
             exchange->route = route;
+            if (part) {
+                part[length] = '\0'; /* the end of the path is known to be that of the route */
+            }
             exchange->part = part;
             return;
         }

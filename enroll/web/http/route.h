@@ -7,7 +7,7 @@
 
 struct web_route {
     const char *method;  /* "GET", "POST", "PUT", "PATCH", "DELETE" */
-    const char *path;    /* below /api/v1; it may end with "/{name}" */
+    const char *path;    /* below /api/v1; one part of it may be "{name}" */
     enum web_role least; /* who may ask; WEB_ROLE_NONE: without a login, too */
     /* `context` is that of the server. */
     void (*handle)(void *context, struct web_exchange *exchange);

@@ -54,6 +54,7 @@ static const struct web_route routes[] = {
     {"GET", "/people/{name}", WEB_ROLE_NONE, echo},
     {"DELETE", "/people/{name}", WEB_ROLE_ADMINISTRATOR, done},
     {"PATCH", "/people/{name}", WEB_ROLE_ENROLLER, echo},
+    {"GET", "/people/{name}/credential", WEB_ROLE_NONE, echo},
     {NULL, NULL, WEB_ROLE_NONE, NULL},
 };
 
@@ -203,6 +204,33 @@ static void a_handler_learns_the_request(void **state)
     https_close(&client);
 }
 
+static void a_name_may_be_in_the_middle_of_a_path(void **state)
+{
+    static const char *const others[] = {
+        "/api/v1/people//credential",
+        "/api/v1/people/ada/credentials",
+        "/api/v1/people/ada/x/credential",
+        "/api/v1/people/ada/credential/",
+        "/api/v1/people/ada/",
+    };
+    struct https client;
+    struct https_answer answer;
+    (void)state;
+
+    web_rig_connect(&rig, &client);
+    https_ask(&client, "GET", "/api/v1/people/J%C3%BCrgen%2FM/credential?q=a", WEB_RIG_ORIGIN, NULL,
+              &answer);
+    json_t *json = json_loads(answer.body, 0, NULL);
+    assert_string_equal(json_string_value(json_object_get(json, "part")), "J\xc3\xbcrgen/M");
+    assert_string_equal(json_string_value(json_object_get(json, "q")), "a");
+    json_decref(json);
+    https_answer_free(&answer);
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        web_rig_expect(&client, "GET", others[i], WEB_RIG_ORIGIN, NULL, 404, "no-such-path");
+    }
+    https_close(&client);
+}
+
 static void a_method_that_is_missing_names_those_that_exist(void **state)
 {
     struct https client;
@@ -303,6 +331,7 @@ int main(void)
         TEST(a_role_is_necessary_and_sufficient),
         TEST(one_account_does_not_keep_the_others_waiting),
         TEST(a_handler_learns_the_request),
+        TEST(a_name_may_be_in_the_middle_of_a_path),
         TEST(a_method_that_is_missing_names_those_that_exist),
         TEST(a_body_has_a_limit),
         TEST(a_body_in_chunks_has_the_same_limit),

@@ -15,12 +15,13 @@ import {banner} from './pages/banner.js';
 import {door} from './pages/door.js';
 import {people} from './pages/people.js';
 import {enrol} from './pages/enrol.js';
+import {policy} from './pages/policy.js';
 import {events} from './pages/events.js';
 import {health} from './pages/health.js';
 import {settings} from './pages/settings.js';
 import {accounts} from './pages/accounts.js';
 
-const PAGES = [door, people, enrol, events, health, settings, accounts];
+const PAGES = [door, people, enrol, policy, events, health, settings, accounts];
 const RANKS = ['observer', 'enroller', 'administrator'];
 const PRODUCT = N_('Isotherm');
 

@@ -201,3 +201,64 @@ test('nobody is enrolled without consent, or without its record', async () => {
     await assert.rejects(api.beginEnrolment({ person: 'Bea', consent: true }), { code: 'storage' });
     assert.equal(bus.calls.some(([method]) => method === 'Claim'), false);
 });
+
+test('administrators see cards, others do not ask for them', async () => {
+    const people = [[['Ada', 11, 22, 33, 4], ['Bo', 12, 0, 0, 5]]];
+    const bus = script({ ListPeople: people, ListCredentials: [[['Bo', '{"cards":["17/4711"],"enabled":false}']]] });
+    const api = makeCockpitApi(bus);
+    await api.session();
+    const found = (await api.people()).people.map(({ cards, enabled }) => [cards, enabled]);
+    assert.deepEqual(found, [[[], true], [['17/4711'], false]]);
+    const other = script({ GetAddress: denied, ListPeople: people });
+    const less = makeCockpitApi(other);
+    await less.session();
+    assert.equal((await less.people()).people[1].cards, undefined);
+    assert.ok(!other.calls.some(([method]) => method === 'ListCredentials'));
+});
+
+test('cards and the policy get to the bus, and their errors have the codes of the web server', async () => {
+    const answers = {
+        GetPolicy: ['', 0], SetPolicy: [4, ['a finding']], CheckPolicy: [['a finding']],
+        SetCredential: ['{"cards":[]}'], GetCredential: ['{"pin":true}'],
+        TestAccess: [{ outcome: { t: 's', v: 'deny' }, wanted: { t: 'as', v: [] }, 'access-point': { t: 's', v: 'front' } }]
+    };
+    const bus = script(answers);
+    const api = makeCockpitApi(bus);
+    assert.deepEqual(await api.policy(), { revision: 0, document: null });
+    assert.deepEqual(await api.storePolicy(3, { areas: [] }), { revision: 4, remarks: ['a finding'] });
+    await api.storePolicy(4, null);
+    assert.deepEqual(await api.findings(), ['a finding']);
+    assert.deepEqual(await api.credential('Bo'), { pin: true });
+    assert.deepEqual(await api.changeCredential('Bo', { pin: null }), { cards: [] });
+    assert.deepEqual(await api.testAccess({ person: 'Bo', time: 5, shown: ['face'] }),
+        { outcome: 'deny', wanted: [], access_point: 'front' });
+    assert.deepEqual(bus.calls, [['GetPolicy'], ['SetPolicy', '{"areas":[]}', 3], ['SetPolicy', '', 4], ['CheckPolicy'],
+        ['GetCredential', 'Bo'], ['SetCredential', 'Bo', '{"pin":null}'], ['TestAccess', 'Bo', '', 5, ['face']]]);
+    answers.GetPolicy = ['{"areas":[]}', 7];
+    assert.deepEqual(await api.policy(), { revision: 7, document: { areas: [] } });
+    answers.SetPolicy = refusal('org.isotherm.Error.InvalidArgument');
+    answers.SetCredential = refusal('org.isotherm.Error.NameInUse');
+    answers.TestAccess = refusal('org.isotherm.Error.InvalidArgument');
+    await assert.rejects(api.storePolicy(3, {}), { code: 'invalid-policy', detail: 'refused' });
+    await assert.rejects(api.changeCredential('Bo', {}), { code: 'card-in-use' });
+    await assert.rejects(api.testAccess({ person: 'Bo' }), { code: 'invalid-parameter' });
+    answers.SetPolicy = refusal('org.isotherm.Error.Conflict');
+    await assert.rejects(api.storePolicy(3, {}), { code: 'policy-changed' });
+});
+
+test('what the policy wants is shown until the visit ends', () => {
+    const bus = script({});
+    const seen = [];
+    const api = makeCockpitApi(bus);
+    const stream = api.outline((record) => seen.push([record.verdict, record.reason]), () => {});
+    return settle().then(() => {
+        const view = { capture: { t: 's', v: 'ok' } };
+        bus.emit('View', view);
+        bus.emit('Wanted', 'card');
+        bus.emit('View', view);
+        bus.emit('Visit', 'deny', 'Ada', 0, 0, 1, 1, 'not-enough', '', '');
+        bus.emit('View', view);
+        assert.deepEqual(seen, [['', ''], ['wait', 'card'], ['', '']]);
+        stream.close();
+    });
+});

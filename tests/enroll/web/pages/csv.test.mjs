@@ -87,3 +87,21 @@ test('a file that is no list of people is refused with a word', () => {
         assert.throws(() => planImport(text, people), { message: word });
     }
 });
+
+test('cards are written for those who know them, and read back', () => {
+    const withCards = people.map((person, i) => ({ ...person, enabled: true, cards: i ? [] : ['17/4711', '56:04a2b3c4d5e6f7'] }));
+    const text = peopleToCsv(withCards);
+    assert.ok(text.startsWith('\ufeffname,valid_from,valid_until,enrolled,templates,last_seen,cards\r\n'));
+    assert.ok(text.includes(',17/4711 56:04a2b3c4d5e6f7\r\n'));
+    assert.deepEqual(planImport(text, withCards).map((row) => row.kind), ['unchanged', 'unchanged']);
+    const [first, second] = planImport('name,cards\nada,56:04a2b3c4d5e6f7 17/4711\nStraße,1/2\n', withCards);
+    assert.equal(first.kind, 'unchanged'); /* the order does not matter */
+    assert.deepEqual([second.kind, second.change.cards], ['change', ['1/2']]);
+    const [none] = planImport('name,cards\nAda,\n', withCards);
+    assert.deepEqual([none.kind, none.change.cards], ['change', []]);
+    for (const wrong of ['17-4711', '1/2,3', '123456/1', '56:xyz', '1/1 1/2 1/3 1/4 1/5']) {
+        assert.equal(planImport(`name;cards\nAda;"${wrong}"\n`, withCards)[0].why, 'cards-wrong', wrong);
+    }
+    /* A file with cards does nothing for those who do not know them. */
+    assert.deepEqual(planImport('name,valid_from,cards\nAda,,1/2\n', people).map((row) => row.kind), ['unchanged']);
+});

@@ -8,6 +8,7 @@ import { load, quoted, read, ROOT } from './sources.mjs';
 const words = await load('base/words.js');
 const { EVENTS } = await load('base/words_log.js');
 const { FAULTS } = await load('base/words_faults.js');
+const policy = await load('base/words_policy.js');
 
 const api = JSON.parse(read('enroll/web/api/openapi.json'));
 
@@ -76,6 +77,30 @@ test('hints are those of the screen for visitors', () => {
     }
 });
 
+test('what is wanted besides is said as on the screen for visitors', () => {
+    const source = read('enroll/screen/scene/words.c');
+    const table = source.slice(source.indexOf('wanted[] = {'), source.indexOf('enum {'));
+    const rows = [...table.matchAll(/\{"([a-z]+)", N_\("([^"]*)"\), N_\("([^"]*)"\)/g)];
+    assert.deepEqual(Object.keys(words.WANTED), rows.map(([, word]) => word));
+    assert.deepEqual(Object.keys(words.WANTED_ADVICE), rows.map(([, word]) => word));
+    assert.equal(rows.length, 4);
+    for (const [, word, title, advice] of rows) {
+        assert.equal(words.WANTED[word], title, word);
+        assert.equal(words.WANTED_ADVICE[word], advice, word);
+    }
+});
+
+test('words of the policy', () => {
+    const decide = read('firmware/policy/decide.c');
+    const reasons = [...decide.slice(0, decide.indexOf('};')).matchAll(/\] = "([^"]+)"/g)].map(([, word]) => word);
+    same(policy.REFUSALS, reasons, 11);
+    same(policy.METHODS, api.paths['/policy/test'].get.responses['200'].content['application/json'].schema.properties.wanted.items.enum, 3);
+    const header = read('firmware/policy/document/policy_document.h');
+    for (const word of [...Object.keys(policy.STATES), ...Object.keys(policy.ANTIPASSBACK)]) {
+        assert.ok(header.includes(`"${word}"`), word);
+    }
+});
+
 test('a text has the same translation on the screen and in the pages', () => {
     const read_catalogue = (path) => new Map([...read(path).matchAll(/^msgid "(.+)"\nmsgstr "(.*)"$/gm)]
         .map((match) => [match[1], match[2]]));
@@ -108,4 +133,21 @@ test('no page has markup from a text, an inline script or style, or another serv
             /(?<!xmlns="|SVG = ')https?:\/\//.exec(text);
         assert.equal(found, null, `${name}: ${found?.[0]}`);
     }
+});
+
+test('a module imports only what the other one exports', () => {
+    const folder = new URL('enroll/web/pages/js/', ROOT);
+    let imports = 0;
+    for (const name of readdirSync(folder, { recursive: true }).filter((one) => one.endsWith('.js'))) {
+        const file = new URL(name, folder);
+        for (const [, names, from] of readFileSync(file, 'utf8').matchAll(/^import \{([^}]*)\} from '([^']+)';$/gm)) {
+            const source = readFileSync(new URL(from, file), 'utf8');
+            for (const one of names.split(',').map((text) => text.trim()).filter(Boolean)) {
+                const exported = new RegExp(`^export (async )?(function|const|class|let) ${one.replace('$', '\\$')}\\b`, 'm');
+                assert.match(source, exported, `${name} imports ${one} from ${from}`);
+                imports += 1;
+            }
+        }
+    }
+    assert.ok(imports > 150, `${imports} imports were found`);
 });

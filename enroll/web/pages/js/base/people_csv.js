@@ -6,18 +6,25 @@ import {nameKey} from './fold.js';
 
 export const COLUMNS = ['name', 'valid_from', 'valid_until', 'enrolled', 'templates', 'last_seen'];
 
+/* The column of cards, which only administrators know: separated by blanks. */
+const CARDS = 'cards';
+const CARD = /^\d{1,5}\/\d{1,5}$|^\d{1,2}:[0-9a-f]{1,16}$/i;
+const CARDS_MOST = 4;
+
 const LAST_S = 253402300799; /* the end of the year 9999 */
 
 function time(seconds) { return seconds ? new Date(seconds * 1000).toISOString().replace('.000Z', 'Z') : ''; }
 
 /* The people as CSV; times are RFC 3339 in UTC, an empty one means no limit, or never. */
 export function peopleToCsv(people) {
+    const withCards = people.some((person) => person.cards);
+    const cards = (person) => (withCards ? [(person.cards ?? []).join(' ')] : []);
     return writeCsv([
-        COLUMNS,
+        withCards ? [...COLUMNS, CARDS] : COLUMNS,
         ...people.map(
             (person) =>
                 [person.name, time(person.valid_from_s), time(person.valid_until_s), time(person.enrolled_s),
-                 person.templates, time(person.last_seen_s)])
+                 person.templates, time(person.last_seen_s), ...cards(person)])
     ]);
 }
 
@@ -48,6 +55,12 @@ export function readTime(text) {
     }
     const seconds = Math.floor(ms / 1000);
     return seconds > 0 && seconds <= LAST_S ? seconds : NaN;
+}
+
+/* The cards of a cell; null for what are none. */
+function readCards(text) {
+    const cards = [...new Set(text.split(/\s+/).filter(Boolean))];
+    return cards.length <= CARDS_MOST && cards.every((card) => CARD.test(card)) ? cards : null;
 }
 
 /* What one row would change: {name, kind, why, change}. kind: "change", "unchanged", "missing" (the
@@ -81,7 +94,16 @@ function planRow(row, at, known, seen) {
     if (change.valid_from_s && change.valid_until_s && change.valid_from_s >= change.valid_until_s) {
         return invalid('limits-reversed');
     }
-    const same = change.valid_from_s === person.valid_from_s && change.valid_until_s === person.valid_until_s;
+    const text = person.cards ? cell(CARDS) : null;
+    const cards = text === null ? null : readCards(text);
+    if (text !== null && !cards) {
+        return invalid('cards-wrong');
+    }
+    if (cards && cards.toSorted().join() !== person.cards.toSorted().join()) {
+        change.cards = cards;
+    }
+    const same =
+        change.valid_from_s === person.valid_from_s && change.valid_until_s === person.valid_until_s && !change.cards;
     return same ? { name: person.name, kind: 'unchanged', person } :
                   { name: person.name, kind: 'change', person, change };
 }
@@ -96,11 +118,11 @@ export function planImport(text, people) {
         throw new SyntaxError('not-csv');
     }
     const heads = (rows[0] ?? []).map((head) => head.trim().toLowerCase());
-    const at = Object.fromEntries(COLUMNS.map((column) => [column, heads.indexOf(column)]));
+    const at = Object.fromEntries([...COLUMNS, CARDS].map((column) => [column, heads.indexOf(column)]));
     if (at.name < 0) {
         throw new SyntaxError('no-name-column');
     }
-    if (at.valid_from < 0 && at.valid_until < 0) {
+    if (at.valid_from < 0 && at.valid_until < 0 && at.cards < 0) {
         throw new SyntaxError('no-limit-columns');
     }
     const known = new Map(people.map((person) => [nameKey(person.name), person]));

@@ -68,6 +68,22 @@ export const REASONS = {
     'no-policy': N_('The policy could not be used'),
 };
 
+/* What the policy wants besides of the person at the door, and what this person does for it: the
+ * texts of the screen for visitors. */
+export const WANTED = {
+    face: N_('Look at the camera'),
+    card: N_('Show your card'),
+    pin: N_('Type your PIN'),
+    person: N_('Two people are needed'),
+};
+
+export const WANTED_ADVICE = {
+    face: N_('Your face is needed, too'),
+    card: N_('Hold it to the reader'),
+    pin: N_('End it with the # key'),
+    person: N_('The second one looks at the camera now'),
+};
+
 /* What an attack looked like: the cues of isotherm/capture.h, for the people who run the door. */
 export const CUES = {
     flat: N_('a flat picture'),
@@ -192,11 +208,12 @@ export const FINDINGS = {
 export const IMPORT_FLAWS = {
     'not-csv': N_('This is no CSV file: a quotation mark is missing.'),
     'no-name-column': N_('The file has no column "name".'),
-    'no-limit-columns': N_('The file has neither a column "valid_from" nor "valid_until".'),
+    'no-limit-columns': N_('The file has none of the columns "valid_from", "valid_until" and "cards".'),
     'name-missing': N_('the name is missing'),
     'name-twice': N_('the name is there twice'),
     'valid-from-wrong': N_('valid_from is no time'),
     'valid-until-wrong': N_('valid_until is no time'),
+    'cards-wrong': N_('cards are separated by blanks and written as 17/4711 or 56:04a2b3c4d5e6f7, at most 4'),
     'limits-reversed': N_('valid_until is not after valid_from'),
 };
 

@@ -12,6 +12,8 @@ import {
     REASONS,
     SENSOR_STATES,
     VERDICTS,
+    WANTED,
+    WANTED_ADVICE,
     word
 } from '../base/words.js';
 import {faultText} from '../transport/fault.js';
@@ -36,6 +38,11 @@ function live(api) {
     const draw = (record) => {
         last = performance.now();
         view.draw(record);
+        if (record.verdict === 'wait') {
+            hold(word(WANTED, record.reason), true);
+            say(distance, word(WANTED_ADVICE, record.reason));
+            return;
+        }
         /* Without a face "ok" means that there is nothing to say. */
         const nobody = record.hint === 'nobody' || (!record.distanceMm && (record.hint === 'ok' || record.hint === ''));
         hold(nobody ? _('Nobody is there') : word(HINTS, record.hint), empty && !nobody);

@@ -171,7 +171,7 @@ function make({ api, hub }) {
                       _('Download CSV')),
                   verifyButton(api)),
                 fault,
-                h('div', { class: 'panel scroll' },
+                h('div', { class: 'panel scroll', tabindex: 0, role: 'region', 'aria-label': _('Events') },
                   stack(h(
                       'table', { class: 'log' }, h('caption', { class: 'unseen' }, _('Events')), recordHeads(), body))),
                 status, h('div', { class: 'buttons start' }, older)),

@@ -6,6 +6,7 @@ import {dateTime, limit, number} from '../base/format.js';
 import {fold, matcher} from '../base/fold.js';
 import {peopleToCsv} from '../base/people_csv.js';
 import {faultText} from '../transport/fault.js';
+import {badge} from '../view/badge.js';
 import {datedName, download} from '../view/download.js';
 import {choice, input} from '../view/fields.js';
 import {virtualTable} from '../view/rows.js';
@@ -49,27 +50,40 @@ function makeRow(person, open) {
         'tr', { class: state === 'now' ? '' : 'resting' },
         h('th', { scope: 'row' },
           h('button', { type: 'button', class: 'link', onclick: () => open(person) }, h('bdi', {}, person.name)),
-          h('span', { class: 'narrow' }, SHORT[state](person))),
+          h('span', { class: 'narrow' }, SHORT[state](person), person.enabled === false && [' · ', _('suspended')])),
         h('td', {}, limit(person.valid_from_s)),
         h('td', {}, limit(person.valid_until_s),
           state === 'ended' && h('span', { class: 'sign', title: _('ended') }, ' ⏱')),
         h('td', { class: 'number' }, person.templates), h('td', {}, dateTime(person.enrolled_s * 1000)),
-        h('td', {}, person.last_seen_s ? dateTime(person.last_seen_s * 1000) : '–'));
+        h('td', {}, person.last_seen_s ? dateTime(person.last_seen_s * 1000) : '–'),
+        person.cards &&
+            h('td', { title: person.cards.join(' ') || false }, h('bdi', {}, person.cards.join(' ') || '–'),
+              !person.enabled && [' ', badge('bad', _('suspended'))]));
 }
 
-function heads() {
-    return [_('Name'), _('Valid from'), _('Valid until'), _('Templates'), _('Enrolled'), _('Last seen')].map(
-        (text, i) => h('th', { scope: 'col', class: i === 3 ? 'number' : '' }, text));
+/* Only administrators see cards. */
+function heads(withCards) {
+    return [
+        _('Name'), _('Valid from'), _('Valid until'), _('Templates'), _('Enrolled'), _('Last seen'),
+        ...(withCards ? [_('Cards')] : [])
+    ]
+        .map(
+            (text, i) =>
+                h('th', { scope: 'col',
+                          class: i === 3           ? 'number' :
+                              i === 0 && withCards ? 'short' :
+                                                     '' },
+                  text));
 }
 
 function make(context) {
     const { api, may } = context;
     const state = { all: [], shown: [], order: 'name', query: '' };
-    const table =
-        virtualTable(_('People'), heads(), (person) => makeRow(person, (one) => openPerson(context, one, load)));
+    const table = virtualTable(
+        _('People'), heads(may('administrator')), (person) => makeRow(person, (one) => openPerson(context, one, load)));
     const count = h('p', { class: 'quiet', role: 'status' }, _('Loading…'));
-    const search = input(
-        { type: 'search', placeholder: _('Search by name'), 'aria-label': _('Search by name'), spellcheck: 'false' });
+    const what = may('administrator') ? _('Search by name or card') : _('Search by name');
+    const search = input({ type: 'search', placeholder: what, 'aria-label': what, spellcheck: 'false' });
     const order =
         choice(Object.entries(ORDERS).map(([key, text]) => [key, _(text)]), 'name', { 'aria-label': _('Sort by') });
     const remark = h('p', { class: 'fault', role: 'alert' });
@@ -93,7 +107,8 @@ function make(context) {
     async function load() {
         try {
             const { people = [], log_read } = await api.people();
-            state.all = people.map((person) => ({...person, folded: fold(person.name) }));
+            state.all =
+                people.map((person) => ({...person, folded: fold([person.name, ...(person.cards ?? [])].join(' ')) }));
             fill(remark, log_read === false ? _('The log is still being read: "Last seen" may be missing.') : '');
             sort();
         } catch (error) {

@@ -8,35 +8,28 @@ import {IMPORT_FLAWS, word} from '../base/words.js';
 import {faultText} from '../transport/fault.js';
 import {badge} from '../view/badge.js';
 import {openDialog} from '../view/dialog.js';
+import {chooseFile} from '../view/file.js';
 
 const MOST_BYTES = 16 << 20;
 const ROWS_MOST = 500; /* shown; all are counted */
 
 function kinds() {
     return {
-        change: ['odd', _('limits change')],
+        change: ['odd', _('changes')],
         unchanged: ['plain', _('unchanged')],
         missing: ['plain', _('not enrolled here')],
         invalid: ['bad', _('invalid')],
     };
 }
 
-/* The file that the user chooses, or undefined. */
-function chooseFile() {
-    return new Promise((resolve) => {
-        const file = h('input', { type: 'file', accept: '.csv,text/csv', hidden: true });
-        file.addEventListener('change', () => resolve(file.files[0]));
-        file.addEventListener('cancel', () => resolve(undefined));
-        document.body.append(file);
-        file.click();
-        file.remove();
-    });
-}
-
 function changeText({ person, change }) {
-    return [['valid_from_s', _('Valid from')], ['valid_until_s', _('Valid until')]]
-        .filter(([key]) => change[key] !== person[key])
-        .map(([key, name]) => h('div', {}, name, ': ', limit(person[key]), ' → ', limit(change[key])));
+    const cards = (list) => h('bdi', {}, list.join(' ') || '–');
+    return [
+        ...[['valid_from_s', _('Valid from')], ['valid_until_s', _('Valid until')]]
+            .filter(([key]) => change[key] !== person[key])
+            .map(([key, name]) => h('div', {}, name, ': ', limit(person[key]), ' → ', limit(change[key]))),
+        change.cards && h('div', {}, _('Cards'), ': ', cards(person.cards), ' → ', cards(change.cards)),
+    ];
 }
 
 function planTable(plan) {
@@ -59,18 +52,28 @@ function planTable(plan) {
                                                  row.kind === 'change' && changeText(row)))))));
 }
 
+async function applyOne(api, { name, person, change }) {
+    const { cards, ...times } = change;
+    if (times.valid_from_s !== person.valid_from_s || times.valid_until_s !== person.valid_until_s) {
+        await api.changePerson(name, {...times, ...(times.valid_until_s ? { expired: true } : {}) });
+    }
+    if (cards) {
+        await api.changeCredential(name, { cards });
+    }
+}
+
 /* Changes one person after the other; a failure stops nobody else. */
 async function apply(api, changes, progress, stopped) {
     const failed = [];
     let done = 0;
-    for (const { name, change } of changes) {
+    for (const row of changes) {
         if (stopped()) {
             break;
         }
         try {
-            await api.changePerson(name, {...change, ...(change.valid_until_s ? { expired: true } : {}) });
+            await applyOne(api, row);
         } catch (error) {
-            failed.push([name, faultText(error)]);
+            failed.push([row.name, faultText(error)]);
             if (['login-required', 'no-connection', 'no-daemon', 'not-allowed'].includes(error.code)) {
                 break; /* the others would fail, too */
             }
@@ -130,7 +133,7 @@ function work(api, plan, close, after) {
 
 /* Asks for a file and imports it; after() is called when people were changed. */
 export async function importPeople(api, people, after) {
-    const file = await chooseFile();
+    const file = await chooseFile('.csv,text/csv');
     if (!file) {
         return;
     }
@@ -152,7 +155,7 @@ export async function importPeople(api, people, after) {
         const counts = Object.keys(texts).map((kind) => [kind, plan.filter((row) => row.kind === kind).length]);
         return [
             h('p', {},
-              _('An import changes only the limits of people who are enrolled here. It enrols and removes nobody.')),
+              _('An import changes only the limits and cards of people who are enrolled here. It enrols and removes nobody.')),
             h('ul', { class: 'counts' },
               counts.map(([kind, n]) => h('li', {}, badge(...texts[kind]), ` ${number(n)}`))),
             planTable(plan),

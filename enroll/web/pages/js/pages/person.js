@@ -3,9 +3,11 @@
 import {_, _f} from '../base/i18n.js';
 import {h} from '../base/dom.js';
 import {dateTime, limit} from '../base/format.js';
+import {badge} from '../view/badge.js';
 import {checkbox, field, input, limits} from '../view/fields.js';
 import {confirm, form, openDialog} from '../view/dialog.js';
 import {notice, noticeFault} from '../view/notice.js';
+import {openCredential} from './credential.js';
 
 function facts(person, withLimits) {
     const row = (name, value) => [h('dt', {}, name), h('dd', {}, value)];
@@ -14,7 +16,9 @@ function facts(person, withLimits) {
         withLimits &&
             [row(_('Valid from'), limit(person.valid_from_s)), row(_('Valid until'), limit(person.valid_until_s))],
         row(_('Templates'), person.templates), row(_('Enrolled'), dateTime(person.enrolled_s * 1000)),
-        row(_('Last seen'), person.last_seen_s ? dateTime(person.last_seen_s * 1000) : '–'));
+        row(_('Last seen'), person.last_seen_s ? dateTime(person.last_seen_s * 1000) : '–'),
+        person.cards && row(_('Cards'), h('bdi', {}, person.cards.join(' ') || '–')),
+        person.enabled === false && row(_('Access'), badge('bad', _('suspended'))));
 }
 
 function editor({ api }, person, close) {
@@ -51,6 +55,7 @@ function editor({ api }, person, close) {
           h('a',
             { class: 'button plain', href: `#enrol?name=${encodeURIComponent(person.name)}`, onclick: () => close() },
             _('Enrol again')),
+          h('button', { type: 'button', class: 'plain', onclick: () => close('credential') }, _('Cards and access…')),
           h('button', { type: 'button', class: 'danger', onclick: () => close('remove') }, _('Remove…'))),
     ];
 }
@@ -80,6 +85,9 @@ export async function openPerson(context, person, changed) {
                  h('div', { class: 'buttons' }, h('button', { type: 'button', onclick: () => close() }, _('Close')))]);
     try {
         if (result === 'saved') {
+            notice(_('Saved.'));
+            changed();
+        } else if (result === 'credential' && await openCredential(context, person)) {
             notice(_('Saved.'));
             changed();
         } else if (result === 'remove' && await remove(context, person)) {

@@ -53,5 +53,6 @@ export function recordRow(record) {
         'tr', {}, h('td', { class: 'number' }, sequence),
         h('td', { class: 'whole' }, h('time', { datetime: record.time }, time)), h('td', {}, event),
         h('td', {}, person && h('bdi', {}, person)),
-        h('td', {}, record.verdict && badge(record.verdict === 'allow' ? 'good' : 'bad', verdict)), h('td', {}, more));
+        h('td', {}, record.verdict && badge(record.verdict === 'allow' ? 'good' : 'bad', verdict)),
+        h('td', { class: 'details' }, more));
 }

@@ -3,6 +3,7 @@
  * no accounts. Streams of descriptors do not get through Cockpit: instead of the outline there are
  * the words of the signal View. */
 
+import {accessCalls} from './cockpit_access.js';
 import {CockpitEnrolment} from './cockpit_enrolment.js';
 import {DoorBus} from './door_bus.js';
 import {Fault} from './fault.js';
@@ -56,6 +57,7 @@ async function findRole(bus) {
 export function makeCockpitApi(cockpit) {
     const bus = new DoorBus(cockpit);
     const enrolment = new CockpitEnrolment(bus);
+    const access = accessCalls(bus);
     let role = 'observer';
     let account = '';
     let ask = () => {}; /* asks for the state at once, while a page listens */
@@ -102,15 +104,21 @@ export function makeCockpitApi(cockpit) {
         };
     }
 
-    /* Words of what the camera sees, in the form of an outline without points. */
+    /* Words of what the camera sees, in the form of an outline without points. What the policy wants
+     * besides is wanted until the visit has ended. */
     function outline(onRecord, onState) {
+        let wanted = '';
         const subscription = bus.subscribe((name, [view] = []) => {
+            if (name === 'Wanted' || name === 'Visit') {
+                wanted = name === 'Wanted' ? view : '';
+            }
             if (name === 'View') {
                 const seen = bus.plain(view);
                 onRecord({
                     hint: seen.capture ?? '',
                     distanceMm: seen['distance-mm'] ?? 0,
-                    verdict: '',
+                    verdict: wanted ? 'wait' : '',
+                    reason: wanted,
                     outline: [],
                     silhouette: new Uint8Array(600)
                 });
@@ -123,6 +131,17 @@ export function makeCockpitApi(cockpit) {
                 bus.call('AimStop', []).catch(() => {});
             },
         };
+    }
+
+    /* Only administrators see cards. */
+    async function people() {
+        const cards = role === 'administrator' ? await access.cards() : null;
+        const withCards = (person) => {
+            const { cards: own = [], enabled = true } = cards.get(person.name) ?? {};
+            return {...person, cards: own, enabled };
+        };
+        const list = (await bus.call('ListPeople', []))[0].map(toPerson);
+        return { people: cards ? list.map(withCards) : list, log_read: true };
     }
 
     async function changePerson(name, change) {
@@ -213,7 +232,8 @@ export function makeCockpitApi(cockpit) {
         resetSetting: (section, key) => changeSetting('ResetSetting', [section, key], 'ss'),
         setLockdown: (on) => change('SetLockdown', [on], 'b'),
         clearLockout: () => change('ClearLockout', []),
-        people: async () => ({ people: (await bus.call('ListPeople', []))[0].map(toPerson), log_read: true }),
+        people,
+        ...access,
         changePerson,
         removePerson: (name) => bus.call('DeletePerson', [name], 's'),
         enrolment: async () => enrolment.state,

@@ -20,6 +20,8 @@ const CODES = {
     'org.isotherm.Error.InvalidName': 'invalid-name',
     'org.isotherm.Error.NameInUse': 'name-in-use',
     'org.isotherm.Error.InvalidArgument': 'invalid-limits',
+    'org.isotherm.Error.Conflict': 'policy-changed',
+    'org.isotherm.Error.TooManyCalls': 'daemon-busy',
     'org.isotherm.Error.GalleryFull': 'gallery-full',
     'org.isotherm.Error.LockedOut': 'locked-out',
     'org.isotherm.Error.Storage': 'storage',

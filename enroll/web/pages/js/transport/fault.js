@@ -13,7 +13,7 @@ export class Fault extends Error {
 }
 
 /* Codes whose sentence of the server says more than the table does. */
-const SPECIFIC = /^invalid-(account|limits|name|password|setting)$|^(internal|storage)$/;
+const SPECIFIC = /^invalid-(account|credential|limits|name|password|policy|setting)$|^(card-in-use|internal|storage)$/;
 
 /* The sentence for people. */
 export function faultText(fault) {

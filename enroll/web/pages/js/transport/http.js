@@ -157,6 +157,14 @@ export const http = {
     people: () => ask('GET', '/people'),
     changePerson: (name, change) => ask('PATCH', `/people/${part(name)}`, change),
     removePerson: (name) => ask('DELETE', `/people/${part(name)}`),
+    credential: (name) => ask('GET', `/people/${part(name)}/credential`),
+    changeCredential: (name, patch) => ask('PATCH', `/people/${part(name)}/credential`, patch),
+
+    policy: () => ask('GET', '/policy'),
+    storePolicy: (revision, document) => ask('PUT', '/policy', {revision, document}),
+    findings: async () => (await ask('GET', '/policy/findings')).findings,
+    testAccess: ({person, access_point = '', time, shown = []}) =>
+        ask('GET', `/policy/test?${new URLSearchParams({person, access_point, time, shown: shown.join()})}`),
 
     enrolment: () => ask('GET', '/enrolment'),
     beginEnrolment: (wish) => ask('POST', '/enrolment', wish),
