@@ -40,11 +40,6 @@ int iso__appliance_load_policy(struct iso_appliance *appliance)
     return error;
 }
 
-void iso__appliance_end_wait(struct iso_appliance *appliance)
-{
-    iso_factor_wait_end(&appliance->access.wait);
-}
-
 int64_t iso__appliance_only_person(const struct iso_appliance *appliance)
 {
     const struct iso_factor_wait *wait = &appliance->access.wait;
@@ -327,15 +322,24 @@ const char *iso__appliance_reader_state(const struct iso_appliance *appliance)
 
 /* ---- time ---- */
 
+void iso__appliance_end_wait(struct iso_appliance *appliance)
+{
+    struct iso_factor_wait *wait = &appliance->access.wait;
+    if (!iso_factor_wait_is_active(wait)) {
+        return;
+    }
+    struct iso_verdict verdict = verdict_of_factor(appliance);
+    verdict.person = wait->person;
+    verdict.companion = wait->companion;
+    verdict.reason = ISO_REASON_NOT_ENOUGH;
+    iso_factor_wait_end(wait); /* first, because a lock-out that begins now ends the wait, too */
+    iso__appliance_finish_factor(appliance, &verdict);
+}
+
 void iso__appliance_access_time(struct iso_appliance *appliance, int64_t now_ns)
 {
-    const struct iso_factor_wait *wait = &appliance->access.wait;
-    if (iso_factor_wait_is_active(wait) && now_ns >= wait->until_ns) {
-        struct iso_verdict verdict = verdict_of_factor(appliance);
-        verdict.person = wait->person;
-        verdict.reason = ISO_REASON_NOT_ENOUGH;
+    if (now_ns >= iso__appliance_access_due_ns(appliance)) {
         iso__appliance_end_wait(appliance);
-        iso__appliance_finish_factor(appliance, &verdict);
     }
 }
 

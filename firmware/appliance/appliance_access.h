@@ -10,7 +10,7 @@ void iso__appliance_free_access(struct iso_appliance *appliance);
 /* Takes the stored policy into use, and reports one that cannot be used. -ENOMEM. */
 int iso__appliance_load_policy(struct iso_appliance *appliance);
 
-/* Forgets what somebody has shown. */
+/* Ends the wait for more, if there is one: the person is refused, on record. */
 void iso__appliance_end_wait(struct iso_appliance *appliance);
 
 /* Applies the policy to the verdict of a face. Returns false if the person has to show more, and so

@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <syslog.h>
 
-#include "firmware/appliance/administration/administration.h"
 #include "firmware/appliance/appliance_calls.h"
 #include "firmware/config/door_options.h"
 

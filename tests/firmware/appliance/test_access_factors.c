@@ -180,6 +180,31 @@ static void a_card_replaces_a_camera_at_fault(void **state)
     access_rig_expect(rig_news(rig), "anna credential");
 }
 
+/* A wait ends on record whatever ends it: a camera that is lost, a client, a lockdown. */
+static void a_wait_that_is_cut_short_is_on_record(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(
+        rig, access_rig_always("\"recognition_groups\": [[\"face\", \"card\"]]", false, ""));
+    access_rig_set_credential(rig, "anna", "{\"cards\": [\"17/4711\"]}");
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_expect(rig_news(rig), "wanted card");
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+    access_rig_expect(rig_news(rig), "visit deny anna not-enough");
+    iso_appliance_release(rig->appliance);
+    rig_run(rig, 20000);
+    (void)rig_news(rig);
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_expect(rig_news(rig), "wanted card");
+    assert_int_equal(iso_appliance_lockdown(rig->appliance, true, NULL), 0);
+    access_rig_expect(rig_news(rig), "visit deny lockdown");
+    assert_int_equal(iso_appliance_lockdown(rig->appliance, false, NULL), 0);
+    access_rig_show_card(rig, "17/4711"); /* begins anew */
+    access_rig_expect(rig_news(rig), "wanted face");
+    assert_int_equal(iso_appliance_remove(rig->appliance, "anna", NULL), 0);
+    assert_false(rig_relay(rig));
+}
+
 /* ---- the reader ---- */
 
 /* A reader of a test: the events that it still has, and its fault. */
@@ -248,6 +273,7 @@ int main(void)
         TEST(guessing_a_pin_locks_the_door),
         TEST(two_people_come_together),
         TEST(a_card_replaces_a_camera_at_fault),
+        TEST(a_wait_that_is_cut_short_is_on_record),
         TEST(a_reader_brings_cards_and_keys),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
