@@ -4,7 +4,7 @@
 
 #include "drivers/door/wiegand.h"
 
-enum { KEY_BITS = 4, KEY_BYTE_BITS = 8 };
+enum { KEY_BITS = 4, KEY_BYTE_BITS = 8, CARD_BITS_MIN = 26 };
 
 void iso_wiegand_frame_pulse(struct iso_wiegand_frame *frame, bool one, int64_t t_ns)
 {
@@ -52,7 +52,8 @@ static struct iso_reader_event event_of(uint64_t code, int bits)
         return key_of(code, bits);
     }
     const bool has_parity = bits == 26 || bits == 34;
-    if (bits < KEY_BITS || (has_parity && iso_wiegand_decode(bits, code, &card))) {
+    if (bits < CARD_BITS_MIN || bits == 33 ||
+        (has_parity && iso_wiegand_decode(bits, code, &card))) {
         return (struct iso_reader_event){.kind = ISO_READER_DAMAGED};
     }
     return (struct iso_reader_event){.kind = ISO_READER_CARD, .bits = (uint8_t)bits, .code = code};
@@ -72,6 +73,7 @@ struct iso_reader_event iso_wiegand_frame_time(struct iso_wiegand_frame *frame, 
         }
         event = event_of(code, frame->n);
     }
+    event.t_ns = frame->latest_ns;
     *frame = (struct iso_wiegand_frame){.n = 0};
     return event;
 }

@@ -1,13 +1,15 @@
-/* From the pulses of a Wiegand reader to cards and keys. Pure: time is an argument.
+/* From the pulses of a Wiegand reader to cards and keys. Pure: time is an argument. */
+/* clang-format off */
+/*   pulses on D0 (0) and D1 (1) --25 ms without a pulse--> a frame of n bits
  *
- *   pulses on D0 (0) and D1 (1) --25 ms without a pulse--> a frame of n bits
  *        26 or 34 bits, right parity     a card: facility and number (drivers/door/wiegand.h)
  *        4 bits                          a key: 0 to 9, 10 is '*', 11 is '#'
- *        8 bits                          a key: the same in the low half, its complement in the
- * high 5 to 64 other bits              a card: the code as it is otherwise damaged: noise, lost
- * pulses, a wrong parity
- *
- * Readers send a pulse every 0.2 to 20 ms. The two lines are read one after the other, so that the
+ *        8 bits                          a key: the same in the low half, its complement in the high
+ *        27 to 64 other bits             a card: the code as it is
+ *        otherwise                       damaged: noise, lost pulses, a wrong parity. 33 bits are a
+ *                                        card of 34 that has lost one */
+/* clang-format on */
+/* Readers send a pulse every 0.2 to 20 ms. The two lines are read one after the other, so that the
  * pulses come out of order; their times put them right. */
 #ifndef ISO_DRIVERS_READER_WIEGAND_FRAME_H
 #define ISO_DRIVERS_READER_WIEGAND_FRAME_H
@@ -31,6 +33,7 @@ struct iso_reader_event {
     uint8_t bits;  /* CARD: 1 to 64 */
     uint64_t code; /* CARD: its first bit is the most significant of `bits` */
     char key;      /* KEY: '0' to '9', '*', '#' */
+    int64_t t_ns;  /* of its last pulse or byte, by CLOCK_MONOTONIC */
 };
 
 /* All zero: no pulse yet. */

@@ -18,6 +18,7 @@ static void begin(struct iso_factor_wait *wait, int64_t person, enum iso_recogni
     wait->person = person;
     wait->shown.matched = (uint8_t)method;
     wait->by_card = method == ISO_RECOGNITION_CARD;
+    wait->changed = true;
 }
 
 /* What the last person who came has shown. */
@@ -40,16 +41,33 @@ static bool take_companion(struct iso_factor_wait *wait, int64_t person,
     if (wait->companion != 0 && wait->companion != person) {
         return false;
     }
+    if (wait->companion != person) {
+        forget_keys(wait);
+    }
+    wait->changed |= !(wait->companion_shown.matched & method);
     wait->companion = person;
     wait->companion_shown.matched |= (uint8_t)method;
-    forget_keys(wait);
     return true;
+}
+
+/* The first person has shown this, too. */
+static void add(struct iso_factor_wait *wait, enum iso_recognition method)
+{
+    wait->changed |= !(wait->shown.matched & method);
+    wait->shown.matched |= (uint8_t)method;
+}
+
+bool iso_factor_wait_begins_anew(const struct iso_factor_wait *wait, int64_t person)
+{
+    const bool second = wait->companion_wanted &&
+                        (wait->companion == 0 || wait->companion == person);
+    return wait->person != 0 && wait->person != person && !second && !wait->by_card;
 }
 
 void iso_factor_wait_face(struct iso_factor_wait *wait, int64_t person)
 {
     if (wait->person == person) {
-        wait->shown.matched |= ISO_RECOGNITION_FACE;
+        add(wait, ISO_RECOGNITION_FACE);
     } else if (wait->person != 0 && wait->companion_wanted &&
                take_companion(wait, person, ISO_RECOGNITION_FACE)) {
         return;
@@ -65,7 +83,7 @@ void iso_factor_wait_card(struct iso_factor_wait *wait, int64_t holder)
     if (wait->person == 0) {
         begin(wait, holder, ISO_RECOGNITION_CARD);
     } else if (wait->person == holder) {
-        wait->shown.matched |= ISO_RECOGNITION_CARD;
+        add(wait, ISO_RECOGNITION_CARD);
     } else if (!wait->companion_wanted || !take_companion(wait, holder, ISO_RECOGNITION_CARD)) {
         last_shown(wait)->differed |= ISO_RECOGNITION_CARD;
     }
@@ -87,6 +105,7 @@ bool iso_factor_wait_key(struct iso_factor_wait *wait, char key)
         const bool enough = wait->n_keys >= ISO_PIN_DIGITS_MIN;
         if (enough) {
             last_shown(wait)->pin = wait->keys;
+            wait->changed = true;
         }
         forget_keys(wait);
         return enough;
@@ -109,5 +128,6 @@ void iso_factor_wait_answer(struct iso_factor_wait *wait, const struct iso_acces
     }
     wait->wanted = answer->wanted;
     wait->companion_wanted = answer->companion_wanted || answer->of_companion;
-    wait->until_ns = now_ns + wait_ns;
+    wait->until_ns = wait->changed ? now_ns + wait_ns : wait->until_ns;
+    wait->changed = false;
 }

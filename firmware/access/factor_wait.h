@@ -8,6 +8,7 @@
  *            a card of somebody else              -> WAITING, "differed": the policy refuses
  *            another face after a card            -> WAITING, "differed": the policy refuses
  *            another face after a face            -> WAITING, begun anew: the first has left
+ *            a face that is refused               -> NOBODY: the first has left
  *            the policy allows or refuses         -> NOBODY
  *            `wait_ns` without anything new       -> NOBODY
  *
@@ -30,12 +31,16 @@ struct iso_factor_wait {
     bool companion_wanted; /* the last answer wanted a second person */
     uint8_t wanted;        /* enum iso_recognition: what the last answer wanted */
     int64_t until_ns;      /* the end of the wait */
+    bool changed;          /* something new was shown since the last answer */
     uint32_t keys;         /* a 1 before the digits that were typed so far; 0: none */
     int n_keys;
 };
 
 /* Whether somebody is waited for. */
 bool iso_factor_wait_is_active(const struct iso_factor_wait *wait);
+
+/* Whether a face of this person would begin anew although somebody else is waited for. */
+bool iso_factor_wait_begins_anew(const struct iso_factor_wait *wait, int64_t person);
 
 /* A face was recognised as this person's; or somebody showed a card of this person. */
 void iso_factor_wait_face(struct iso_factor_wait *wait, int64_t person);

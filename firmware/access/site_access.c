@@ -76,6 +76,13 @@ int iso_site_access_load(struct iso_site_access *access, const struct iso_galler
     struct iso_fault why = {.text = ""};
     uint16_t point = ISO_INDEX_NONE;
     const uint8_t *bytes = iso_gallery_access(gallery, 0, &size);
+    if (iso_gallery_state(gallery, &why)) {
+        /* It is not known whether there is a policy. */
+        access->has_policy = true;
+        access->fault = why;
+        adopt(access, NULL, 0, point);
+        return 0;
+    }
     if (!bytes) {
         access->has_policy = false;
         access->fault = why;
@@ -84,7 +91,7 @@ int iso_site_access_load(struct iso_site_access *access, const struct iso_galler
     }
     int error = size < HEAD_BYTES || bytes[0] != FORMAT
                     ? iso_fault_set(&why, -EPROTONOSUPPORT,
-                                    "the policy was stored by a newer version")
+                                    "the stored policy is of a newer version, or damaged")
                     : iso_policy_document_read((const char *)bytes + HEAD_BYTES, size - HEAD_BYTES,
                                                access->options.zones, &document, &why);
     if (!error) {

@@ -182,8 +182,8 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     iso__appliance_counter_time(appliance, now_ns);
     iso__appliance_action_deadline(appliance, now_ns);
     iso__appliance_picture_time(appliance, now_ns);
-    iso__appliance_read_cards(appliance);
     iso__appliance_access_time(appliance, now_ns);
+    iso__appliance_read_cards(appliance);
     return next_step_ns(appliance, now_ns);
 }
 

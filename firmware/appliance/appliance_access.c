@@ -71,9 +71,9 @@ bool iso__appliance_knows_date(const struct iso_appliance *appliance)
            !iso__appliance_clock_is_behind(appliance);
 }
 
-static struct iso_access ask(const struct iso_appliance *appliance)
+static struct iso_access ask(const struct iso_appliance *appliance,
+                             const struct iso_factor_wait *wait)
 {
-    const struct iso_factor_wait *wait = &appliance->access.wait;
     const struct iso_site_request request = {
         .person = wait->person,
         .shown = wait->shown,
@@ -117,6 +117,22 @@ static void tell_wanted(struct iso_appliance *appliance)
     events->wanted(events->context, iso__appliance_wanted(appliance));
 }
 
+/* Nothing at the door shows that a duress PIN was entered: only the log tells those who read it. It
+ * is told at once, and once for a wait, because nobody knows how the wait ends. */
+static void record_duress(struct iso_appliance *appliance, const struct iso_factor_wait *wait)
+{
+    struct iso_audit_record record = iso_audit_record_of("duress");
+    const bool first = wait->shown.pin != 0;
+    const struct iso_person *person = iso_gallery_find_id(
+        appliance->borrowed.gallery, wait->companion_shown.pin ? wait->companion : wait->person);
+    if (appliance->access.duress || (!first && !wait->companion_shown.pin)) {
+        return;
+    }
+    appliance->access.duress = true;
+    record.person = person ? person->name : NULL;
+    (void)iso__appliance_note(appliance, &record);
+}
+
 /* Makes the verdict of an answer. Returns false if the door waits for more. `before` is what was
  * waited for until now. */
 static bool conclude(struct iso_appliance *appliance, const struct iso_factor_wait *before,
@@ -128,7 +144,6 @@ static bool conclude(struct iso_appliance *appliance, const struct iso_factor_wa
     }
     verdict->person = before->person;
     verdict->companion = before->companion;
-    verdict->duress = answer->duress;
     verdict->passback = answer->passback || answer->companion_passback;
     if (answer->outcome == ISO_ACCESS_ALLOW) {
         verdict->allow = true;
@@ -142,7 +157,8 @@ static bool conclude(struct iso_appliance *appliance, const struct iso_factor_wa
 }
 
 /* While the sensor does not work, a card may replace the face; the PIN of a person who has one is
- * then needed, too. */
+ * then needed, too. The policy is asked again as if the face had been shown, so that all its other
+ * rules hold. */
 static void replace_face(const struct iso_appliance *appliance, struct iso_access *answer)
 {
     const struct iso_factor_wait *wait = &appliance->access.wait;
@@ -154,12 +170,16 @@ static void replace_face(const struct iso_appliance *appliance, struct iso_acces
     }
     struct iso_credential_record record = iso_site_access_credential(appliance->borrowed.gallery,
                                                                      wait->person);
-    if (record.pin && !wait->shown.pin) {
-        answer->wanted = ISO_RECOGNITION_PIN;
-    } else {
-        answer->outcome = ISO_ACCESS_ALLOW;
-    }
+    const bool lacks_pin = record.pin && !wait->shown.pin;
     iso_credential_record_wipe(&record);
+    if (lacks_pin) {
+        answer->wanted = ISO_RECOGNITION_PIN;
+        return;
+    }
+    struct iso_factor_wait as_if = *wait;
+    as_if.shown.matched |= ISO_RECOGNITION_FACE;
+    *answer = ask(appliance, &as_if);
+    explicit_bzero(&as_if, sizeof as_if);
 }
 
 /* Asks with all that was shown so far. */
@@ -167,10 +187,16 @@ static bool settle(struct iso_appliance *appliance, struct iso_verdict *verdict)
 {
     struct iso_factor_wait *wait = &appliance->access.wait;
     struct iso_factor_wait before = *wait;
-    struct iso_access answer = ask(appliance);
+    struct iso_access answer = ask(appliance, wait);
     replace_face(appliance, &answer);
     iso_factor_wait_answer(wait, &answer, iso_times_now_ns(&appliance->borrowed.times),
                            appliance->borrowed.config->policy.factor_ms * ISO_NS_PER_MS);
+    if (answer.duress) {
+        record_duress(appliance, &before);
+    }
+    if (!iso_factor_wait_is_active(wait)) {
+        appliance->access.duress = false;
+    }
     const bool decided = conclude(appliance, &before, &answer, verdict);
     explicit_bzero(&before, sizeof before);
     return decided;
@@ -187,13 +213,33 @@ static bool is_open(const struct iso_appliance *appliance)
                .outcome == ISO_ACCESS_ALLOW;
 }
 
+/* A face that is refused is not the person who is waited for: that person has left. The refusal is
+ * the record of both. */
+static void end_with_refusal(struct iso_appliance *appliance, const struct iso_verdict *verdict)
+{
+    if (verdict->reason == ISO_REASON_UNKNOWN || verdict->reason == ISO_REASON_ATTACK ||
+        verdict->reason == ISO_REASON_NOT_VALID) {
+        iso_factor_wait_end(&appliance->access.wait);
+        appliance->access.duress = false;
+    }
+}
+
 bool iso__appliance_ask_policy(struct iso_appliance *appliance, struct iso_verdict *verdict)
 {
+    struct iso_factor_wait *wait = &appliance->access.wait;
+    verdict->threshold = iso__appliance_threshold(appliance);
+    iso__appliance_access_time(appliance, iso_times_now_ns(&appliance->borrowed.times));
     if (verdict->allow) {
-        iso_factor_wait_face(&appliance->access.wait, verdict->person);
-        appliance->access.verdict = *verdict;
+        if (iso_factor_wait_begins_anew(wait, verdict->person)) {
+            iso__appliance_end_wait(appliance);
+        }
+        iso_factor_wait_face(wait, verdict->person);
+        if (wait->person == verdict->person) {
+            appliance->access.verdict = *verdict;
+        }
         return settle(appliance, verdict);
     }
+    end_with_refusal(appliance, verdict);
     if (verdict->reason == ISO_REASON_UNKNOWN && is_open(appliance)) {
         verdict->allow = true;
         verdict->reason = ISO_REASON_OPEN;
@@ -234,6 +280,19 @@ static bool takes_factors(const struct iso_appliance *appliance)
            iso_site_access_has_policy(appliance->access.site);
 }
 
+/* A card that nobody has, while nobody is waited for. It does not count for the lock-out: a card of
+ * another site proves nothing, and noise on the lines can look like one. */
+static void refuse_strange_card(struct iso_appliance *appliance)
+{
+    struct iso_verdict verdict = {.score = NAN, .reason = ISO_REASON_UNKNOWN};
+    if (is_open(appliance)) {
+        verdict.allow = true;
+        verdict.reason = ISO_REASON_OPEN;
+        verdict.since_ns = iso__appliance_now_ns(appliance);
+    }
+    iso__appliance_finish_strange(appliance, &verdict);
+}
+
 void iso_appliance_card(struct iso_appliance *appliance, const struct iso_card_number *card)
 {
     struct iso_factor_wait *wait = &appliance->access.wait;
@@ -246,8 +305,7 @@ void iso_appliance_card(struct iso_appliance *appliance, const struct iso_card_n
     } else if (iso_factor_wait_is_active(wait)) {
         iso_factor_wait_strange_card(wait);
     } else {
-        struct iso_verdict verdict = {.score = NAN, .reason = ISO_REASON_UNKNOWN};
-        iso__appliance_finish_factor(appliance, &verdict);
+        refuse_strange_card(appliance);
     }
     take_factor(appliance);
 }
@@ -257,67 +315,6 @@ void iso_appliance_key(struct iso_appliance *appliance, char key)
     if (takes_factors(appliance) && iso_factor_wait_key(&appliance->access.wait, key)) {
         take_factor(appliance);
     }
-}
-
-/* ---- the card reader ---- */
-
-int iso_appliance_reader_fd(const struct iso_appliance *appliance)
-{
-    const struct iso_card_source *reader = &appliance->borrowed.reader;
-    return reader->take ? reader->fd(reader->context) : -1;
-}
-
-/* A card of 26 or 34 bits is known by facility and number, in whatever format a reader sends it. */
-static struct iso_card_number number_of(const struct iso_reader_event *event)
-{
-    struct iso_wiegand_card card;
-    if (iso_wiegand_decode(event->bits, event->code, &card) == 0) {
-        return (struct iso_card_number){.code = (uint64_t)card.facility << 32 | card.number};
-    }
-    return (struct iso_card_number){.bits = event->bits, .code = event->code};
-}
-
-static void follow_reader_fault(struct iso_appliance *appliance)
-{
-    const struct iso_card_source *reader = &appliance->borrowed.reader;
-    struct iso_fault fault = {.text = ""};
-    reader->fault(reader->context, &fault);
-    if (strcmp(fault.text, appliance->access.reader_fault.text) == 0) {
-        return;
-    }
-    appliance->access.reader_fault = fault;
-    if (*fault.text) {
-        iso__appliance_warn(appliance, &fault);
-    } else {
-        iso__appliance_say(appliance, LOG_NOTICE, "the card reader works again");
-    }
-}
-
-void iso__appliance_read_cards(struct iso_appliance *appliance)
-{
-    const struct iso_card_source *reader = &appliance->borrowed.reader;
-    struct iso_reader_event event;
-    if (!reader->take) {
-        return;
-    }
-    while (reader->take(reader->context, &event)) {
-        if (event.kind == ISO_READER_KEY) {
-            iso_appliance_key(appliance, event.key);
-        } else if (event.kind == ISO_READER_CARD) {
-            const struct iso_card_number card = number_of(&event);
-            iso_appliance_card(appliance, &card);
-        }
-    }
-    explicit_bzero(&event, sizeof event);
-    follow_reader_fault(appliance);
-}
-
-const char *iso__appliance_reader_state(const struct iso_appliance *appliance)
-{
-    if (!appliance->borrowed.reader.take) {
-        return "off";
-    }
-    return *appliance->access.reader_fault.text ? "lost" : "works";
 }
 
 /* ---- time ---- */
@@ -333,6 +330,7 @@ void iso__appliance_end_wait(struct iso_appliance *appliance)
     verdict.companion = wait->companion;
     verdict.reason = ISO_REASON_NOT_ENOUGH;
     iso_factor_wait_end(wait); /* first, because a lock-out that begins now ends the wait, too */
+    appliance->access.duress = false;
     iso__appliance_finish_factor(appliance, &verdict);
 }
 

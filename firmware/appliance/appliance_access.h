@@ -26,7 +26,7 @@ const char *iso__appliance_wanted(const struct iso_appliance *appliance);
 /* Whether the clock can be trusted to tell the date. */
 bool iso__appliance_knows_date(const struct iso_appliance *appliance);
 
-/* Takes what the card reader has, and reports that it is lost or works again. */
+/* (appliance_reader.c) Takes what the card reader has, and reports that it is lost or works again. */
 void iso__appliance_read_cards(struct iso_appliance *appliance);
 
 /* "off", "works", "lost". */
@@ -36,7 +36,8 @@ const char *iso__appliance_reader_state(const struct iso_appliance *appliance);
 void iso__appliance_access_time(struct iso_appliance *appliance, int64_t now_ns);
 int64_t iso__appliance_access_due_ns(const struct iso_appliance *appliance);
 
-/* The people of a verdict went through the door. */
+/* The people of a verdict were let in, and the door was unlocked or stood open: they count as
+ * inside, although nobody saw them walk through. */
 void iso__appliance_entered(struct iso_appliance *appliance, const struct iso_verdict *verdict);
 
 #endif

@@ -293,6 +293,9 @@ bool iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
  * asked. */
 void iso__appliance_finish_factor(struct iso_appliance *appliance, struct iso_verdict *verdict);
 
+/* The same for a verdict that does not count for the lock-out. */
+void iso__appliance_finish_strange(struct iso_appliance *appliance, struct iso_verdict *verdict);
+
 /* Counts a frame with a cue of an attack. */
 void iso__appliance_count_attack_frame(struct iso_appliance *appliance);
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <syslog.h>
 
+#include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
 #include "firmware/config/door_options.h"
 
@@ -18,6 +19,7 @@ static void set_door_times(const struct iso_appliance *appliance)
 
 void iso__appliance_apply_settings(struct iso_appliance *appliance)
 {
+    iso__appliance_end_wait(appliance);
     set_door_times(appliance);
     iso__appliance_end_attack(appliance);
     iso__appliance_init_face(appliance);

@@ -82,6 +82,7 @@ struct iso_appliance_access {
     struct iso_site_access *site;
     struct iso_factor_wait wait;
     struct iso_verdict verdict;    /* of the last face that was recognised while waiting */
+    bool duress;                   /* the duress PIN of this wait is on record */
     struct iso_fault reader_fault; /* of the card reader, as it was reported last */
 };
 

@@ -71,7 +71,8 @@ void iso__appliance_storage_time(struct iso_appliance *appliance, int64_t t_ns)
         return;
     }
     appliance->storage.gallery_retry_ns = ISO_NEVER_NS;
-    iso__appliance_decide_anew(appliance); /* faces were not compared until now */
+    iso__appliance_decide_anew(appliance);        /* faces were not compared until now */
+    (void)!iso__appliance_load_policy(appliance); /* without memory the earlier one still holds */
     iso__appliance_say(appliance, LOG_NOTICE, "the gallery is in service again");
     iso__appliance_record_gallery(appliance, "gallery", "read from the disk again");
 }

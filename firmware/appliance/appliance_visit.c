@@ -106,7 +106,7 @@ static struct iso_audit_record record_of(const struct iso_appliance *appliance, 
     record.verdict = verdict_word(verdict);
     record.reason = iso_reason_name(verdict->reason);
     record.score = verdict->score;
-    record.threshold = iso__appliance_threshold(appliance);
+    record.threshold = verdict->threshold;
     record.frames = verdict->frames;
     record.sensor = iso__appliance_sensor_state(appliance);
     write_note(appliance, verdict, note);
@@ -164,6 +164,9 @@ static bool card_of(const struct iso_appliance *appliance, const struct iso_visi
                     struct iso_wiegand_card *out)
 {
     const struct iso_gallery *gallery = appliance->borrowed.gallery;
+    if (visit->verdict.person == 0) {
+        return false; /* the door is open to everybody */
+    }
     struct iso_credential_record record = iso_site_access_credential(gallery,
                                                                      visit->verdict.person);
     bool found = false;
@@ -276,18 +279,9 @@ static void let_in(struct iso_appliance *appliance, struct iso_visit *visit)
     record.door_fault = *visit->door_fault ? visit->door_fault : NULL;
     (void)!iso_audit_writer_post_outcome(appliance->log, &record, NULL);
     iso__appliance_tell_door(appliance);
-    if (refusal == ISO_REASON_NONE) {
+    if (refusal == ISO_REASON_NONE && visit->door != ISO_DOOR_DID_NOT_UNLOCK) {
         iso__appliance_entered(appliance, &visit->verdict);
     }
-}
-
-/* Nothing at the door shows that a duress PIN was entered: only the log tells those who read it. */
-static void record_duress(struct iso_appliance *appliance, const struct iso_visit *visit)
-{
-    struct iso_audit_record record = iso_audit_record_of("duress");
-    record.person = *visit->person ? visit->person : NULL;
-    record.verdict = verdict_word(&visit->verdict);
-    (void)iso__appliance_note(appliance, &record);
 }
 
 static void count_verdict(struct iso_appliance_counts *counts, const struct iso_verdict *verdict)
@@ -344,16 +338,13 @@ static void finish(struct iso_appliance *appliance, const struct iso_verdict *ve
         .verdict = *verdict,
         .door_fault = "",
         .person = person ? person->name : "",
-        .threshold = iso__appliance_threshold(appliance),
+        .threshold = verdict->threshold,
         .latency_ns = iso_times_now_ns(&appliance->borrowed.times) - arrival_ns,
     };
     if (verdict->allow) {
         let_in(appliance, &visit);
     } else {
         refuse_visit(appliance, &visit);
-    }
-    if (verdict->duress) {
-        record_duress(appliance, &visit);
     }
     count_verdict(&appliance->outcome.counts, &visit.verdict);
     appliance->outcome.verdict = visit.verdict;
@@ -372,11 +363,21 @@ bool iso__appliance_finish_visit(struct iso_appliance *appliance, struct iso_ver
     return true;
 }
 
-void iso__appliance_finish_factor(struct iso_appliance *appliance, struct iso_verdict *verdict)
+void iso__appliance_finish_strange(struct iso_appliance *appliance, struct iso_verdict *verdict)
 {
     const bool has_face = verdict->frames > 0;
+    if (!has_face) {
+        verdict->threshold = iso__appliance_threshold(appliance);
+    }
     iso__appliance_shut_out(appliance, verdict);
     finish(appliance, verdict,
            has_face ? appliance->visit.arrival_ns : iso_times_now_ns(&appliance->borrowed.times));
+    /* The face that is still there has its verdict, and is not judged again at once. */
+    iso_decision_spend(&appliance->visit.decision, iso__appliance_now_ns(appliance));
+}
+
+void iso__appliance_finish_factor(struct iso_appliance *appliance, struct iso_verdict *verdict)
+{
+    iso__appliance_finish_strange(appliance, verdict);
     iso__appliance_count_verdict(appliance, verdict);
 }

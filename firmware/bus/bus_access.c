@@ -256,7 +256,9 @@ int iso__bus_set_credential(sd_bus_message *call, void *context, sd_bus_error *o
     char who[WHO_SIZE];
     const char *name, *patch;
     struct iso_fault fault = {.text = ""};
-    int r = sd_bus_message_read(call, "ss", &name, &patch);
+    /* It may contain a PIN. */
+    int r = sd_bus_message_sensitive(call);
+    r = r < 0 ? r : sd_bus_message_read(call, "ss", &name, &patch);
     if (r < 0) {
         return r;
     }

@@ -42,6 +42,13 @@ void iso_decision_reset(struct iso_decision *decision)
     forget_face(decision);
 }
 
+void iso_decision_spend(struct iso_decision *decision, int64_t t_ns)
+{
+    iso_decision_reset(decision);
+    decision->state = ISO_DECISION_SPENT;
+    decision->verdict_ns = decision->seen_ns = t_ns;
+}
+
 /* The person for whom a frame counts, or 0. A frame whose score is not finite counts for nobody,
  * because no comparison gives such a score. */
 static int64_t counted_person(const struct iso_decision_options *options,

@@ -81,10 +81,11 @@ struct iso_verdict {
     int64_t since_ns; /* if allowed: time of the oldest of the agreeing frames */
     int attack_frames;
     enum iso_capture cue; /* the cue of most attack frames; ISO_CAPTURE_OK: there were none */
-    /* From the policy: a second person who enters, too (0: nobody); the duress PIN was entered; let
-     * in although the person should be inside already. */
+    /* From the policy: a second person who enters, too (0: nobody); let in although the person
+     * should be inside already. */
     int64_t companion;
-    bool duress, passback;
+    bool passback;
+    double threshold; /* that the score had to reach; set where the policy is asked */
 };
 
 struct iso_decision_options {
@@ -136,6 +137,9 @@ void iso_decision_set_threshold(struct iso_decision *decision, double threshold)
 
 /* Goes back to IDLE. A visit that has begun is forgotten. */
 void iso_decision_reset(struct iso_decision *decision);
+
+/* Something else has brought the verdict about the face that is there, at t_ns: SPENT. */
+void iso_decision_spend(struct iso_decision *decision, int64_t t_ns);
 
 /* The four functions below return true and fill in *verdict if there is a verdict. Otherwise
  * *verdict is unchanged. */

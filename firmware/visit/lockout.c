@@ -12,6 +12,7 @@ static bool is_locked(const struct iso_lockout *lockout)
 
 static void forget(struct iso_lockout *lockout)
 {
+    lockout->guessed = false;
     lockout->failures = 0;
     lockout->attacks = 0;
     lockout->locks = 0;
@@ -92,9 +93,10 @@ bool iso_lockout_verdict(struct iso_lockout *lockout, const struct iso_verdict *
     if (is_locked(lockout)) {
         return false;
     }
-    if (verdict->allow) {
+    if (verdict->allow && verdict->reason != ISO_REASON_OPEN && !lockout->guessed) {
         lockout->failures = 0;
     }
+    lockout->guessed |= verdict->reason == ISO_REASON_WRONG_FACTOR;
     if (!iso_lockout_counts(verdict, agree)) {
         return false;
     }
@@ -130,6 +132,7 @@ bool iso_lockout_time(struct iso_lockout *lockout, int64_t now_ns)
         lockout->until_ns = ISO_NEVER_NS;
         lockout->failures = 0;
         lockout->attacks = 0;
+        lockout->guessed = false;
     } else {
         forget(lockout);
     }

@@ -48,6 +48,8 @@ struct iso_lockout {
     int64_t until_ns;      /* LOCKED until then; ISO_NEVER_NS: OPEN */
     int64_t last_ns;       /* time of the last failure or attack, or of the end of a lock */
     bool lockdown;
+    bool guessed; /* a wrong card or PIN is among the failures: no admission resets them, because
+                   * the one who guesses may be admitted with his own. Not kept over a restart */
 };
 
 /* Begins in OPEN, with nothing counted. */

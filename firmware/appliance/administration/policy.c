@@ -31,14 +31,20 @@ enum { PART = 480 };
 
 struct recording {
     struct iso_appliance *appliance;
+    int n; /* records so far */
     int error;
 };
+
+/* After so many records the log's writer is waited for: its queue is not longer (audit_writer.h).
+ */
+enum { RECORDS_AT_ONCE = 32 };
 
 /* The end of a part: not within a character. */
 static size_t part_of(const char *text)
 {
-    size_t n = strnlen(text, PART);
-    while (n == PART && n > 0 && ((unsigned char)text[n] & 0xc0) == 0x80) {
+    size_t n = strnlen(text, PART + 1);
+    n = n > PART ? PART : n;
+    while (n > 0 && ((unsigned char)text[n] & 0xc0) == 0x80) {
         n--;
     }
     return n;
@@ -61,7 +67,9 @@ static int record_difference(void *context, const char *kind, const char *token,
         record.note = name;
         record.before = from;
         record.after = to;
-        recording->error = iso__appliance_note(recording->appliance, &record);
+        recording->error = ++recording->n % RECORDS_AT_ONCE
+                               ? iso__appliance_note(recording->appliance, &record)
+                               : iso__appliance_record_first(recording->appliance, &record, NULL);
     } while (!recording->error && (*before || *after));
     return recording->error;
 }
@@ -83,6 +91,8 @@ static int record_policy(struct iso_appliance *appliance, const struct iso_site_
     error = iso_policy_document_compare(iso_site_access_document(site), policy->document,
                                         record_difference, &recording);
     if (error) {
+        record.reason = "failed"; /* some differences may be on record already */
+        (void)iso__appliance_note(appliance, &record);
         return iso_fault_set(fault, error, "the change of the policy could not be recorded");
     }
     (void)snprintf(before, sizeof before, "revision %" PRIu64, revision);
@@ -209,14 +219,21 @@ int iso_appliance_set_credential(struct iso_appliance *appliance, const char *pe
         return iso_fault_set(fault, -ENOENT, "%s: no such person", person);
     }
     struct iso_credential_record record = iso_site_access_credential(gallery, known->id);
+    const iso_pin pin = record.pin, duress_pin = record.duress_pin;
     char *before = iso_credential_text(&record);
     int error = iso_credential_patch(patch, &record, fault);
     if (!error) {
         error = check_cards(appliance, known->id, &record, fault);
     }
     if (!error) {
+        /* The texts do not show that one PIN replaces another. */
+        char note[96];
         char *after = iso_credential_text(&record);
-        error = change_credential(appliance, known, &record, before, after, who, fault);
+        (void)snprintf(note, sizeof note, "%.48s%s%s", who,
+                       record.pin != pin ? ", PIN changed" : "",
+                       record.duress_pin != duress_pin ? ", duress PIN changed" : "");
+        iso__appliance_end_wait(appliance); /* for a card or a PIN that may not hold any more */
+        error = change_credential(appliance, known, &record, before, after, note, fault);
         free(after);
     }
     iso_credential_record_wipe(&record);

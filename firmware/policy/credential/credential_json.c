@@ -162,9 +162,11 @@ int iso_credential_patch(const char *json, struct iso_credential_record *record,
     }
     json_t *patch = json_loadb(json, size, JSON_REJECT_DUPLICATES, &where);
     if (!json_is_object(patch)) {
-        const char *why = where.text; /* of jansson, and without a code */
         json_decref(patch);
-        return iso_fault_set(fault, -EINVAL, "a credential is a JSON object: %.80s", why);
+        /* The message of jansson may quote a PIN. */
+        return iso_fault_set(fault, -EINVAL,
+                             "a credential is a JSON object: line %d, column %d is none",
+                             where.line, where.column);
     }
     struct iso_credential_record draft = *record;
     const char *key;

@@ -205,6 +205,91 @@ static void a_wait_that_is_cut_short_is_on_record(void **state)
     assert_false(rig_relay(rig));
 }
 
+/* ---- what an attacker tries ---- */
+
+/* A card in place of the face replaces the face alone, and no other rule. */
+static void a_broken_camera_breaks_no_other_rule(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(rig, access_rig_always("\"recognition_groups\": [[\"face\"]]", true, ""));
+    access_rig_set_credential(rig, "anna", "{\"cards\": [\"17/4711\"]}");
+    rig->config.policy.card_alone = true;
+    rig->sensor.open_error = rig->sensor.wait_error = -ENODEV;
+    rig_run(rig, 2000);
+    (void)rig_news(rig);
+    access_rig_show_card(rig, "17/4711");
+    access_rig_expect(rig_news(rig), "wanted person");
+    assert_false(rig_relay(rig));
+}
+
+/* Letting oneself in between the guesses does not help. */
+static void an_own_admission_forgives_no_guess(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(rig,
+                     access_rig_always("\"recognition_groups\": [[\"card\", \"pin\"]]", false, ""));
+    access_rig_set_credential(rig, "anna", "{\"cards\": [\"17/4711\"], \"pin\": \"2580\"}");
+    access_rig_set_credential(rig, "ben", "{\"cards\": [\"17/4712\"], \"pin\": \"1470\"}");
+    for (int i = 0; i < 4; i++) {
+        access_rig_show_card(rig, "17/4711");
+        access_rig_type(rig, "1234#");
+        access_rig_expect(rig_news(rig), "visit deny anna wrong-factor");
+    }
+    access_rig_show_card(rig, "17/4712");
+    access_rig_type(rig, "1470#");
+    access_rig_expect(rig_news(rig), "visit allow ben credential");
+    rig_run(rig, 10000);
+    access_rig_show_card(rig, "17/4711");
+    access_rig_type(rig, "1234#");
+    (void)rig_news(rig);
+    access_rig_show_card(rig, "17/4712");
+    assert_string_equal(rig_news(rig), ""); /* locked out */
+}
+
+/* A stranger's card and one of another site do not lock the door. */
+static void strange_cards_lock_nobody_out(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(rig, access_rig_always("\"recognition_groups\": [[\"face\"]]", false, ""));
+    for (int i = 0; i < 10; i++) {
+        access_rig_show_card(rig, "9/9999");
+        access_rig_expect(rig_news(rig), "visit deny unknown");
+        rig_run(rig, 1000);
+    }
+    rig_run(rig, 10000);
+    access_rig_expect_visit(rig, ACCESS_ANNA, "visit allow anna match");
+}
+
+/* The alarm does not depend on how the wait ends. */
+static void a_duress_pin_is_told_at_once(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(rig,
+                     access_rig_always("\"recognition_groups\": [[\"face\", \"pin\"]]", true, ""));
+    access_rig_set_credential(rig, "anna", "{\"pin\": \"2580\", \"duress_pin\": \"0911\"}");
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_type(rig, "0911#");
+    access_rig_expect(rig_news(rig), "wanted person");
+    access_rig_expect(rig_record(rig, "duress"), "\"person\":\"anna\"");
+}
+
+/* A face that is refused ends the wait for another person's card. */
+static void a_refused_face_ends_the_wait(void **state)
+{
+    struct rig *rig = *state;
+    access_rig_start(
+        rig, access_rig_always("\"recognition_groups\": [[\"face\", \"card\"]]", false, ""));
+    access_rig_set_credential(rig, "anna", "{\"cards\": [\"17/4711\"]}");
+    access_rig_look(rig, ACCESS_ANNA);
+    access_rig_expect(rig_news(rig), "wanted card");
+    rig_run(rig, 9000);
+    access_rig_look(rig, ACCESS_STRANGER);
+    access_rig_expect(rig_news(rig), "visit deny unknown");
+    access_rig_show_card(rig, "17/4711");
+    access_rig_expect(rig_news(rig), "wanted face");
+    assert_false(rig_relay(rig));
+}
+
 /* ---- the reader ---- */
 
 /* A reader of a test: the events that it still has, and its fault. */
@@ -249,9 +334,11 @@ static void a_reader_brings_cards_and_keys(void **state)
     access_rig_set_credential(rig, "anna", "{\"cards\": [\"17/4711\"], \"pin\": \"2580\"}");
     reader.events[reader.n].kind = ISO_READER_CARD;
     reader.events[reader.n].bits = 34;
+    reader.events[reader.n].t_ns = rig->now_ns;
     assert_int_equal(iso_wiegand_encode(34, &card, &reader.events[reader.n++].code), 0);
     for (const char *key = "2580#"; *key; key++) {
-        reader.events[reader.n++] = (struct iso_reader_event){.kind = ISO_READER_KEY, .key = *key};
+        reader.events[reader.n++] = (struct iso_reader_event){
+            .kind = ISO_READER_KEY, .key = *key, .t_ns = rig->now_ns};
     }
     rig_run(rig, 100);
     access_rig_expect(rig_news(rig), "visit allow anna credential");
@@ -274,6 +361,11 @@ int main(void)
         TEST(two_people_come_together),
         TEST(a_card_replaces_a_camera_at_fault),
         TEST(a_wait_that_is_cut_short_is_on_record),
+        TEST(a_broken_camera_breaks_no_other_rule),
+        TEST(an_own_admission_forgives_no_guess),
+        TEST(strange_cards_lock_nobody_out),
+        TEST(a_duress_pin_is_told_at_once),
+        TEST(a_refused_face_ends_the_wait),
         TEST(a_reader_brings_cards_and_keys),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <stdio.h>
 
+#include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
 #include "firmware/appliance/appliance_claim.h"
 
@@ -40,6 +41,8 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
     if (error) {
         return error;
     }
+    iso__appliance_end_wait(appliance);
+    iso_site_access_forget(appliance->access.site, known->id);
     error = iso_gallery_remove(appliance->borrowed.gallery, name, &own);
     if (error) {
         record.reason = "not-deleted";
