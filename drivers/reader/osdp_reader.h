@@ -74,7 +74,7 @@ struct iso_osdp_reader_status {
     uint64_t repeated; /* commands that were sent again */
     uint64_t refused;  /* replies without a MAC, or with a wrong one */
     uint64_t damaged;  /* as in struct iso_osdp_receiver */
-    uint64_t starts;   /* after the first one */
+    uint64_t starts;   /* after the first one, also those of a line that was opened */
 };
 
 struct iso_osdp_reader;
