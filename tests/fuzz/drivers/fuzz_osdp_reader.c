@@ -83,7 +83,7 @@ static void check_events(struct iso_osdp_reader *reader, bool has_key)
                        (event.kind == ISO_READER_CARD && event.bits >= 5 && event.bits <= 64 &&
                         (event.bits == 64 || event.code >> event.bits == 0)) ||
                        (event.kind == ISO_READER_KEY && event.key != '\0' &&
-                        memchr("0123456789*#", event.key, 12)),
+                        strchr("0123456789*#", event.key)),
                    "an event is a card, a key or damaged");
     }
 }
