@@ -63,6 +63,10 @@ static void test_other_key(void **state)
     assert_false(duo_status(&duo).online);
     assert_false(duo_status(&duo).secure);
     assert_int_equal(duo_status(&duo).problem, ISO_OSDP_READER_OTHER_KEY);
+    /* The reader had to prove its key first, and did not get a proof of ours. */
+    struct iso_osdp_status device;
+    iso_osdp_peripheral_status(duo.device, duo.now_ns, &device);
+    assert_int_equal(device.refused, 0);
     /* It tries again once a second. */
     assert_in_range(duo_status(&duo).starts, 4, 6);
     /* The right key comes into the reader later. */
@@ -129,6 +133,30 @@ static void test_plain_replies_are_refused(void **state)
     duo_exchange(&duo);
     assert_true(iso_osdp_reader_take(duo.reader, &event));
     duo_expect(&event, 0);
+    duo_close(&duo);
+}
+
+/* Somebody on the wire changes the last step of the handshake, and its CRC. */
+static void test_changed_rmac(void **state)
+{
+    (void)state;
+    struct duo duo;
+    uint8_t frame[ISO_OSDP_FRAME_BYTES], answer[ISO_OSDP_FRAME_BYTES];
+    struct iso_osdp_packet packet = {.code = 0};
+    duo_open(&duo, true);
+    while (packet.code != ISO_OSDP_RMAC_I) {
+        duo.now_ns = iso_osdp_reader_due_ns(duo.reader);
+        size_t n = iso_osdp_reader_send(duo.reader, duo.now_ns, frame);
+        n = iso_osdp_peripheral_receive(duo.device, frame, n, duo.now_ns, answer);
+        assert_int_equal(iso_osdp_packet_parse(answer, n, &packet), 0);
+        if (packet.code == ISO_OSDP_RMAC_I) {
+            answer[n - 3] ^= 1;
+            n = iso_osdp_packet_end(answer, n - 2);
+        }
+        iso_osdp_reader_receive(duo.reader, answer, n, duo.now_ns);
+    }
+    assert_int_equal(duo_status(&duo).problem, ISO_OSDP_READER_OTHER_KEY);
+    assert_false(duo_status(&duo).secure);
     duo_close(&duo);
 }
 
@@ -293,6 +321,7 @@ int main(void)
         cmocka_unit_test(test_reader_without_a_key),
         cmocka_unit_test(test_key_that_is_not_configured),
         cmocka_unit_test(test_plain_replies_are_refused),
+        cmocka_unit_test(test_changed_rmac),
         cmocka_unit_test(test_recorded_reply),
         cmocka_unit_test(test_unplugged_and_back),
         cmocka_unit_test(test_cut_after_a_card),
