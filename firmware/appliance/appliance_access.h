@@ -29,6 +29,9 @@ bool iso__appliance_knows_date(const struct iso_appliance *appliance);
 /* (appliance_reader.c) Takes what the card reader has, and reports that it is lost or works again. */
 void iso__appliance_read_cards(struct iso_appliance *appliance);
 
+/* Shows at the card reader, if it can, whether somebody is let in. */
+void iso__appliance_show_at_reader(const struct iso_appliance *appliance, bool allow);
+
 /* "off", "works", "lost". */
 const char *iso__appliance_reader_state(const struct iso_appliance *appliance);
 

@@ -62,6 +62,14 @@ void iso__appliance_read_cards(struct iso_appliance *appliance)
     follow_reader_fault(appliance);
 }
 
+void iso__appliance_show_at_reader(const struct iso_appliance *appliance, bool allow)
+{
+    const struct iso_card_source *reader = &appliance->borrowed.reader;
+    if (reader->take && reader->show) {
+        reader->show(reader->context, allow);
+    }
+}
+
 const char *iso__appliance_reader_state(const struct iso_appliance *appliance)
 {
     if (!appliance->borrowed.reader.take) {

@@ -346,6 +346,8 @@ static void finish(struct iso_appliance *appliance, const struct iso_verdict *ve
     } else {
         refuse_visit(appliance, &visit);
     }
+    iso__appliance_show_at_reader(appliance,
+                                  visit.verdict.allow && visit.door != ISO_DOOR_DID_NOT_UNLOCK);
     count_verdict(&appliance->outcome.counts, &visit.verdict);
     appliance->outcome.verdict = visit.verdict;
     tell_visit(appliance, &visit);

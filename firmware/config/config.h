@@ -48,9 +48,13 @@ struct iso_config_door {
     int unlock_ms, relay_pulse_ms, held_ms, refused_ms, poll_ms, retry_ms, retry_max_ms;
 };
 
-/* A card reader or keypad with Wiegand lines (drivers/reader/wiegand_in.h). */
+/* A card reader or keypad, on Wiegand lines (drivers/reader/wiegand_in.h) or over OSDP
+ * (drivers/reader/osdp_reader_port.h), not both. */
 struct iso_config_reader {
-    char d0[ISO_CONFIG_TEXT_SIZE], d1[ISO_CONFIG_TEXT_SIZE]; /* both "": there is none */
+    char d0[ISO_CONFIG_TEXT_SIZE], d1[ISO_CONFIG_TEXT_SIZE]; /* both "": no Wiegand lines */
+    char osdp_port[ISO_CONFIG_TEXT_SIZE];                    /* "": no OSDP */
+    int osdp_address, osdp_baud;                             /* osdp_baud: iso_config_reader_baud */
+    char osdp_key[ISO_CONFIG_TEXT_SIZE]; /* file of the key (daemon/reader_key.h); "": plain */
 };
 
 /* The bus of an access panel (firmware/panel/panel.h). */
@@ -222,6 +226,7 @@ bool iso_config_has_relay(const struct iso_config *config);
 /* The speed of the panel's bus and the number of bits of a card, of which the configuration has the
  * numbers of words. */
 unsigned iso_config_panel_baud(const struct iso_config *config);
+unsigned iso_config_reader_baud(const struct iso_config *config);
 int iso_config_panel_card_bits(const struct iso_config *config);
 
 /* The lowest score at which a face counts as a person's: the threshold if one is set, else that of

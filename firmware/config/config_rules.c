@@ -28,6 +28,21 @@ static const char *find_pose_conflict(const struct iso_config_enroll *enroll)
     return NULL;
 }
 
+static const char *find_reader_conflict(const struct iso_config *config)
+{
+    const struct iso_config_reader *reader = &config->reader;
+    if (*reader->osdp_port && (*reader->d0 || *reader->d1)) {
+        return "[reader] osdp_port and the lines d0 and d1 exclude each other";
+    }
+    if (*reader->osdp_key && !*reader->osdp_port) {
+        return "[reader] osdp_key needs osdp_port";
+    }
+    if (*reader->osdp_port && strcmp(reader->osdp_port, config->panel.port) == 0) {
+        return "[reader] osdp_port is the line of [panel] port";
+    }
+    return NULL;
+}
+
 const char *iso__config_find_conflict(const struct iso_config *config)
 {
     if (config->sensor.distance_min_mm >= config->sensor.distance_max_mm) {
@@ -55,7 +70,8 @@ const char *iso__config_find_conflict(const struct iso_config *config)
     if (config->login.desk && strcmp(config->door.backend, "null") != 0) {
         return "[login] desk needs [door] backend = null: a login would leave the door unwatched";
     }
-    return find_pose_conflict(&config->enroll);
+    const char *conflict = find_reader_conflict(config);
+    return conflict ? conflict : find_pose_conflict(&config->enroll);
 }
 
 bool iso_config_has_relay(const struct iso_config *config)
@@ -64,10 +80,16 @@ bool iso_config_has_relay(const struct iso_config *config)
     return *iso_config_option(options, "relay") || !*iso_config_option(options, "wiegand_d0");
 }
 
+static const unsigned bauds[] = {9600, 19200, 38400, 57600, 115200};
+
 unsigned iso_config_panel_baud(const struct iso_config *config)
 {
-    static const unsigned bauds[] = {9600, 19200, 38400, 57600, 115200};
     return bauds[config->panel.baud];
+}
+
+unsigned iso_config_reader_baud(const struct iso_config *config)
+{
+    return bauds[config->reader.osdp_baud];
 }
 
 int iso_config_panel_card_bits(const struct iso_config *config)

@@ -23,7 +23,8 @@ struct iso_components {
     struct iso_door_guard *door;   /* already started; NULL without threads */
     bool threads;                  /* iso_appliance_borrowed.threads */
     struct iso_cards *cards;       /* NULL: no card numbers are sent */
-    struct iso_wiegand_in *reader; /* of cards and keys; NULL: there is none */
+    struct iso_wiegand_in *reader; /* of cards and keys, on Wiegand lines; NULL: there is none */
+    struct iso_osdp_reader_port *osdp_reader; /* the same over OSDP; not both */
     struct iso_panel *panel; /* NULL: no access panel is configured, or there are no threads */
     char lockout_path[ISO_CONFIG_TEXT_SIZE + 8];
     struct iso_live_settings settings; /* changes of config */
@@ -84,9 +85,10 @@ int iso_components_open_counter(struct iso_components *components, struct iso_fa
 int iso_components_open_panel(struct iso_components *components, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The card reader: checks how its lines are wired; opens it, which a missing chip does not prevent;
- * closes it; lends it. -EINVAL, -ENOENT a line is configured and there is no libgpiod, -EAGAIN no
- * thread. (components_reader.c) */
+/* The card reader: checks how its lines are wired, or its key; opens it, which a missing chip or
+ * serial line does not prevent; closes it; lends it. -EINVAL, -ENOENT a line is configured and
+ * there is no libgpiod, -EAGAIN no thread, and the errors of iso_reader_key_read.
+ * (components_reader.c) */
 int iso_components_check_reader(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 int iso_components_open_reader(struct iso_components *components, struct iso_fault *fault)

@@ -1,9 +1,75 @@
 /* The card reader of the door. */
 #include <errno.h>
 
+#include <string.h>
+
 #include "drivers/door/gpio_line.h"
+#include "drivers/reader/osdp_reader_port.h"
 #include "drivers/reader/wiegand_in.h"
 #include "firmware/daemon/components.h"
+#include "firmware/daemon/reader_key.h"
+
+/* ---- over OSDP ---- */
+
+/* Reads what the reader has in common with the configuration. The caller wipes *setup. */
+static int make_setup(const struct iso_config *config, struct iso_osdp_reader_setup *setup,
+                      struct iso_fault *fault)
+{
+    const struct iso_config_reader *reader = &config->reader;
+    *setup = (struct iso_osdp_reader_setup){
+        .address = (uint8_t)reader->osdp_address,
+        .baud = iso_config_reader_baud(config),
+        .has_key = *reader->osdp_key,
+    };
+    return setup->has_key ? iso_reader_key_read(reader->osdp_key, 0, setup->key, fault) : 0;
+}
+
+static int check_osdp(const struct iso_config *config, struct iso_fault *fault)
+{
+    struct iso_osdp_reader_setup setup;
+    const int error = make_setup(config, &setup, fault);
+    explicit_bzero(&setup, sizeof setup);
+    return error;
+}
+
+static int open_osdp(struct iso_components *components, struct iso_fault *fault)
+{
+    const struct iso_config *config = &components->config;
+    struct iso_osdp_reader_setup setup;
+    struct iso_fault why = {.text = ""};
+    int error = make_setup(config, &setup, fault);
+    if (!error) {
+        /* A line that is not there now may come later; its fault is in the status. */
+        error = iso_osdp_reader_port_new(config->reader.osdp_port, &setup,
+                                         &components->times.monotonic, &components->osdp_reader,
+                                         &why);
+        error = error ? iso_fault_set(fault, error, "%s", why.text) : 0;
+    }
+    explicit_bzero(&setup, sizeof setup);
+    return error;
+}
+
+static bool take_osdp(void *context, struct iso_reader_event *out)
+{
+    return iso_osdp_reader_port_take(context, out);
+}
+
+static void copy_osdp_fault(void *context, struct iso_fault *out)
+{
+    iso_osdp_reader_port_fault(context, out);
+}
+
+static int osdp_descriptor(void *context)
+{
+    return iso_osdp_reader_port_fd(context);
+}
+
+static void show_osdp(void *context, bool allow)
+{
+    iso_osdp_reader_port_show(context, allow);
+}
+
+/* ---- on Wiegand lines ---- */
 
 /* Reads how the two lines are wired. *wanted: whether there is a reader. */
 static int parse_lines(const struct iso_config *config, struct iso_gpio_spec lines[2], bool *wanted,
@@ -23,14 +89,14 @@ static int parse_lines(const struct iso_config *config, struct iso_gpio_spec lin
 
 #ifdef ISOTHERM_WITH_GPIOD
 
-int iso_components_check_reader(const struct iso_config *config, struct iso_fault *fault)
+static int check_wiegand(const struct iso_config *config, struct iso_fault *fault)
 {
     struct iso_gpio_spec lines[2];
     bool wanted;
     return parse_lines(config, lines, &wanted, fault);
 }
 
-int iso_components_open_reader(struct iso_components *components, struct iso_fault *fault)
+static int open_wiegand(struct iso_components *components, struct iso_fault *fault)
 {
     struct iso_gpio_spec lines[2];
     struct iso_fault why = {.text = ""};
@@ -45,7 +111,7 @@ int iso_components_open_reader(struct iso_components *components, struct iso_fau
                : 0;
 }
 
-void iso_components_close_reader(struct iso_components *components)
+static void close_wiegand(struct iso_components *components)
 {
     iso_wiegand_in_free(components->reader);
 }
@@ -65,16 +131,18 @@ static int descriptor(void *context)
     return iso_wiegand_in_fd(context);
 }
 
-struct iso_card_source iso_components_card_source(const struct iso_components *components)
+static struct iso_card_source lend_wiegand(const struct iso_components *components)
 {
-    return components->reader
-               ? (struct iso_card_source){take, copy_fault, descriptor, components->reader}
-               : (struct iso_card_source){.take = NULL};
+    return components->reader ? (struct iso_card_source){.take = take,
+                                                         .fault = copy_fault,
+                                                         .fd = descriptor,
+                                                         .context = components->reader}
+                              : (struct iso_card_source){.take = NULL};
 }
 
 #else /* without libgpiod there are no lines */
 
-int iso_components_check_reader(const struct iso_config *config, struct iso_fault *fault)
+static int check_wiegand(const struct iso_config *config, struct iso_fault *fault)
 {
     struct iso_gpio_spec lines[2];
     bool wanted;
@@ -84,20 +152,49 @@ int iso_components_check_reader(const struct iso_config *config, struct iso_faul
                                             "[reader] d0: this daemon was built without libgpiod");
 }
 
-int iso_components_open_reader(struct iso_components *components, struct iso_fault *fault)
+static int open_wiegand(struct iso_components *components, struct iso_fault *fault)
 {
-    return iso_components_check_reader(&components->config, fault);
+    return check_wiegand(&components->config, fault);
 }
 
-void iso_components_close_reader(struct iso_components *components)
+static void close_wiegand(struct iso_components *components)
 {
     (void)components;
 }
 
-struct iso_card_source iso_components_card_source(const struct iso_components *components)
+static struct iso_card_source lend_wiegand(const struct iso_components *components)
 {
     (void)components;
     return (struct iso_card_source){.take = NULL};
 }
 
 #endif
+
+/* ---- either of them ---- */
+
+int iso_components_check_reader(const struct iso_config *config, struct iso_fault *fault)
+{
+    return *config->reader.osdp_port ? check_osdp(config, fault) : check_wiegand(config, fault);
+}
+
+int iso_components_open_reader(struct iso_components *components, struct iso_fault *fault)
+{
+    return *components->config.reader.osdp_port ? open_osdp(components, fault)
+                                                : open_wiegand(components, fault);
+}
+
+void iso_components_close_reader(struct iso_components *components)
+{
+    iso_osdp_reader_port_free(components->osdp_reader);
+    close_wiegand(components);
+}
+
+struct iso_card_source iso_components_card_source(const struct iso_components *components)
+{
+    return components->osdp_reader ? (struct iso_card_source){.take = take_osdp,
+                                                              .fault = copy_osdp_fault,
+                                                              .fd = osdp_descriptor,
+                                                              .show = show_osdp,
+                                                              .context = components->osdp_reader}
+                                   : lend_wiegand(components);
+}

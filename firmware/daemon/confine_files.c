@@ -137,8 +137,9 @@ static int allow_configured(const struct ruleset *ruleset, const struct iso_conf
     const char *const stores[] = {config->gallery.path, config->log.path, config->lockout.path,
                                   config->seal.key};
     const char *const named[] = {
-        config->model.head, config->model.metric, config->model.cohort, config->recognition.cascade,
-        config->door.cards, config->login.users,  ISOTHERM_DATA_DIR,    iso_shipped_model()};
+        config->model.head,          config->model.metric, config->model.cohort,
+        config->recognition.cascade, config->door.cards,   config->reader.osdp_key,
+        config->login.users,         ISOTHERM_DATA_DIR,    iso_shipped_model()};
     int error = strcmp(config->sensor.backend, "replay") == 0 ? allow_path(ruleset, "/", reading)
                                                               : 0;
     for (size_t i = 0; !error && i < sizeof stores / sizeof *stores; i++) {

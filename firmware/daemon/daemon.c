@@ -307,6 +307,14 @@ static void warn_of_key(const struct iso_config *config, const struct iso_compon
     }
 }
 
+static void warn_of_reader(const struct iso_config *config)
+{
+    if (*config->reader.osdp_port && !*config->reader.osdp_key) {
+        iso_daemon_say(LOG_WARNING, "[reader] osdp_key is empty: anyone on the wire of the card "
+                                    "reader can read and forge cards and keys");
+    }
+}
+
 static void tear_down(struct daemon *daemon)
 {
     if (daemon->appliance) {
@@ -341,6 +349,7 @@ int iso_daemon_run(const struct iso_config *config, struct iso_fault *fault)
     int error = set_up(&daemon, config, fault);
     if (!error) {
         warn_of_key(config, daemon.components);
+        warn_of_reader(config);
         say_what_is_open(&daemon);
         iso_daemon_say(LOG_INFO, "ready");
         iso_life_sign_enter(daemon.life, ISO_LIFE_RUNNING);

@@ -31,10 +31,12 @@ enum iso_osdp_reply {
     ISO_OSDP_OSTATR = 0x4A,
     ISO_OSDP_RSTATR = 0x4B,
     ISO_OSDP_RAW = 0x50,
+    ISO_OSDP_FMT = 0x51,
     ISO_OSDP_KEYPAD = 0x53,
     ISO_OSDP_COM = 0x54,
     ISO_OSDP_CCRYPT = 0x76,
     ISO_OSDP_RMAC_I = 0x78,
+    ISO_OSDP_BUSY = 0x79,
 };
 
 /* The reason in a NAK. */

@@ -8,6 +8,9 @@
 #include "drivers/door/osdp/osdp_codes.h"
 #include "drivers/door/osdp/osdp_peripheral_state.h"
 
+_Static_assert((int)ISO__OSDP_ANSWER_BYTES <= (int)ISO_OSDP_SEALED_BYTES,
+               "an answer can be encrypted");
+
 /* ---- its owner ---- */
 
 bool iso_osdp_is_baud(uint32_t baud)
@@ -117,10 +120,7 @@ static size_t make_frame(struct iso_osdp_peripheral *peripheral,
                          const struct iso_osdp_packet *packet,
                          const struct iso__osdp_answer *answer, bool secured, uint8_t *frame)
 {
-    uint8_t encrypted[ISO__OSDP_ANSWER_BYTES + ISO_OSDP_KEY_BYTES];
-    const uint8_t *data = answer->data;
-    size_t n_data = answer->n;
-    struct iso_osdp_header header = {
+    const struct iso_osdp_header header = {
         .address = (uint8_t)(packet->address | ISO_OSDP_REPLY_BIT),
         .sequence = packet->sequence,
         .has_crc = packet->has_crc,
@@ -129,19 +129,10 @@ static size_t make_frame(struct iso_osdp_peripheral *peripheral,
         .code = answer->code,
     };
     if (secured) {
-        header.block = n_data ? ISO_OSDP_SCS_18 : ISO_OSDP_SCS_16;
-        header.block_data = -1;
-        if (n_data) {
-            n_data = iso_osdp_secure_encrypt(&peripheral->secure, data, n_data, encrypted);
-            data = encrypted;
-        }
+        return iso_osdp_secure_frame(&peripheral->secure, &header, answer->data, answer->n, frame);
     }
-    size_t n = iso_osdp_packet_begin(&header, data, n_data, frame);
-    if (secured) {
-        iso_osdp_secure_sign(&peripheral->secure, frame, n);
-        n += ISO_OSDP_MAC_BYTES;
-    }
-    return iso_osdp_packet_end(frame, n);
+    return iso_osdp_packet_end(frame,
+                               iso_osdp_packet_begin(&header, answer->data, answer->n, frame));
 }
 
 /* Refuses a frame without remembering it: nothing has changed. */

@@ -79,30 +79,10 @@ static void tell_owner(struct iso_osdp_port *port)
     }
 }
 
-/* Writes all bytes, however small the driver's buffer is. */
-static int write_all(int line, const uint8_t *bytes, size_t n)
-{
-    while (n > 0) {
-        const ssize_t written = write(line, bytes, n);
-        if (written > 0) {
-            bytes += written;
-            n -= (size_t)written;
-        } else if (written < 0 && errno == EAGAIN) {
-            struct pollfd wait = {.fd = line, .events = POLLOUT};
-            if (poll(&wait, 1, (int)(ISO_OSDP_REPLY_NS / 1000000)) <= 0) {
-                return -EIO;
-            }
-        } else if (errno != EINTR) {
-            return -EIO;
-        }
-    }
-    return 0;
-}
-
 /* Sends mark and reply. Returns 0, or a negative errno: the line is gone. */
 static int send_reply(const struct iso_osdp_port *port, const uint8_t *bytes, size_t n)
 {
-    int error = write_all(port->line, bytes, n);
+    int error = iso_osdp_serial_write(port->line, bytes, n);
     /* The new speed of COMSET must not touch the bytes of the reply. */
     if (!error && tcdrain(port->line) && errno != EINTR) {
         error = -errno;

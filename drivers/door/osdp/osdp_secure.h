@@ -1,6 +1,9 @@
-/* The secure channel of OSDP, as the device has it (SIA OSDP 2.2, Annex D). Pure.
+/* The secure channel of OSDP (SIA OSDP 2.2, Annex D), for both of its sides: the device, and the
+ * panel that asks it. Pure.
  *
- *   closed --challenge--> challenged --prove--> open        any state --close--> closed
+ *   device: closed --challenge--> challenged --prove--> open
+ *   panel:  closed --request--> requested --answer--> challenged --confirm--> open
+ *                                                     any state --close--> closed
  *
  * From the base key (SCBK) and the panel's random number RND.A come three session keys: S-ENC,
  * S-MAC1 and S-MAC2, each the AES-128 of a constant and RND.A under the SCBK. Both sides prove that
@@ -21,6 +24,7 @@ enum { ISO_OSDP_RANDOM_BYTES = 8 };
 
 enum iso_osdp_secure_state {
     ISO_OSDP_CLOSED = 0,
+    ISO_OSDP_REQUESTED,  /* a panel only: the device has not proved yet that it has the key */
     ISO_OSDP_CHALLENGED, /* the panel has not proved yet that it has the key */
     ISO_OSDP_OPEN,
 };
@@ -30,8 +34,9 @@ struct iso_osdp_secure {
     enum iso_osdp_secure_state state;
     uint8_t s_enc[ISO_OSDP_KEY_BYTES], s_mac1[ISO_OSDP_KEY_BYTES], s_mac2[ISO_OSDP_KEY_BYTES];
     uint8_t rnd_a[ISO_OSDP_RANDOM_BYTES], rnd_b[ISO_OSDP_RANDOM_BYTES];
-    uint8_t c_mac[ISO_OSDP_KEY_BYTES]; /* of the panel's last frame */
-    uint8_t r_mac[ISO_OSDP_KEY_BYTES]; /* of our last frame */
+    bool is_panel;                         /* this side sends commands */
+    uint8_t heard_mac[ISO_OSDP_KEY_BYTES]; /* of the other side's last frame */
+    uint8_t sent_mac[ISO_OSDP_KEY_BYTES];  /* of our last frame */
 };
 
 /* The default key SCBK-D, which everyone knows. */
@@ -39,6 +44,8 @@ extern const uint8_t iso_osdp_default_key[ISO_OSDP_KEY_BYTES];
 
 /* Closes the channel and wipes its keys. */
 void iso_osdp_secure_close(struct iso_osdp_secure *secure);
+
+/* ---- the device's side of the handshake ---- */
 
 /* Begins a new channel, whatever the old one was, and writes the client cryptogram. */
 void iso_osdp_secure_challenge(struct iso_osdp_secure *secure,
@@ -53,19 +60,41 @@ int iso_osdp_secure_prove(struct iso_osdp_secure *secure,
                           const uint8_t cryptogram[ISO_OSDP_KEY_BYTES],
                           uint8_t rmac_i[ISO_OSDP_KEY_BYTES]) __attribute__((warn_unused_result));
 
-/* Checks the MAC of a command with a block SCS_15 or SCS_17, decrypts the data of SCS_17 into
- * data[ISO_OSDP_FRAME_BYTES], and copies the data of SCS_15. -EACCES the channel is not open, or
- * the MAC is wrong: the channel is unchanged then, so that a frame that somebody else has put on
- * the line does no harm. -EBADMSG the MAC is right and the padding is wrong. */
+/* ---- the panel's side of it ---- */
+
+/* Begins a new channel, whatever the old one was, with the random number of CHLNG. */
+void iso_osdp_secure_request(struct iso_osdp_secure *secure, const uint8_t scbk[ISO_OSDP_KEY_BYTES],
+                             const uint8_t rnd_a[ISO_OSDP_RANDOM_BYTES]);
+
+/* Checks the client cryptogram of CCRYPT, and writes the server cryptogram for SCRYPT. -EACCES it
+ * is wrong, so the device has another key, or nothing was requested; the channel is closed then. */
+int iso_osdp_secure_answer(struct iso_osdp_secure *secure,
+                           const uint8_t rnd_b[ISO_OSDP_RANDOM_BYTES],
+                           const uint8_t client[ISO_OSDP_KEY_BYTES],
+                           uint8_t server[ISO_OSDP_KEY_BYTES]) __attribute__((warn_unused_result));
+
+/* Opens the channel if the device's first R-MAC (RMAC_I) is right. -EACCES it is wrong, or there
+ * was no answer; the channel is closed then. */
+int iso_osdp_secure_confirm(struct iso_osdp_secure *secure,
+                            const uint8_t rmac_i[ISO_OSDP_KEY_BYTES])
+    __attribute__((warn_unused_result));
+
+/* ---- frames, on both sides ---- */
+
+/* Checks the MAC of a frame of the other side, decrypts its data into data[ISO_OSDP_FRAME_BYTES] if
+ * its block is SCS_17 or SCS_18, and copies the data of SCS_15 or SCS_16. A device takes commands
+ * only, a panel replies only. -EACCES the channel is not open, or the block or the MAC is wrong:
+ * the channel is unchanged then, so that a frame that somebody else has put on the line does no
+ * harm. -EBADMSG the MAC is right and the padding is wrong. */
 int iso_osdp_secure_open(struct iso_osdp_secure *secure, const struct iso_osdp_packet *packet,
                          uint8_t *data, size_t *n_data) __attribute__((warn_unused_result));
 
-/* Encrypts data of a reply into out[n rounded up to the next whole block, at least one byte more
- * than n]. Returns the number of bytes. */
-size_t iso_osdp_secure_encrypt(const struct iso_osdp_secure *secure, const uint8_t *data, size_t n,
-                               uint8_t *out);
+enum { ISO_OSDP_SEALED_BYTES = 128 }; /* the most data that iso_osdp_secure_frame takes */
 
-/* Adds the MAC of a reply after the n bytes of its frame. */
-void iso_osdp_secure_sign(struct iso_osdp_secure *secure, uint8_t *frame, size_t n);
+/* Makes a whole frame of the open channel in frame[ISO_OSDP_FRAME_BYTES]: chooses the block by
+ * side and data, encrypts n bytes of data (0 to ISO_OSDP_SEALED_BYTES), and adds MAC and CRC or
+ * check sum. The block in `header` is not used. Returns the number of bytes of the frame. */
+size_t iso_osdp_secure_frame(struct iso_osdp_secure *secure, const struct iso_osdp_header *header,
+                             const uint8_t *data, size_t n, uint8_t *frame);
 
 #endif

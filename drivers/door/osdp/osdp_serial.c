@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/serial.h>
+#include <poll.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
@@ -114,4 +115,24 @@ int iso_osdp_serial_open(const char *path, uint32_t baud, int *fd, struct iso_fa
 int iso_osdp_serial_set_baud(int fd, uint32_t baud)
 {
     return configure(fd, baud, TCSADRAIN);
+}
+
+int iso_osdp_serial_write(int fd, const uint8_t *bytes, size_t n)
+{
+    enum { WAIT_MS = 200 };
+    while (n > 0) {
+        const ssize_t written = write(fd, bytes, n);
+        if (written > 0) {
+            bytes += written;
+            n -= (size_t)written;
+        } else if (written < 0 && errno == EAGAIN) {
+            struct pollfd wait = {.fd = fd, .events = POLLOUT};
+            if (poll(&wait, 1, WAIT_MS) <= 0) {
+                return -EIO;
+            }
+        } else if (errno != EINTR) {
+            return -EIO;
+        }
+    }
+    return 0;
 }

@@ -2,6 +2,7 @@
 #ifndef ISO_DRIVERS_DOOR_OSDP_OSDP_SERIAL_H
 #define ISO_DRIVERS_DOOR_OSDP_OSDP_SERIAL_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "core/base/fault.h"
@@ -18,5 +19,10 @@ int iso_osdp_serial_open(const char *path, uint32_t baud, int *fd, struct iso_fa
 
 /* Changes the speed, after all bytes have been sent. 0 or a negative errno. */
 int iso_osdp_serial_set_baud(int fd, uint32_t baud) __attribute__((warn_unused_result));
+
+/* Writes all bytes, however small the driver's buffer is. -EIO the line is gone, or its driver has
+ * taken no byte for 200 ms. */
+int iso_osdp_serial_write(int fd, const uint8_t *bytes, size_t n)
+    __attribute__((warn_unused_result));
 
 #endif

@@ -297,6 +297,7 @@ struct puppet_reader {
     struct iso_reader_event events[16];
     int first, n;
     struct iso_fault fault;
+    int allowed, refused; /* what was shown */
 };
 
 static bool take_event(void *context, struct iso_reader_event *out)
@@ -314,6 +315,12 @@ static void copy_fault(void *context, struct iso_fault *out)
     *out = ((struct puppet_reader *)context)->fault;
 }
 
+static void count_shown(void *context, bool allow)
+{
+    struct puppet_reader *reader = context;
+    *(allow ? &reader->allowed : &reader->refused) += 1;
+}
+
 static int no_descriptor(void *context)
 {
     (void)context;
@@ -326,7 +333,11 @@ static void a_reader_brings_cards_and_keys(void **state)
     struct rig *rig = *state;
     struct puppet_reader reader = {.n = 0};
     const struct iso_wiegand_card card = {17, 4711};
-    rig->borrowed.reader = (struct iso_card_source){take_event, copy_fault, no_descriptor, &reader};
+    rig->borrowed.reader = (struct iso_card_source){.take = take_event,
+                                                    .fault = copy_fault,
+                                                    .fd = no_descriptor,
+                                                    .show = count_shown,
+                                                    .context = &reader};
     access_rig_start(rig, "");
     access_rig_restart(rig);
     (void)access_rig_set_policy(
@@ -343,6 +354,14 @@ static void a_reader_brings_cards_and_keys(void **state)
     rig_run(rig, 100);
     access_rig_expect(rig_news(rig), "visit allow anna credential");
     assert_string_equal(iso_appliance_status(rig->appliance).reader_state, "works");
+    assert_int_equal(reader.allowed, 1);
+    assert_int_equal(reader.refused, 0);
+    /* A card of nobody. */
+    reader.events[reader.n++] = (struct iso_reader_event){
+        .kind = ISO_READER_CARD, .bits = 40, .code = 4711};
+    rig_run(rig, 100);
+    assert_int_equal(reader.allowed, 1);
+    assert_int_equal(reader.refused, 1);
     (void)iso_fault_set(&reader.fault, -ENODEV, "the reader is gone");
     rig_run(rig, 100);
     assert_string_equal(iso_appliance_status(rig->appliance).reader_state, "lost");

@@ -281,6 +281,12 @@ static void refuses_values_that_contradict_each_other(void **state)
             "door.conf: [sensor] distance_min_mm is not below distance_max_mm");
     refuses("[sensor]\nretry_ms = 500\nretry_max_ms = 400\n",
             "door.conf: [sensor] retry_ms is above retry_max_ms");
+    refuses("[reader]\nd0 = gpiochip0:5\nd1 = gpiochip0:6\nosdp_port = /dev/ttyS1\n",
+            "door.conf: [reader] osdp_port and the lines d0 and d1 exclude each other");
+    refuses("[reader]\nosdp_key = /etc/isotherm/reader.key\n",
+            "door.conf: [reader] osdp_key needs osdp_port");
+    refuses("[reader]\nosdp_port = /dev/ttyS1\n[panel]\nport = /dev/ttyS1\n",
+            "door.conf: [reader] osdp_port is the line of [panel] port");
     refuses("[door]\nbackend = gpio\n[login]\ndesk = yes\n",
             "door.conf: [login] desk needs [door] backend = null: a login would leave the door "
             "unwatched");
