@@ -16,11 +16,11 @@
 #include "tests/support/programs/run.h"
 #include "tests/support/scratch.h"
 
-#define DAEMON ISOTHERM_BINARY_DIR "/firmware/isothermd"
-#define DATA   ISOTHERM_SOURCE_DIR "/core/data"
+#define DATA ISOTHERM_SOURCE_DIR "/core/data"
 #define WARNING \
     "[reader] osdp_key is empty: anyone on the wire of the card reader can read and forge"
 
+static const char program[] = ISOTHERM_BINARY_DIR "/firmware/isothermd";
 static const uint8_t key[16] = {0xFE, 0xDC, 0xBA, 0x98, 0x76, 0x54, 0x32, 0x10,
                                 0x01, 0x23, 0x45, 0x67, 0x89, 0xAB, 0xCD, 0xEF};
 static struct private_bus bus;
@@ -68,7 +68,7 @@ static void start(struct rig *rig, const char *directory, bool secure, const cha
                                        &rig->device, &absent, &fault),
                      0);
     const char *path = write_configuration(directory, rig->wire.appliance_path, more);
-    const char *const argv[] = {DAEMON, "--config", path, NULL};
+    const char *const argv[] = {program, "--config", path, NULL};
     run_start(&rig->run, argv);
     run_until(&rig->run, "ready");
 }
@@ -139,7 +139,7 @@ static void does_not_start_without_its_key(void **state)
 {
     struct run run;
     const char *path = write_configuration(*state, "/dev/ttyS0", "osdp_key = /nonexistent/key\n");
-    const char *const argv[] = {DAEMON, "--check-config", "--config", path, NULL};
+    const char *const argv[] = {program, "--check-config", "--config", path, NULL};
     run_start(&run, argv);
     run_finish(&run);
     run_expect(&run, 3);
