@@ -70,7 +70,7 @@ static void lose_line(struct iso_osdp_reader_port *port)
     port->line = -1;
     port->retry_at_ns = now_ns(port) + retry_ns;
     lock(port);
-    (void)iso_fault_set_code(&port->line_fault, ISO_FAULT_LINE_MISSING, -ENODEV,
+    (void)iso_fault_set_code(&port->line_fault, ISO_FAULT_READER_LOST, -ENODEV,
                              "card reader: %s is gone", port->path);
     (void)eventfd_write(port->news_fd, 1);
     unlock(port);
@@ -81,6 +81,9 @@ static void find_line(struct iso_osdp_reader_port *port)
 {
     struct iso_fault fault = {.text = ""};
     const int error = iso_osdp_serial_open(port->path, port->baud, &port->line, &fault);
+    if (error) { /* the serial line speaks of the access panel */
+        (void)iso_fault_recode(&fault, ISO_FAULT_READER_LOST, error);
+    }
     port->retry_at_ns = now_ns(port) + retry_ns;
     lock(port);
     if (strcmp(fault.text, port->line_fault.text) != 0) {

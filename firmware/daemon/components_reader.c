@@ -43,7 +43,7 @@ static int open_osdp(struct iso_components *components, struct iso_fault *fault)
         error = iso_osdp_reader_port_new(config->reader.osdp_port, &setup,
                                          &components->times.monotonic, &components->osdp_reader,
                                          &why);
-        error = error ? iso_fault_set(fault, error, "%s", why.text) : 0;
+        error = error ? iso_fault_set_code(fault, why.code, error, "%s", why.text) : 0;
     }
     explicit_bzero(&setup, sizeof setup);
     return error;

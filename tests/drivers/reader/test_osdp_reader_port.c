@@ -252,7 +252,7 @@ static void test_line_that_comes_later(void **state)
     open_device(&rig, false);
     reader_wire_unplug(&rig.wire);
     open_reader(&rig, false, 0, &fault);
-    assert_int_equal(fault.code, ISO_FAULT_LINE_MISSING);
+    assert_int_equal(fault.code, ISO_FAULT_READER_LOST);
     expect_fault(&rig, "osdp: ", ": No such file or directory");
     reader_wire_plug(&rig.wire);
     expect_fault(&rig, "", "");

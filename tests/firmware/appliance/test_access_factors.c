@@ -358,7 +358,7 @@ static void a_reader_brings_cards_and_keys(void **state)
     assert_int_equal(reader.refused, 0);
     /* A card of nobody. */
     reader.events[reader.n++] = (struct iso_reader_event){
-        .kind = ISO_READER_CARD, .bits = 40, .code = 4711};
+        .kind = ISO_READER_CARD, .bits = 40, .code = 4711, .t_ns = rig->now_ns};
     rig_run(rig, 100);
     assert_int_equal(reader.allowed, 1);
     assert_int_equal(reader.refused, 1);

@@ -15,7 +15,7 @@
 #if defined(__SANITIZE_ADDRESS__)
 enum { POLICIES = 10000 };
 #else
-enum { POLICIES = 250000 };
+enum { POLICIES = 1000000 };
 #endif
 enum {
     REQUESTS = 4,
