@@ -222,8 +222,37 @@ void iso__appliance_start_panel(struct iso_appliance *appliance)
     }
 }
 
+/* How often a lamp of the panel is looked at, which may blink: its times are in units of 100 ms. */
+static const int64_t lamp_ns = 100 * ISO_NS_PER_MS;
+
+/* Shows the lamp and the buzzer of the panel at the door: red is the light of a refusal, green that
+ * of a grant, amber both. */
+static void show_panel(struct iso_appliance *appliance, int64_t now_ns)
+{
+    struct iso_panel_look look;
+    struct iso_appliance_panel *panel = &appliance->panel;
+    if (now_ns < panel->due_ns) {
+        return;
+    }
+    iso_panel_look(appliance->borrowed.panel, &look);
+    const bool amber = look.shown.lamp == ISO_OSDP_AMBER;
+    const struct iso_door_lamps lamps = {
+        .granted = amber || look.shown.lamp == ISO_OSDP_GREEN,
+        .refused = amber || look.shown.lamp == ISO_OSDP_RED,
+        .buzzer = look.shown.buzzer,
+    };
+    panel->due_ns = now_ns + lamp_ns;
+    if (memcmp(&lamps, &panel->lamps, sizeof lamps) != 0) {
+        panel->lamps = lamps;
+        iso_door_guard_show(appliance->door, &lamps);
+    }
+}
+
 void iso__appliance_tell_panel(struct iso_appliance *appliance, int64_t now_ns)
 {
+    if (appliance->borrowed.panel) {
+        show_panel(appliance, now_ns);
+    }
     struct iso_panel *panel = appliance->borrowed.panel;
     struct iso_panel_news news;
     if (!panel) {
@@ -238,5 +267,9 @@ void iso__appliance_tell_panel(struct iso_appliance *appliance, int64_t now_ns)
 int64_t iso__appliance_panel_due_ns(const struct iso_appliance *appliance)
 {
     const struct iso_panel *panel = appliance->borrowed.panel;
-    return panel ? iso_panel_due_ns(panel) : ISO_NEVER_NS;
+    if (!panel) {
+        return ISO_NEVER_NS;
+    }
+    const int64_t news_ns = iso_panel_due_ns(panel);
+    return news_ns < appliance->panel.due_ns ? news_ns : appliance->panel.due_ns;
 }

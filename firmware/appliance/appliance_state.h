@@ -77,6 +77,12 @@ struct iso_appliance_door_news {
     struct iso_door_events reported; /* the same for the reports to people */
 };
 
+/* What the access panel shows at the door. (appliance_door.c) */
+struct iso_appliance_panel {
+    struct iso_door_lamps lamps; /* as they were shown last */
+    int64_t due_ns;              /* when to look at the panel again */
+};
+
 /* The policy, and the people who still have to show more. (appliance_access.c) */
 struct iso_appliance_access {
     struct iso_site_access *site;
@@ -162,6 +168,7 @@ struct iso_appliance {
     struct iso_appliance_visit visit;
     struct iso_appliance_outcome outcome;
     struct iso_appliance_door_news door_news;
+    struct iso_appliance_panel panel;
     struct iso_appliance_access access;
     struct iso_appliance_lockout lockout;
     struct iso_appliance_storage storage;

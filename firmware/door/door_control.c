@@ -66,11 +66,27 @@ static void note_lines(struct iso_door_control *control, const struct iso_fault 
     }
 }
 
+/* The levels that the lines should have: those of the door, and the lamps of others where the door
+ * has nothing to show. */
+static struct iso_door_outputs wanted_outputs(const struct iso_door_control *control)
+{
+    struct iso_door_outputs wanted = iso_door_outputs_of(&control->door);
+    const bool quiet = control->door.state == ISO_DOOR_LOCKED &&
+                       !wanted.active[ISO_DOOR_LED_GRANTED] &&
+                       !wanted.active[ISO_DOOR_LED_REFUSED] && !wanted.active[ISO_DOOR_BUZZER];
+    if (quiet) {
+        wanted.active[ISO_DOOR_LED_GRANTED] = control->lamps.granted;
+        wanted.active[ISO_DOOR_LED_REFUSED] = control->lamps.refused;
+        wanted.active[ISO_DOOR_BUZZER] = control->lamps.buzzer;
+    }
+    return wanted;
+}
+
 /* Switches the lines whose level differs. After a failure the level of no line is known, and the
  * next call switches all of them. */
 static bool switch_outputs(struct iso_door_control *control, struct iso_fault *fault)
 {
-    const struct iso_door_outputs wanted = iso_door_outputs_of(&control->door);
+    const struct iso_door_outputs wanted = wanted_outputs(control);
     bool fine = true;
     for (int i = 0; i < ISO_DOOR_OUTPUTS; i++) {
         if (control->known && control->outputs.active[i] == wanted.active[i]) {
@@ -133,7 +149,7 @@ static bool have_lines(struct iso_door_control *control, int64_t now_ns)
     if (now_ns < control->open_ns) {
         return false;
     }
-    const struct iso_door_outputs wanted = iso_door_outputs_of(&control->door);
+    const struct iso_door_outputs wanted = wanted_outputs(control);
     if (iso_door_io_reopen(control->io, &wanted, &fault)) {
         note_lines(control, &fault, true, now_ns);
         wait_for_lines(control, now_ns);
@@ -300,6 +316,13 @@ int iso_door_control_test(struct iso_door_control *control, int64_t now_ns, stru
     return unlock_by(control, ISO_DOOR_ON_TEST, now_ns) == ISO_DOOR_DID_UNLOCK
                ? 0
                : lines_at_fault(control, fault);
+}
+
+void iso_door_control_show(struct iso_door_control *control, const struct iso_door_lamps *lamps,
+                           int64_t now_ns)
+{
+    control->lamps = *lamps;
+    apply_outputs(control, now_ns);
 }
 
 void iso_door_control_set_fault(struct iso_door_control *control, bool fault, int64_t now_ns)

@@ -30,12 +30,18 @@ struct iso_door_timing {
     int64_t retry_ns, retry_max_ns; /* first and longest wait before lost lines are opened again */
 };
 
+/* What somebody else, such as an access panel, wants the lights and the buzzer to show. */
+struct iso_door_lamps {
+    bool granted, refused, buzzer;
+};
+
 struct iso_door_control {
     struct iso_door door;
     struct iso_door_timing timing;
     struct iso_door_io *io;
     struct iso_door_inputs inputs;   /* as they were read last */
     struct iso_door_outputs outputs; /* as they were switched last */
+    struct iso_door_lamps lamps;     /* shown while the door is locked and has nothing to show */
     bool known;                      /* the levels of the outputs are certain */
     bool broken;                     /* the lines do not work */
     bool relay_failed;               /* the relay did not switch as it should */
@@ -85,6 +91,11 @@ int iso_door_control_may_test(const struct iso_door_control *control, struct iso
 
 /* Notes that a fault outside the door, such as one of the sensor, begins or ends. */
 void iso_door_control_set_fault(struct iso_door_control *control, bool fault, int64_t now_ns);
+
+/* Shows these lamps from now on, while the door is locked and shows neither a grant nor a refusal
+ * of its own. The relay does not depend on them. */
+void iso_door_control_show(struct iso_door_control *control, const struct iso_door_lamps *lamps,
+                           int64_t now_ns);
 
 /* Opens lost lines and reads the inputs if they are due, or reads them at once if `now` is set.
  * Then lets time pass, and switches outputs. */

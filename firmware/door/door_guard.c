@@ -327,13 +327,19 @@ void iso_door_guard_set_fault(struct iso_door_guard *guard, bool fault)
     unlock_and_wake(guard);
 }
 
+void iso_door_guard_show(struct iso_door_guard *guard, const struct iso_door_lamps *lamps)
+{
+    (void)pthread_mutex_lock(&guard->mutex);
+    iso_door_control_show(&guard->control, lamps, now_ns(guard));
+    unlock_and_wake(guard);
+}
+
 void iso_door_guard_set_times(struct iso_door_guard *guard, const struct iso_door_options *times)
 {
     (void)pthread_mutex_lock(&guard->mutex);
-    struct iso_door_options *options = &guard->control.door.options;
-    options->unlock_ns = times->unlock_ns;
-    options->held_ns = times->held_ns;
-    options->refused_ns = times->refused_ns;
+    guard->control.door.options.unlock_ns = times->unlock_ns;
+    guard->control.door.options.held_ns = times->held_ns;
+    guard->control.door.options.refused_ns = times->refused_ns;
     (void)pthread_mutex_unlock(&guard->mutex);
 }
 

@@ -82,6 +82,7 @@ int iso_door_guard_test(struct iso_door_guard *guard, struct iso_fault *fault)
 int iso_door_guard_may_test(struct iso_door_guard *guard, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 void iso_door_guard_set_fault(struct iso_door_guard *guard, bool fault);
+void iso_door_guard_show(struct iso_door_guard *guard, const struct iso_door_lamps *lamps);
 
 /* Changes how long the door stays unlocked, may be held open, and shows a refusal, from the next
  * time on. The other options stay. */

@@ -131,6 +131,47 @@ static void test_others_have_none(void **state)
     close_door(&door);
 }
 
+static bool is_lit(const struct door *door, enum iso_door_output output)
+{
+    bool active = false;
+    assert_int_equal(iso_door_null_get_output(door->rig->door_io, output, &active), 0);
+    return active;
+}
+
+/* The command LED: this colour, without end. */
+static void show_lamp(struct door *door, uint8_t color)
+{
+    struct panel_reply reply;
+    const uint8_t led[14] = {[9] = 1, [10] = 1, [12] = color, [13] = color};
+    assert_int_equal(osdp_line_ask(&door->line, 0x69, led, sizeof led, &reply), 0x40);
+    rig_run(door->rig, 300);
+}
+
+/* The lamp of the panel is shown by the lights of the door, as long as the door has nothing to
+ * show itself; it never moves the relay. */
+static void test_lamp_reaches_the_lights(void **state)
+{
+    struct door door;
+    open_door(&door, *state);
+    connect_panel(&door);
+    show_lamp(&door, 1);
+    assert_true(is_lit(&door, ISO_DOOR_LED_REFUSED));
+    assert_false(is_lit(&door, ISO_DOOR_LED_GRANTED));
+    show_lamp(&door, 3);
+    assert_true(is_lit(&door, ISO_DOOR_LED_REFUSED) && is_lit(&door, ISO_DOOR_LED_GRANTED));
+    assert_false(rig_relay(door.rig));
+    show_lamp(&door, 1);
+    come(door.rig, 50, 2); /* anna is let in: green, and no red */
+    assert_true(rig_relay(door.rig));
+    assert_true(is_lit(&door, ISO_DOOR_LED_GRANTED));
+    assert_false(is_lit(&door, ISO_DOOR_LED_REFUSED));
+    rig_run(door.rig, 10000);
+    assert_true(is_lit(&door, ISO_DOOR_LED_REFUSED));
+    show_lamp(&door, 0);
+    assert_false(is_lit(&door, ISO_DOOR_LED_REFUSED));
+    close_door(&door);
+}
+
 static void test_absent_panel_does_not_lock_the_door(void **state)
 {
     struct door door;
@@ -219,6 +260,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_admitted_person_has_a_card, rig_setup, rig_teardown),
         cmocka_unit_test_setup_teardown(test_others_have_none, rig_setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(test_lamp_reaches_the_lights, rig_setup, rig_teardown),
         cmocka_unit_test_setup_teardown(test_absent_panel_does_not_lock_the_door, rig_setup,
                                         rig_teardown),
         cmocka_unit_test_setup_teardown(test_changes_are_on_record, rig_setup, rig_teardown),
