@@ -33,6 +33,7 @@ struct recording {
     struct iso_appliance *appliance;
     int n; /* records so far */
     int error;
+    struct iso_fault fault;
 };
 
 /* After so many records the log's writer is waited for: its queue is not longer (audit_writer.h).
@@ -68,8 +69,10 @@ static int record_difference(void *context, const char *kind, const char *token,
         record.before = from;
         record.after = to;
         recording->error = ++recording->n % RECORDS_AT_ONCE
-                               ? iso__appliance_note(recording->appliance, &record)
-                               : iso__appliance_record_first(recording->appliance, &record, NULL);
+                               ? iso_audit_writer_post(recording->appliance->log, &record,
+                                                       &recording->fault)
+                               : iso__appliance_record_first(recording->appliance, &record,
+                                                             &recording->fault);
     } while (!recording->error && (*before || *after));
     return recording->error;
 }
@@ -81,7 +84,7 @@ static int record_policy(struct iso_appliance *appliance, const struct iso_site_
 {
     const struct iso_site_access *site = appliance->access.site;
     const uint64_t revision = iso_site_access_revision(site);
-    struct recording recording = {.appliance = appliance};
+    struct recording recording = {.appliance = appliance, .fault = {.text = ""}};
     struct iso_audit_record record = iso_audit_record_of("policy");
     char before[40], after[40];
     int error = iso__appliance_may_begin(appliance, fault);
@@ -93,7 +96,10 @@ static int record_policy(struct iso_appliance *appliance, const struct iso_site_
     if (error) {
         record.reason = "failed"; /* some differences may be on record already */
         (void)iso__appliance_note(appliance, &record);
-        return iso_fault_set(fault, error, "the change of the policy could not be recorded");
+        iso__appliance_note_storage(appliance, error, &recording.fault);
+        return iso_fault_set_code(fault, recording.fault.code, error,
+                                  "the change of the policy could not be recorded: %.160s",
+                                  *recording.fault.text ? recording.fault.text : strerror(-error));
     }
     (void)snprintf(before, sizeof before, "revision %" PRIu64, revision);
     (void)snprintf(after, sizeof after, "revision %" PRIu64, policy->document ? revision + 1 : 0);

@@ -35,6 +35,18 @@ void storage_world_start(struct storage_world *w)
     rig_start(w->rig);
 }
 
+/* Appends the size and the last byte of the access record of a person, or of the site (0). */
+static size_t add_access(const struct iso_gallery *gallery, int64_t id, char *text, size_t size)
+{
+    size_t n = 0;
+    const uint8_t *bytes = iso_gallery_access(gallery, id, &n);
+    unsigned sum = 0;
+    for (size_t i = 0; i < n; i++) {
+        sum = 31 * sum + bytes[i];
+    }
+    return n > 0 ? (size_t)snprintf(text, size, " access %zu %x", n, sum) : 0;
+}
+
 void storage_people(struct iso_gallery *gallery, char *text, size_t size)
 {
     size_t n = 0, used = 0;
@@ -50,10 +62,14 @@ void storage_people(struct iso_gallery *gallery, char *text, size_t size)
             used += (size_t)snprintf(text + used, size - used, " %d",
                                      puppet_face_of(own.entries[t].tmpl));
         }
-        used += (size_t)snprintf(text + used, size - used, " %d:%d, ", (int)people[i].valid_from_s,
+        used += (size_t)snprintf(text + used, size - used, " %d:%d", (int)people[i].valid_from_s,
                                  (int)people[i].valid_until_s);
+        used += add_access(gallery, people[i].id, text + used, size - used);
+        used += (size_t)snprintf(text + used, size - used, ", ");
         assert_true(used < size);
     }
+    used += add_access(gallery, 0, text + used, size - used);
+    assert_true(used < size);
 }
 
 static void prepare_two(struct storage_world *w)
@@ -112,6 +128,35 @@ static int change_validity(struct storage_world *w, struct iso_fault *fault)
     const struct iso_validity_change change = {
         .limits = {5, 2000000000}, .names_from = true, .names_until = true};
     return iso_appliance_set_validity(w->rig->appliance, "bob", &change, fault);
+}
+
+static int change_credential(struct storage_world *w, struct iso_fault *fault)
+{
+    return iso_appliance_set_credential(
+        w->rig->appliance, "bob", "{\"cards\": [\"17/4711\"], \"pin\": \"2580\"}", "me", fault);
+}
+
+/* Stores a policy, or removes the one that is there. */
+static int store_policy(struct storage_world *w, struct iso_fault *fault)
+{
+    const uint64_t based_on = iso_site_access_revision(iso_appliance_access(w->rig->appliance));
+    uint64_t revision = 0;
+    return iso_appliance_set_policy(w->rig->appliance,
+                                    based_on ? "" : "{\"access_points\": [{\"token\": \"front\"}]}",
+                                    based_on, "me", &revision, fault);
+}
+
+static void prepare_policy(struct storage_world *w)
+{
+    prepare_two(w);
+    assert_int_equal(store_policy(w, NULL), 0);
+    assert_int_equal(change_credential(w, NULL), 0);
+}
+
+static int change_credential_again(struct storage_world *w, struct iso_fault *fault)
+{
+    return iso_appliance_set_credential(w->rig->appliance, "bob", "{\"cards\": [\"17/4712\"]}",
+                                        "me", fault);
 }
 
 static void prepare_import(struct storage_world *w)
@@ -315,6 +360,12 @@ const struct storage_act storage_acts[] = {
     {"rename", prepare_two, rename_person, false, false, 1},
     {"validity", prepare_two, change_validity, false, false, 1},
     {"import", prepare_import, import_people, false, false, 1},
+    {"credential", prepare_two, change_credential, false, false, 1},
+    {"credential again", prepare_policy, change_credential_again, false, false, 1},
+    {"policy", prepare_two, store_policy, false, false, 2},
+    {"policy removed", prepare_policy, store_policy, false, false, 2},
+    {"remove with policy", prepare_policy, remove_person, false, false, 1},
+    {"rotate keys with policy", prepare_policy, rotate_keys, false, false, 1},
     {"rotate keys", prepare_two, rotate_keys, false, false, 1},
     {"log append", prepare_two, append, false, false, 1},
     {"log groups", prepare_two, append_groups, false, false, 5},
