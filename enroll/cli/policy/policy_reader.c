@@ -52,12 +52,47 @@ static enum cli_exit take_answer(const struct cli_child *child, const char *file
                                                 "%.80s: the document is not an object", file);
 }
 
+/* Without the program, which is in a package of its own, only JSON can be read. */
+static enum cli_exit read_json(const char *format, const char *file, int fd, json_t **out,
+                               struct cli_fault *fault)
+{
+    json_error_t where;
+
+    if (strcmp(format, "json") != 0) {
+        return cli_fault_set(fault, CLI_EXIT_NOT_FOUND, "no-file",
+                             "%.80s: only JSON can be read without the package "
+                             "isotherm-policy-import",
+                             file);
+    }
+    *out = json_loadfd(fd, JSON_REJECT_DUPLICATES, &where);
+    if (!*out) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "invalid-policy", "%.80s: line %d: %.100s",
+                             file, where.line, where.text);
+    }
+    return json_is_object(*out) ? CLI_EXIT_OK
+                                : cli_fault_set(fault, CLI_EXIT_USAGE, "invalid-policy",
+                                                "%.80s: the document is not an object", file);
+}
+
+/* Lets the program read the file. */
+static enum cli_exit let_read(const char *const argv[], const char *file, int fd, json_t **out,
+                              struct cli_fault *fault)
+{
+    struct cli_child child = {0};
+    enum cli_exit exit = cli_child_feed(argv, fd, OUTPUT_MAX_BYTES, &child, fault);
+
+    if (!exit) {
+        exit = take_answer(&child, file, out, fault);
+        cli_child_done(&child);
+    }
+    return exit;
+}
+
 enum cli_exit cli_policy_read_file(const char *program, const char *file, const char *zone,
                                    json_t **out, bool *is_calendar, struct cli_fault *fault)
 {
     const char *format = format_of(file);
     const char *const argv[] = {program, format, zone, NULL};
-    struct cli_child child = {0};
     int fd = -1;
 
     if (!format) {
@@ -72,14 +107,10 @@ enum cli_exit cli_policy_read_file(const char *program, const char *file, const 
     if (exit) {
         return exit;
     }
-    exit = cli_child_feed(argv, fd, OUTPUT_MAX_BYTES, &child, fault);
-    close(fd);
-    if (exit) {
-        return exit;
-    }
     json_t *document = NULL;
-    exit = take_answer(&child, file, &document, fault);
-    cli_child_done(&child);
+    exit = access(program, X_OK) ? read_json(format, file, fd, &document, fault)
+                                 : let_read(argv, file, fd, &document, fault);
+    (void)close(fd);
     if (exit) {
         json_decref(document);
         return exit;

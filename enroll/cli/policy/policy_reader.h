@@ -12,10 +12,10 @@
 /* Reads FILE.json, FILE.toml or FILE.ics. The caller releases *out, an object: a policy, or of a
  * calendar its special day groups and schedules alone. *is_calendar says which. `zone` is the time
  * zone of times of a calendar without one; NULL: there is none. `program` is the path of
- * isotherm-policy-reader.
+ * isotherm-policy-reader; without that program only JSON is read.
  *
  *   CLI_EXIT_USAGE      "usage" for another kind of file; "invalid-policy" for what cannot be read
- *   CLI_EXIT_NOT_FOUND  "no-file"
+ *   CLI_EXIT_NOT_FOUND  "no-file", also for another format than JSON without the program
  *   CLI_EXIT_FAULT      the file cannot be opened, or the program cannot be run */
 enum cli_exit cli_policy_read_file(const char *program, const char *file, const char *zone,
                                    json_t **out, bool *is_calendar, struct cli_fault *fault)
