@@ -12,7 +12,10 @@
 
 static const int64_t retry_ns = INT64_C(1000000000);
 
-enum { PRIORITY = 20 /* of SCHED_FIFO, as that of the sender (wiegand_out.h) */ };
+enum {
+    PRIORITY = 20, /* of SCHED_FIFO, as that of the sender (wiegand_out.h) */
+    ASK_MS = 1000, /* how often quiet lines are asked whether they are still there */
+};
 
 struct iso_wiegand_in {
     pthread_t thread;
@@ -110,10 +113,22 @@ static int read_line(struct iso_wiegand_in *reader, int line)
     return error == -EAGAIN ? 0 : error;
 }
 
-static void read_lines(struct iso_wiegand_in *reader)
+/* A chip that disappears does not wake the thread on every kernel, so the lines are asked. */
+static int ask_line(const struct iso_wiegand_in *reader, int line)
+{
+    bool active;
+    return iso_gpio_line_get(reader->lines[line], &active);
+}
+
+/* `quiet`: nothing has come for a while. */
+static void read_lines(struct iso_wiegand_in *reader, bool quiet)
 {
     int error = read_line(reader, 0);
     error = error ? error : read_line(reader, 1);
+    if (!error && quiet) {
+        error = ask_line(reader, 0);
+        error = error ? error : ask_line(reader, 1);
+    }
     if (error) {
         struct iso_fault fault = {.text = ""};
         (void)iso_fault_set_code(&fault, iso_gpio_fault_code(error), error,
@@ -129,7 +144,7 @@ static int wait_ms(const struct iso_wiegand_in *reader)
     const int64_t due_ns = reader->lines[0] ? iso_wiegand_frame_due_ns(&reader->frame)
                                             : reader->retry_at_ns;
     if (due_ns == INT64_MAX) {
-        return -1;
+        return ASK_MS;
     }
     const int64_t left_ns = due_ns - clock_ns();
     return left_ns <= 0 ? 0 : (int)((left_ns + 999999) / 1000000);
@@ -145,12 +160,12 @@ static void *run(void *context)
             fds[i + 1] = (struct pollfd){
                 .fd = reader->lines[i] ? iso_gpio_line_fd(reader->lines[i]) : -1, .events = POLLIN};
         }
-        (void)poll(fds, 3, wait_ms(reader));
+        const int ready = poll(fds, 3, wait_ms(reader));
         if (fds[0].revents) {
             return NULL;
         }
         if (reader->lines[0]) {
-            read_lines(reader);
+            read_lines(reader, ready == 0);
         } else {
             mend_lines(reader);
         }
