@@ -49,18 +49,17 @@ static int read_value(sd_bus_message *reply, char type, json_t **out)
     return *out ? 0 : -ENOMEM;
 }
 
-/* Reads a list of texts. */
-static int read_texts(sd_bus_message *reply, json_t **out)
+int cli_state_read_texts(sd_bus_message *message, json_t **out)
 {
     json_t *list = json_array();
     const char *text;
-    int r = list ? sd_bus_message_enter_container(reply, 'a', "s") : -ENOMEM;
+    int r = list ? sd_bus_message_enter_container(message, 'a', "s") : -ENOMEM;
 
-    while (r >= 0 && (r = sd_bus_message_read_basic(reply, 's', &text)) > 0) {
+    while (r >= 0 && (r = sd_bus_message_read_basic(message, 's', &text)) > 0) {
         r = json_array_append_new(list, json_string(text)) == 0 ? r : -ENOMEM;
     }
     if (r >= 0) {
-        r = sd_bus_message_exit_container(reply);
+        r = sd_bus_message_exit_container(message);
     }
     if (r < 0) {
         json_decref(list);
@@ -85,7 +84,7 @@ static int read_entry(sd_bus_message *reply, json_t *state)
         r = sd_bus_message_enter_container(reply, 'v', type);
     }
     if (r >= 0) {
-        r = strcmp(type, "as") == 0 ? read_texts(reply, &value)
+        r = strcmp(type, "as") == 0 ? cli_state_read_texts(reply, &value)
                                     : read_value(reply, type[0], &value);
     }
     if (r >= 0) {

@@ -11,6 +11,10 @@
  * another type, -ENOMEM, errors of sd_bus_message_read(). */
 int cli_state_read(sd_bus_message *message, json_t **out) __attribute__((warn_unused_result));
 
+/* Reads an array of texts from a message. The caller releases *out with json_decref(). -ENOMEM,
+ * errors of sd_bus_message_read_basic(). */
+int cli_state_read_texts(sd_bus_message *message, json_t **out) __attribute__((warn_unused_result));
+
 /* Asks the daemon for its status. The caller releases *out with json_decref(). Faults of
  * cli_daemon_send(), and "bad-reply". */
 enum cli_exit cli_state_fetch(struct cli_daemon *daemon, json_t **out, struct cli_fault *fault)

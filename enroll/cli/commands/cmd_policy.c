@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "enroll/cli/client/state.h"
 #include "enroll/cli/policy/policy_store.h"
 #include "enroll/cli/policy/policy_text.h"
 #include "enroll/cli/text/report.h"
@@ -16,7 +17,8 @@ static enum cli_exit show_text(const char *document, uint64_t revision, struct c
     struct iso_policy_document *policy = NULL;
 
     if (!document[0]) {
-        puts("There is no policy: everybody who is enrolled may enter, within the limits of each person.");
+        puts("There is no policy: everybody who is enrolled may enter, within the limits of each "
+             "person.");
         return CLI_EXIT_OK;
     }
     const enum cli_exit exit = cli_policy_read(document, &policy, fault);
@@ -58,7 +60,7 @@ static enum cli_exit check(struct cli_daemon *daemon, bool json, struct cli_faul
     if (exit) {
         return exit;
     }
-    const int r = cli_policy_read_texts(reply, &findings);
+    const int r = cli_state_read_texts(reply, &findings);
     sd_bus_message_unref(reply);
     if (r < 0) {
         return cli_daemon_bad_reply(r, ISO_CONTRACT_CHECK_POLICY, fault);
@@ -97,7 +99,8 @@ static enum cli_exit remove_policy(struct cli_daemon *daemon, bool json, struct 
         return cli_report_json(
             json_pack("{s:b, s:I}", "removed", was_there, "revision", (json_int_t)revision));
     }
-    puts(was_there ? "The policy is removed: everybody who is enrolled may enter, within the limits of each person."
+    puts(was_there ? "The policy is removed: everybody who is enrolled may enter, within the "
+                     "limits of each person."
                    : "There is no policy.");
     return CLI_EXIT_OK;
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "enroll/cli/client/state.h"
 #include "firmware/contract/contract.h"
 #include "firmware/policy/zones/zone_file.h"
 
@@ -52,26 +53,6 @@ enum cli_exit cli_policy_fetch(struct cli_daemon *daemon, char **document, uint6
     return exit;
 }
 
-int cli_policy_read_texts(sd_bus_message *reply, json_t **out)
-{
-    json_t *list = json_array();
-    const char *text;
-    int r = list ? sd_bus_message_enter_container(reply, 'a', "s") : -ENOMEM;
-
-    while (r >= 0 && (r = sd_bus_message_read(reply, "s", &text)) > 0) {
-        r = json_array_append_new(list, json_string(text)) == 0 ? r : -ENOMEM;
-    }
-    if (r >= 0) {
-        r = sd_bus_message_exit_container(reply);
-    }
-    if (r < 0) {
-        json_decref(list);
-        return r;
-    }
-    *out = list;
-    return 0;
-}
-
 enum cli_exit cli_policy_store(struct cli_daemon *daemon, const char *document, uint64_t *revision,
                                json_t **remarks, struct cli_fault *fault)
 {
@@ -94,7 +75,7 @@ enum cli_exit cli_policy_store(struct cli_daemon *daemon, const char *document, 
     uint64_t number;
     r = sd_bus_message_read(reply, "t", &number);
     if (r >= 0) {
-        r = cli_policy_read_texts(reply, remarks);
+        r = cli_state_read_texts(reply, remarks);
     }
     sd_bus_message_unref(reply);
     if (r < 0) {

@@ -9,7 +9,8 @@
 #include "firmware/policy/document/policy_document.h"
 
 /* Reads a policy with the time zones of this machine. The caller frees *out with
- * iso_policy_document_free(). CLI_EXIT_USAGE "invalid-policy" with a line that names the record. */
+ * iso_policy_document_free(). Returns CLI_EXIT_USAGE "invalid-policy" if the policy is wrong; the
+ * line of the fault names the record. */
 enum cli_exit cli_policy_read(const char *json, struct iso_policy_document **out,
                               struct cli_fault *fault) __attribute__((warn_unused_result));
 
@@ -24,10 +25,6 @@ enum cli_exit cli_policy_fetch(struct cli_daemon *daemon, char **document, uint6
 enum cli_exit cli_policy_store(struct cli_daemon *daemon, const char *document, uint64_t *revision,
                                json_t **remarks, struct cli_fault *fault)
     __attribute__((warn_unused_result));
-
-/* Reads an array of texts of a reply. The caller releases *out. A negative errno of sd-bus, or
- * -ENOMEM. */
-int cli_policy_read_texts(sd_bus_message *reply, json_t **out) __attribute__((warn_unused_result));
 
 /* Lists the changes between two policies; NULL is no policy. Each is an object with "kind", "token"
  * and "change", which is "added", "removed" or "changed". NULL: no memory. */

@@ -20,7 +20,8 @@ static const char *voice_of(const char *language)
 /* Whether these words may interrupt others. */
 static bool is_urgent(enum screen_scene_kind kind)
 {
-    return kind == SCREEN_WANTED || kind == SCREEN_ALLOWED || kind == SCREEN_REFUSED || kind == SCREEN_CLOSED;
+    return kind == SCREEN_WANTED || kind == SCREEN_ALLOWED || kind == SCREEN_REFUSED ||
+           kind == SCREEN_CLOSED;
 }
 
 static bool is_speaking(struct screen_speech *speech)
