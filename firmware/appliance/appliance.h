@@ -213,9 +213,9 @@ int iso_appliance_identify(struct iso_appliance *appliance, struct iso_fault *fa
 
 /* Takes the claim, verifies a person for a login of this machine, and gives the claim back by
  * itself at the end: after the last status it reports claim_lost. It ends after [login] longest_ms
- * at the latest. The errors of iso_appliance_verify, and: -EOPNOTSUPP the appliance guards a door
- * ([login] desk), -EBUSY another client has the claim, -EPERM also for a person who is not valid
- * now. After an error nothing has changed. */
+ * at the latest. Returns the errors of iso_appliance_verify(). Returns also -EOPNOTSUPP if the
+ * appliance guards a door ([login] desk), -EBUSY if another client has the claim, and -EPERM if the
+ * person is not valid now. After an error nothing has changed. */
 int iso_appliance_verify_login(struct iso_appliance *appliance, const char *person,
                                struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -50,8 +50,9 @@
  *   "site-excluded" u         templates that do not teach it, because of ResetSite or RollBackSite
  *   "site-other-sensor" u     people who do not teach it, because no template of theirs was made
  *                             before this class of sensor (its model); they are identified all the same
- *   "site-offset" d           length of what they have in common, in standard deviations of a
- *                             rendered person, where "site-expected" d is expected of rendered ones
+ *   "site-offset" d           how far the mean of these people is from the mean of rendered people,
+ *                             in standard deviations of a rendered person; as many rendered people
+ *                             would give "site-expected" d
  *   "site-growth" d           variance within a person as a multiple of the rendered one; 0: not
  *                             known
  *   "image-check" s           "off", "flag", "veto", "absent"

@@ -24,9 +24,9 @@ static void report(iso_live_settings_warn warn, void *context,
     warn(context, text);
 }
 
-/* Applies the items that can be applied after those before; the others stay in *left. Returns the
- * number of those that were applied. Two settings may fit to each other only together with a third,
- * so this is repeated until nothing more can be applied. */
+/* Applies the items that fit to the configuration now; the others stay in `left`. Returns how many
+ * were applied. An item may fit only after a later one was applied, so the caller repeats this
+ * until nothing more can be applied. */
 static size_t apply_some(struct iso_config *config, const struct iso_settings_file *file,
                          bool left[ISO_LIVE_KEYS_MAX])
 {

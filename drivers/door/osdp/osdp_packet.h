@@ -71,7 +71,7 @@ size_t iso_osdp_packet_end(uint8_t *frame, size_t n);
 /* ---- frames in a stream ---- */
 
 /* Collects bytes until a frame is whole. After damage it looks for the next frame within the bytes
- * that it has, so that one wrong length costs no good frame that follows. */
+ * that it has. So a frame with a wrong length does not lose the good frame that follows it. */
 struct iso_osdp_receiver {
     uint8_t bytes[ISO_OSDP_FRAME_BYTES];
     size_t n;

@@ -14,8 +14,9 @@
 
 enum { ISO_CREDENTIAL_PATCH_MAX = 4096 }; /* bytes of a patch */
 
-/* Changes a record. -EINVAL with a line that names the member: it is unknown, of another type, or
- * wrong (iso_credential_record_check()); -ENOMEM. Then the record is as before. */
+/* Changes a record. Returns 0; -ENOMEM; or -EINVAL, and the line of the fault names a member that
+ * is unknown, of another type, or refused by iso_credential_record_check(). After an error the
+ * record is as before. */
 int iso_credential_patch(const char *json, struct iso_credential_record *record,
                          struct iso_fault *fault) __attribute__((warn_unused_result));
 

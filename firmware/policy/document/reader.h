@@ -1,4 +1,4 @@
-/* A document while it is read: the values of its members, with a line for each that is wrong. */
+/* Reads the members of a document, and writes a line for each member that is wrong. */
 #ifndef ISO_FIRMWARE_POLICY_DOCUMENT_READER_H
 #define ISO_FIRMWARE_POLICY_DOCUMENT_READER_H
 

@@ -29,7 +29,7 @@ void duo_close(struct duo *duo);
 void duo_plug_device(struct duo *duo, bool has_key, bool plain);
 void duo_open_reader(struct duo *duo, bool has_key);
 
-/* A setup for a reader of another key or without random numbers. */
+/* Makes the setup of a reader. The caller may change its key or take its random numbers away. */
 struct iso_osdp_reader_setup duo_reader_setup(struct duo *duo, bool has_key);
 
 /* One command, when one is due next, and its reply. */

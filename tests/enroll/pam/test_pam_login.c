@@ -1,5 +1,5 @@
-/* Logins by face before the real daemon, which sees stored frames: who gets in, who does not, and
- * when the camera does not look at all. */
+/* Logins by face with the real daemon, which reads stored frames. The tests check who gets in, who
+ * does not get in, and when the camera is not used at all. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

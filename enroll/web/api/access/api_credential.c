@@ -36,7 +36,7 @@ void web_api_get_credential(void *context, struct web_exchange *exchange)
     web_daemon_send(api->daemon, call, 0, on_credential, exchange);
 }
 
-/* The change may have a PIN: the copies of its text are wiped. */
+/* The change may contain a PIN, so every copy of its text is wiped. */
 static void change(struct web_api *api, struct web_exchange *exchange)
 {
     char *patch = json_dumps(web_exchange_body(exchange), JSON_COMPACT);
