@@ -26,8 +26,7 @@ const char *iso__appliance_wanted(const struct iso_appliance *appliance);
 /* Whether the clock can be trusted to tell the date. */
 bool iso__appliance_knows_date(const struct iso_appliance *appliance);
 
-/* (appliance_reader.c) Takes what the card reader has read. Reports that the reader is lost, or that
- * it works again. */
+/* (appliance_reader.c) Takes the cards and keys of the reader; reports its loss and its return. */
 void iso__appliance_read_cards(struct iso_appliance *appliance);
 
 /* Shows at the card reader, if it can, whether somebody is let in. */
