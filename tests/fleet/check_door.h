@@ -1,0 +1,50 @@
+/* One door of a fleet for the check of a whole fleet: the appliance of the daemon with its stores on
+ * the disk, its part of the fleet, and the link that carries its messages. The camera and the
+ * recognition are puppets (tests/firmware/rigs/puppets.h): a face is a number. Everything else is
+ * the code of the product, and the clock is that of the machine. Many doors live in one process. */
+#ifndef TESTS_FLEET_CHECK_DOOR_H
+#define TESTS_FLEET_CHECK_DOOR_H
+
+#include <systemd/sd-event.h>
+
+#include "firmware/fleet/door/fleet.h"
+#include "firmware/fleet/link/link.h"
+
+struct check_door;
+
+struct check_door_setup {
+    sd_event *event;
+    struct link_http *http;
+    const char *folder; /* of this door; it is made if it is missing */
+};
+
+/* Opens the stores and starts the appliance. If the folder holds the files of a member
+ * (link_files), the link starts, too. A failure ends the program with a line. */
+struct check_door *check_door_new(const struct check_door_setup *setup);
+
+/* Closes all of it in order. */
+void check_door_free(struct check_door *door);
+
+/* Lets the appliance do what is due; called every few milliseconds. */
+void check_door_step(struct check_door *door);
+
+/* The address of the appliance, for joining; and the membership that the hub has answered. Ends the
+ * program with a line after an error. */
+void check_door_address(const struct check_door *door, char address[129]);
+
+/* Shows usable frames of a face and steps until the visit has a verdict, at most three seconds.
+ * Writes "allow NAME", "deny REASON" or "nothing". */
+void check_door_show(struct check_door *door, int face, char *answer, size_t size);
+
+/* Enrols somebody at the door, as an enrolment there would. Writes "" or a fault. */
+void check_door_enrol(struct check_door *door, const char *name, int face, char *answer,
+                      size_t size);
+
+/* Moves the clock that runs since the boot of this door forward. */
+void check_door_advance(struct check_door *door, int64_t seconds);
+
+/* Writes one line: phase of the link, people, digest of the people with their revisions, lease, and
+ * for each zone epoch, sequence and the first digits of its digest. */
+void check_door_describe(struct check_door *door, char *answer, size_t size);
+
+#endif

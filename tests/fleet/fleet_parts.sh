@@ -1,0 +1,127 @@
+# The parts of fleet_check.sh: how servers, hubs and doors are started, killed and asked.
+
+checks=0 wrong=0
+
+# Counts a check: ok TEXT, or bad TEXT.
+ok() {
+    checks=$((checks + 1))
+    echo "ok    $*"
+}
+bad() {
+    checks=$((checks + 1)) wrong=$((wrong + 1))
+    echo "WRONG $*"
+}
+expect() { # TEXT COMMAND...
+    local text=$1
+    shift
+    if "$@"; then ok "$text"; else bad "$text"; fi
+}
+
+now_ms() { date +%s%3N; }
+
+# ---- servers ----
+
+as_postgres() {
+    if [ "$(id -u)" -eq 0 ]; then runuser -u postgres -- "$@"; else "$@"; fi
+}
+
+prepare() {
+    local program
+    pg=$(ls -d /usr/lib/postgresql/*/bin 2>/dev/null | tail -n 1)
+    for program in "$pg/initdb" /usr/sbin/mosquitto; do
+        [ -x "$program" ] || {
+            echo "fleet_check: $program is missing: skipped"
+            exit 77
+        }
+    done
+    work=$(mktemp -d "${TMPDIR:-/var/tmp}/fleet-check.XXXXXX")
+    chmod 755 "$work"
+    trap 'clean_up' EXIT
+    mkdir "$work/db" "$work/doors" "$work/hub" "$work/broker" "$work/log"
+    [ "$(id -u)" -ne 0 ] || chown postgres "$work/db"
+    as_postgres "$pg/initdb" -D "$work/db/data" -A trust -U postgres >"$work/log/initdb" 2>&1
+    broker_port=$(free_port) hub_broker_port=$(free_port)
+    https_port=([1]=$(free_port) [2]=$(free_port))
+    conninfo="host=$work/db user=postgres dbname=fleet"
+    start_postgres
+    as_postgres createdb -h "$work/db" -U postgres fleet
+    make_hub
+    start_broker
+    start_hub 1
+    start_hub 2
+}
+
+free_port() {
+    python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
+}
+
+start_postgres() {
+    rm -f "$work/db/data/postmaster.pid"
+    as_postgres "$pg/postgres" -D "$work/db/data" -k "$work/db" -c listen_addresses= \
+        -c max_connections=60 >>"$work/log/postgres" 2>&1 &
+    pid_of_postgres=$!
+    local i
+    for i in $(seq 100); do
+        as_postgres "$pg/pg_isready" -q -h "$work/db" && return
+        sleep 0.1
+    done
+    echo "fleet_check: PostgreSQL does not start" >&2
+    tail "$work/log/postgres" >&2
+    exit 1
+}
+
+sql() { as_postgres psql -X -q -A -t -h "$work/db" -U postgres -d fleet -c "$1"; }
+
+start_broker() {
+    mosquitto -c "$work/broker/mosquitto.conf" >>"$work/log/broker" 2>&1 &
+    pid_of_broker=$!
+}
+
+# ---- the hub ----
+
+hub() { "$build/enroll/hub/isotherm-hub" --config "$work/hub/hub.conf" "$@"; }
+
+start_hub() {
+    "$build/enroll/hub/isotherm-hub" --config "$work/hub/hub$1.conf" run >>"$work/log/hub$1" 2>&1 &
+    eval "pid_of_hub$1=$!"
+}
+
+# ---- doors ----
+
+socket_of() { echo "$work/doors/$(($1 / A_PROCESS * A_PROCESS)).socket"; }
+ask() { "$build/tests/fleet/fleet_doors" ask "$(socket_of "$2")" "$@"; } # WORD DOOR [WORD...]
+
+start_doors() { # FIRST
+    "$build/tests/fleet/fleet_doors" run "$work/doors" "$1" "$A_PROCESS" >"$work/log/ready$1" 2>>"$work/log/doors$1" &
+    eval "pid_of_doors$1=$!"
+    local i
+    for i in $(seq 300); do
+        grep -q ready "$work/log/ready$1" 2>/dev/null && return
+        sleep 0.1
+    done
+    echo "fleet_check: the doors from $1 on do not start" >&2
+    tail "$work/log/doors$1" >&2
+    exit 1
+}
+
+# Prints a line for each door: "NUMBER phase people N DIGEST lease ... zone ...".
+states() {
+    local first
+    for ((first = 0; first < DOORS; first += A_PROCESS)); do
+        "$build/tests/fleet/fleet_doors" ask "$work/doors/$first.socket" state all 2>/dev/null || true
+    done
+}
+
+clean_up() {
+    local pid
+    for pid in $(jobs -p); do
+        kill -9 "$pid" 2>/dev/null || true
+    done
+    wait 2>/dev/null || true
+    if [ "${FLEET_KEEP:-}" ]; then echo "kept: $work"; else rm -rf "$work"; fi
+}
+
+finish() {
+    echo "fleet_check: $checks checks, $wrong wrong"
+    [ "$wrong" -eq 0 ]
+}
