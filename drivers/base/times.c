@@ -10,10 +10,15 @@ static int64_t read_clock(clockid_t id)
     return now.tv_sec * ISO_NS_PER_S + now.tv_nsec;
 }
 
+int64_t iso_monotonic_ns(void)
+{
+    return read_clock(CLOCK_MONOTONIC);
+}
+
 static int64_t monotonic_ns(void *context)
 {
     (void)context;
-    return read_clock(CLOCK_MONOTONIC);
+    return iso_monotonic_ns();
 }
 
 static int64_t boottime_ns(void *context)

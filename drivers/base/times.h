@@ -26,6 +26,9 @@ struct iso_times {
     struct iso_clock boottime;
 };
 
+/* The system's CLOCK_MONOTONIC, for code whose clock is not injected: threads that drive lines. */
+int64_t iso_monotonic_ns(void);
+
 static inline int64_t iso_times_now_ns(const struct iso_times *times)
 {
     return iso_clock_now_ns(&times->monotonic);

@@ -7,6 +7,7 @@
 #include <sys/prctl.h>
 #include <time.h>
 
+#include "drivers/base/times.h"
 #include "drivers/process/thread.h"
 
 struct iso_wiegand_out {
@@ -23,13 +24,6 @@ struct iso_wiegand_out {
 
 /* ---- the thread ---- */
 
-static int64_t clock_ns(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
-}
-
 static void sleep_until(int64_t t_ns)
 {
     const struct timespec until = {t_ns / 1000000000, t_ns % 1000000000};
@@ -40,7 +34,7 @@ static void sleep_until(int64_t t_ns)
 /* Waits without sleeping: a pulse is so short that waking up would take as long. */
 static void spin_until(int64_t t_ns)
 {
-    while (clock_ns() < t_ns) {
+    while (iso_monotonic_ns() < t_ns) {
     }
 }
 
@@ -56,12 +50,12 @@ static int send_pulse(const struct iso_wiegand_lines *lines, int line, int64_t *
                       struct iso_wiegand_report *report)
 {
     const int error = lines->set(lines->context, line, true);
-    *begin_ns = clock_ns();
+    *begin_ns = iso_monotonic_ns();
     spin_until(*begin_ns + ISO_WIEGAND_PULSE_NS);
     const int rest_error = lines->set(lines->context, line, false);
     if (!error && !rest_error) {
         report->pulses++;
-        widen_range(&report->pulse_min_ns, &report->pulse_max_ns, clock_ns() - *begin_ns);
+        widen_range(&report->pulse_min_ns, &report->pulse_max_ns, iso_monotonic_ns() - *begin_ns);
     }
     return error ? error : rest_error;
 }
@@ -79,7 +73,7 @@ static bool has_to_end(struct iso_wiegand_out *out)
 static int send_code(struct iso_wiegand_out *out, uint64_t code, int bits,
                      struct iso_wiegand_report *report)
 {
-    int64_t due_ns = clock_ns(), before_ns = 0, begin_ns;
+    int64_t due_ns = iso_monotonic_ns(), before_ns = 0, begin_ns;
     for (int bit = bits - 1; bit >= 0; bit--) {
         sleep_until(due_ns);
         if (has_to_end(out)) {

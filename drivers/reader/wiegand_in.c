@@ -5,9 +5,9 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <sys/eventfd.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "drivers/base/times.h"
 #include "drivers/process/thread.h"
 
 static const int64_t retry_ns = INT64_C(1000000000);
@@ -34,13 +34,6 @@ struct iso_wiegand_in {
     struct iso_fault fault;
 };
 
-static int64_t clock_ns(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
-}
-
 static void tell_news(const struct iso_wiegand_in *reader)
 {
     const uint64_t one = 1;
@@ -64,7 +57,7 @@ static void close_lines(struct iso_wiegand_in *reader)
         reader->lines[i] = NULL;
     }
     reader->frame = (struct iso_wiegand_frame){.n = 0};
-    reader->retry_at_ns = clock_ns() + retry_ns;
+    reader->retry_at_ns = iso_monotonic_ns() + retry_ns;
 }
 
 static int open_lines(struct iso_wiegand_in *reader, struct iso_fault *fault)
@@ -82,7 +75,7 @@ static int open_lines(struct iso_wiegand_in *reader, struct iso_fault *fault)
 static void mend_lines(struct iso_wiegand_in *reader)
 {
     struct iso_fault fault = {.text = ""};
-    if (clock_ns() >= reader->retry_at_ns && open_lines(reader, &fault) == 0) {
+    if (iso_monotonic_ns() >= reader->retry_at_ns && open_lines(reader, &fault) == 0) {
         set_fault(reader, &(struct iso_fault){.text = ""});
     }
 }
@@ -146,7 +139,7 @@ static int wait_ms(const struct iso_wiegand_in *reader)
     if (due_ns == INT64_MAX) {
         return ASK_MS;
     }
-    const int64_t left_ns = due_ns - clock_ns();
+    const int64_t left_ns = due_ns - iso_monotonic_ns();
     return left_ns <= 0 ? 0 : (int)((left_ns + 999999) / 1000000);
 }
 
@@ -169,7 +162,8 @@ static void *run(void *context)
         } else {
             mend_lines(reader);
         }
-        const struct iso_reader_event event = iso_wiegand_frame_time(&reader->frame, clock_ns());
+        const struct iso_reader_event event = iso_wiegand_frame_time(&reader->frame,
+                                                                     iso_monotonic_ns());
         queue(reader, &event);
     }
 }

@@ -19,19 +19,12 @@ struct iso_life_sign {
     int64_t renewed_ns; /* when the main thread last reported progress */
 };
 
-static int64_t now_ns(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return now.tv_sec * ISO_NS_PER_S + now.tv_nsec;
-}
-
 /* The message that is due now; NULL: none. Each message is valid for so long that the next one may
  * be missed. */
 static const char *words(const struct iso_life_sign *sign)
 {
     const bool speaks = iso_disk_wait_lasts() &&
-                        now_ns() - sign->renewed_ns < sign->options.limit_ns;
+                        iso_monotonic_ns() - sign->renewed_ns < sign->options.limit_ns;
     if (!speaks) {
         return NULL;
     }
@@ -44,7 +37,7 @@ static const char *words(const struct iso_life_sign *sign)
 /* Waits for the next tick, or for the request to end. */
 static void await_tick(struct iso_life_sign *sign)
 {
-    const int64_t t_ns = now_ns() + sign->options.tick_ns;
+    const int64_t t_ns = iso_monotonic_ns() + sign->options.tick_ns;
     const struct timespec until = {(time_t)(t_ns / ISO_NS_PER_S), (long)(t_ns % ISO_NS_PER_S)};
     int error = 0;
     while (!sign->ending && error != ETIMEDOUT) {
@@ -78,7 +71,7 @@ int iso_life_sign_new(const struct iso_life_sign_options *options, struct iso_li
         return -ENOMEM;
     }
     sign->options = *options;
-    sign->renewed_ns = now_ns();
+    sign->renewed_ns = iso_monotonic_ns();
     iso_disk_wait_watch();
     (void)pthread_mutex_init(&sign->mutex, NULL);
     (void)pthread_condattr_init(&attributes);
@@ -117,7 +110,7 @@ void iso_life_sign_enter(struct iso_life_sign *sign, enum iso_life_phase phase)
     if (sign) {
         (void)pthread_mutex_lock(&sign->mutex);
         sign->phase = phase;
-        sign->renewed_ns = now_ns();
+        sign->renewed_ns = iso_monotonic_ns();
         (void)pthread_mutex_unlock(&sign->mutex);
     }
 }
@@ -126,7 +119,7 @@ void iso_life_sign_renew(struct iso_life_sign *sign)
 {
     if (sign) {
         (void)pthread_mutex_lock(&sign->mutex);
-        sign->renewed_ns = now_ns();
+        sign->renewed_ns = iso_monotonic_ns();
         (void)pthread_mutex_unlock(&sign->mutex);
     }
 }

@@ -1,19 +1,16 @@
 #include "firmware/panel/panel_file.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/base/bytes.h"
-#include "drivers/file/data_file.h"
+#include "firmware/keys/sealed_file.h"
 
-static const char magic[8] = {'I', 'S', 'O', 'P', 'A', 'N', 'L', '1'};
-
-enum {
-    HEAD_BYTES = sizeof magic + 4,
-    FILE_BYTES = HEAD_BYTES + ISO_PANEL_PLAIN_BYTES + ISO_SEAL_OVERHEAD,
-    FILE_MAX_BYTES = 4096,
-};
+static const struct iso_sealed_file kind = {.magic = "ISOPANL1",
+                                            .kind = "isotherm panel 1",
+                                            .use = ISO_KEY_PANEL,
+                                            .plain_min = ISO_PANEL_PLAIN_BYTES,
+                                            .plain_max = ISO_PANEL_PLAIN_BYTES};
 
 void iso_panel_file_put(const struct iso_panel_file *file, uint8_t plain[ISO_PANEL_PLAIN_BYTES])
 {
@@ -42,60 +39,25 @@ int iso_panel_file_get(const uint8_t *plain, size_t size, struct iso_panel_file 
     return 0;
 }
 
-static struct iso_seal_label label_of(uint32_t number)
-{
-    struct iso_seal_label label = iso_seal_label_of("isotherm panel 1");
-    iso_seal_label_number(&label, number);
-    return label;
-}
-
-static int open_sealed(const uint8_t *bytes, size_t size, const struct iso_key_ring *ring,
-                       struct iso_panel_file *out)
-{
-    uint8_t plain[ISO_PANEL_PLAIN_BYTES];
-    if (size != FILE_BYTES || memcmp(bytes, magic, sizeof magic) != 0) {
-        return -EBADMSG;
-    }
-    const uint32_t number = iso_get_u32(bytes + sizeof magic);
-    const struct iso_seal_key *key = iso_key_ring_find(ring, ISO_KEY_PANEL, number);
-    const struct iso_seal_label label = label_of(number);
-    if (!key || iso_seal_open(key, &label, bytes + HEAD_BYTES, size - HEAD_BYTES, plain)) {
-        return -EBADMSG;
-    }
-    const int error = iso_panel_file_get(plain, sizeof plain, out);
-    explicit_bzero(plain, sizeof plain);
-    return error;
-}
-
 int iso_panel_file_load(const char *path, const struct iso_key_ring *ring,
                         struct iso_panel_file *out, struct iso_fault *fault)
 {
-    struct iso_fault why = {.text = ""};
-    void *bytes = NULL;
+    uint8_t plain[ISO_PANEL_PLAIN_BYTES];
     size_t size = 0;
-    int error = iso_data_file_read(path, FILE_MAX_BYTES, &bytes, &size, &why);
-    if (error) {
-        return error == -ENOENT ? error
-                                : iso_fault_set_code(fault, why.code, error, "%s", why.text);
-    }
-    error = open_sealed(bytes, size, ring, out);
-    free(bytes);
-    return error ? iso_fault_set_code(fault, ISO_FAULT_PANEL_KEY, error,
-                                      "%s: damaged, or sealed with another key", path)
-                 : 0;
+    int error = iso_sealed_file_read(path, &kind, ring, plain, &size, fault);
+    error = error ? error : iso_panel_file_get(plain, size, out);
+    explicit_bzero(plain, sizeof plain);
+    return error == -EBADMSG ? iso_fault_set_code(fault, ISO_FAULT_PANEL_KEY, error,
+                                                  "%s: damaged, or sealed with another key", path)
+                             : error;
 }
 
 int iso_panel_file_save(const char *path, const struct iso_seal_key *key, uint32_t number,
                         const struct iso_panel_file *file, struct iso_fault *fault)
 {
-    uint8_t plain[ISO_PANEL_PLAIN_BYTES], bytes[FILE_BYTES];
-    const struct iso_seal_label label = label_of(number);
+    uint8_t plain[ISO_PANEL_PLAIN_BYTES];
     iso_panel_file_put(file, plain);
-    memcpy(bytes, magic, sizeof magic);
-    (void)iso_put_u32(bytes + sizeof magic, number);
-    iso_seal_close(key, &label, plain, sizeof plain, bytes + HEAD_BYTES);
+    const int error = iso_sealed_file_write(path, &kind, key, number, plain, sizeof plain, fault);
     explicit_bzero(plain, sizeof plain);
-    const int error = iso_data_file_replace(path, bytes, sizeof bytes, fault);
-    /* An error that came after the new file was in its place is none for the panel. */
-    return error && iso_data_file_holds(path, bytes, sizeof bytes) ? 0 : error;
+    return error;
 }

@@ -32,7 +32,7 @@ int iso_panel_file_load(const char *path, const struct iso_key_ring *ring,
     __attribute__((warn_unused_result));
 
 /* Replaces the file; it is on the disk when this returns 0. `key` has the number `number`. The
- * errors of iso_data_file_replace. */
+ * errors of iso_sealed_file_write. */
 int iso_panel_file_save(const char *path, const struct iso_seal_key *key, uint32_t number,
                         const struct iso_panel_file *file, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -5,16 +5,15 @@
 #include <string.h>
 
 #include "core/base/bytes.h"
-#include "drivers/file/data_file.h"
-#include "drivers/file/directory.h"
-#include "drivers/file/storage_fault.h"
+#include "firmware/keys/sealed_file.h"
 
-static const char magic[8] = {'I', 'S', 'O', 'S', 'E', 'T', 'S', '1'};
+static const struct iso_sealed_file kind = {.magic = "ISOSETS1",
+                                            .kind = "isotherm settings 1",
+                                            .use = ISO_KEY_ANCHOR,
+                                            .plain_min = 0,
+                                            .plain_max = ISO_SETTINGS_PLAIN_MAX};
 
-enum {
-    HEAD_BYTES = sizeof magic + 4,
-    FILE_MAX_BYTES = HEAD_BYTES + (int)ISO_SETTINGS_PLAIN_MAX + (int)ISO_SEAL_OVERHEAD,
-};
+_Static_assert((int)ISO_SETTINGS_PLAIN_MAX <= (int)ISO_SEALED_FILE_PLAIN_MAX, "it fits the file");
 
 /* ---- the bytes that are sealed ---- */
 
@@ -103,81 +102,29 @@ _Static_assert((int)ISO_SETTING_NAME_SIZE == (int)ISO_LIVE_VALUE_SIZE,
 
 /* ---- the file ---- */
 
-static struct iso_seal_label label_of(uint32_t key)
-{
-    struct iso_seal_label label = iso_seal_label_of("isotherm settings 1");
-    iso_seal_label_number(&label, key);
-    return label;
-}
-
-static int open_sealed(const uint8_t *bytes, size_t size, const struct iso_key_ring *ring,
-                       struct iso_settings_file *out)
-{
-    uint8_t plain[ISO_SETTINGS_PLAIN_MAX];
-    if (size < HEAD_BYTES + ISO_SEAL_OVERHEAD || size > FILE_MAX_BYTES ||
-        memcmp(bytes, magic, sizeof magic) != 0) {
-        return -EBADMSG;
-    }
-    const uint32_t number = iso_get_u32(bytes + sizeof magic);
-    const struct iso_seal_key *key = iso_key_ring_find(ring, ISO_KEY_ANCHOR, number);
-    const struct iso_seal_label label = label_of(number);
-    const size_t sealed = size - HEAD_BYTES;
-    if (!key || iso_seal_open(key, &label, bytes + HEAD_BYTES, sealed, plain)) {
-        return -EBADMSG;
-    }
-    return iso_settings_get(plain, sealed - ISO_SEAL_OVERHEAD, out);
-}
-
 int iso_settings_file_read(const char *path, const struct iso_key_ring *ring,
                            struct iso_settings_file *out, struct iso_fault *fault)
 {
-    struct iso_fault why = {.text = ""};
-    void *bytes = NULL;
+    uint8_t plain[ISO_SETTINGS_PLAIN_MAX];
     size_t size = 0;
-    int error = iso_data_file_read(path, FILE_MAX_BYTES, &bytes, &size, &why);
-    if (error) {
-        return error == -ENOENT ? error
-                                : iso_fault_set_code(fault, why.code, error, "%s", why.text);
-    }
-    error = open_sealed(bytes, size, ring, out);
-    free(bytes);
-    return error ? iso_fault_set(fault, error, "%s: damaged", path) : 0;
-}
-
-/* Writes the bytes of the file, which may have been written in spite of an error. */
-static int replace(const char *path, const uint8_t *bytes, size_t size, struct iso_fault *fault)
-{
-    struct iso_fault why = {.text = ""};
-    const int error = iso_data_file_replace(path, bytes, size, &why);
-    if (error && iso_data_file_holds(path, bytes, size)) {
-        return iso_directory_sync(path, fault);
-    }
-    if (iso_storage_is_refusal(error)) {
-        return iso_storage_refused(path, error, fault);
-    }
-    return error ? iso_fault_set_code(fault, why.code, error, "%s: cannot be written: %s", path,
-                                      why.text[0] ? why.text : strerror(-error))
-                 : 0;
+    int error = iso_sealed_file_read(path, &kind, ring, plain, &size, fault);
+    error = error ? error : iso_settings_get(plain, size, out);
+    return error == -EBADMSG ? iso_fault_set(fault, error, "%s: damaged", path) : error;
 }
 
 int iso_settings_file_write(const char *path, const struct iso_key_ring *ring,
                             struct iso_settings_file *file, struct iso_fault *fault)
 {
-    const uint32_t key = iso_key_ring_newest(ring, ISO_KEY_ANCHOR);
-    const struct iso_seal_label label = label_of(key);
-    uint8_t *plain = malloc(ISO_SETTINGS_PLAIN_MAX), *bytes = malloc(FILE_MAX_BYTES);
-    int error = plain && bytes ? 0 : iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
-    if (!error) {
-        file->number++;
-        const size_t n = iso_settings_put(file, plain);
-        memcpy(bytes, magic, sizeof magic);
-        (void)iso_put_u32(bytes + sizeof magic, key);
-        iso_seal_close(iso_key_ring_find(ring, ISO_KEY_ANCHOR, key), &label, plain, n,
-                       bytes + HEAD_BYTES);
-        error = replace(path, bytes, HEAD_BYTES + n + ISO_SEAL_OVERHEAD, fault);
-        file->number -= error ? 1 : 0;
+    const uint32_t number = iso_key_ring_newest(ring, ISO_KEY_ANCHOR);
+    uint8_t *plain = malloc(ISO_SETTINGS_PLAIN_MAX);
+    if (!plain) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
     }
+    file->number++;
+    const size_t n = iso_settings_put(file, plain);
+    const int error = iso_sealed_file_write(
+        path, &kind, iso_key_ring_find(ring, ISO_KEY_ANCHOR, number), number, plain, n, fault);
+    file->number -= error ? 1 : 0;
     free(plain);
-    free(bytes);
     return error;
 }

@@ -12,16 +12,15 @@
 #include "drivers/base/times.h"
 #include "drivers/file/data_file.h"
 #include "drivers/file/directory.h"
-#include "drivers/file/storage_fault.h"
+#include "firmware/keys/sealed_file.h"
 
-static const char magic[8] = {'I', 'S', 'O', 'L', 'O', 'C', 'K', '2'};
+static const struct iso_sealed_file kind = {.magic = "ISOLOCK2",
+                                            .kind = "isotherm lockout 2",
+                                            .use = ISO_KEY_ANCHOR,
+                                            .plain_min = ISO_LOCKOUT_PLAIN_BYTES,
+                                            .plain_max = ISO_LOCKOUT_PLAIN_BYTES};
 
-enum {
-    TEXT_SIZE = 160,
-    HEAD_BYTES = sizeof magic + 4,
-    FILE_BYTES = HEAD_BYTES + ISO_LOCKOUT_PLAIN_BYTES + ISO_SEAL_OVERHEAD,
-    FILE_MAX_BYTES = 4096,
-};
+enum { TEXT_SIZE = 160, FILE_MAX_BYTES = 4096 };
 
 /* Rounded up, so that a lock that ends in less than a millisecond is still a lock. */
 static int64_t remaining_ms(const struct iso_lockout_record *record)
@@ -102,27 +101,13 @@ int iso_lockout_get(const uint8_t *plain, size_t size, struct iso_lockout_file *
     return 0;
 }
 
-static struct iso_seal_label label_of(uint32_t key)
-{
-    struct iso_seal_label label = iso_seal_label_of("isotherm lockout 2");
-    iso_seal_label_number(&label, key);
-    return label;
-}
-
 static int open_sealed(const uint8_t *bytes, size_t size, const struct iso_key_ring *ring,
                        struct iso_lockout_file *out)
 {
     uint8_t plain[ISO_LOCKOUT_PLAIN_BYTES];
-    if (size != FILE_BYTES || memcmp(bytes, magic, sizeof magic) != 0) {
-        return -EBADMSG;
-    }
-    const uint32_t number = iso_get_u32(bytes + sizeof magic);
-    const struct iso_seal_key *key = iso_key_ring_find(ring, ISO_KEY_ANCHOR, number);
-    const struct iso_seal_label label = label_of(number);
-    if (!key || iso_seal_open(key, &label, bytes + HEAD_BYTES, size - HEAD_BYTES, plain)) {
-        return -EBADMSG;
-    }
-    return iso_lockout_get(plain, sizeof plain, out);
+    size_t n = 0;
+    const int error = iso_sealed_file_open(&kind, ring, bytes, size, plain, &n);
+    return error ? error : iso_lockout_get(plain, n, out);
 }
 
 /* ---- the file ---- */
@@ -140,7 +125,7 @@ int iso_lockout_read(const char *path, const struct iso_key_ring *ring,
                                 : iso_fault_set_code(fault, why.code, error, "%s", why.text);
     }
     char text[TEXT_SIZE + 1] = "";
-    if (size >= sizeof magic && memcmp(bytes, magic, sizeof magic) == 0) {
+    if (iso_sealed_file_is(&kind, bytes, size)) {
         error = open_sealed(bytes, size, ring, &file);
     } else if (size <= TEXT_SIZE) {
         memcpy(text, bytes, size);
@@ -193,27 +178,14 @@ int iso_lockout_save(const char *path, const struct iso_key_ring *ring,
                      const struct iso_lockout_record *record, struct iso_fault *fault)
 {
     struct iso_heads_board *board = iso_key_ring_board(ring);
-    const uint32_t key = iso_key_ring_newest(ring, ISO_KEY_ANCHOR);
-    const struct iso_seal_label label = label_of(key);
-    struct iso_fault why = {.text = ""};
+    const uint32_t number = iso_key_ring_newest(ring, ISO_KEY_ANCHOR);
     struct iso_lockout_file file = {.record = *record, .known = iso_heads_now(board)};
-    uint8_t plain[ISO_LOCKOUT_PLAIN_BYTES], bytes[FILE_BYTES];
+    uint8_t plain[ISO_LOCKOUT_PLAIN_BYTES];
     file.number = file.known.count[ISO_HEAD_LOCKOUT] + 1;
     iso_lockout_put(&file, plain);
-    memcpy(bytes, magic, sizeof magic);
-    (void)iso_put_u32(bytes + sizeof magic, key);
-    iso_seal_close(iso_key_ring_find(ring, ISO_KEY_ANCHOR, key), &label, plain, sizeof plain,
-                   bytes + HEAD_BYTES);
-    int error = iso_data_file_replace(path, bytes, sizeof bytes, &why);
-    if (error && iso_data_file_holds(path, bytes, sizeof bytes)) {
-        /* The file holds the new contents in spite of the error. */
-        error = iso_directory_sync(path, fault);
-    } else if (iso_storage_is_refusal(error)) {
-        error = iso_storage_refused(path, error, fault);
-    } else if (error) {
-        error = iso_fault_set_code(fault, why.code, error, "%s: cannot be written: %s", path,
-                                   why.text[0] ? why.text : strerror(-error));
-    }
+    const int error = iso_sealed_file_write(path, &kind,
+                                            iso_key_ring_find(ring, ISO_KEY_ANCHOR, number), number,
+                                            plain, sizeof plain, fault);
     if (error) {
         return error;
     }

@@ -4,8 +4,9 @@
 #include <fcntl.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
-#include <time.h>
 #include <unistd.h>
+
+#include "drivers/base/times.h"
 
 static int kernel_open(void *context, const char *path)
 {
@@ -45,10 +46,8 @@ static void kernel_unmap(void *context, void *at, size_t length)
 
 static int64_t kernel_monotonic_ns(void *context)
 {
-    struct timespec now;
     (void)context;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
+    return iso_monotonic_ns();
 }
 
 const struct iso_v4l2_system iso_v4l2_kernel = {

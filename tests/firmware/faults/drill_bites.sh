@@ -230,10 +230,10 @@ judges=('storage_faults 1 lockdown')
 mistake 'lock-out: ended in memory only' firmware/appliance/appliance_refusal.c 'appliance->lockout.state = *before;' '(void)before;'
 mistake 'lock-out: the file is not read after an error' firmware/appliance/appliance_refusal.c \
     'if (error && !is_kept(appliance)) {' 'if (error && (!is_kept(appliance) || error)) {' \
-    firmware/visit/lockout_file.c \
-    'if (error && iso_data_file_holds(path, bytes, sizeof bytes)) {' 'if (error && size_of_nothing(path)) {' \
-    firmware/visit/lockout_file.c 'int iso_lockout_save(' 'static int size_of_nothing(const char *path) { return !path; }
-int iso_lockout_save('
+    firmware/keys/sealed_file.c \
+    'if (error && iso_data_file_holds(path, bytes, size)) {' 'if (error && size_of_nothing(path)) {' \
+    firmware/keys/sealed_file.c 'static int replace(' 'static int size_of_nothing(const char *path) { return !path; }
+static int replace('
 
 # ---- 2: the door never waits ----
 rule=2
