@@ -216,9 +216,10 @@ void iso_gallery_unstage(struct iso_gallery *gallery);
 struct iso_gallery_change {
     int64_t person; /* the number of somebody who is here, who is replaced; 0: somebody new */
     bool remove;    /* removes the person; nothing below matters */
-    /* Name, dates and templates; item.n 0: the templates of the person stay, and so does the
-     * number. Templates of another algorithm are kept and counted, and take no part in searches.
-     * `excluded` of a template is ignored. */
+    bool keep;      /* the templates of the person stay, and so does the number; item.n is 0 */
+    /* Name, dates and templates (0: somebody who is known by a card alone). Templates of another
+     * algorithm are kept and counted, and take no part in searches. `excluded` of a template is
+     * ignored. */
     struct iso_gallery_item item;
     const void *access; /* the access record; size 0: none */
     size_t access_size;
@@ -227,9 +228,8 @@ struct iso_gallery_change {
 
 /* Makes n changes (0 or more) and stores the staged record: all of it or nothing, in one
  * transaction, without reading the other people again. No person may be changed twice by one call.
- * -EINVAL a bad name, a bad template, or somebody new without one; -EEXIST somebody else has the
- * name; -ENOENT no such person; -EDQUOT the gallery would be too full; else as
- * iso_gallery_import. */
+ * -EINVAL a bad name, a bad template, two people with one name; -EEXIST somebody else has the name;
+ * -ENOENT no such person; -EDQUOT the gallery would be too full; else as iso_gallery_import. */
 int iso_gallery_apply(struct iso_gallery *gallery, struct iso_gallery_change *changes, size_t n,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -61,7 +61,8 @@ static int check_who(const struct iso_gallery *gallery, const struct call *call,
     if (holder && holder != known && !gives_up_name(call, holder)) {
         return iso_fault_set(fault, -EEXIST, "somebody else is enrolled as %s", holder->name);
     }
-    if (change->item.n > ISO_GALLERY_TEMPLATES_MAX || (change->item.n == 0 && !known)) {
+    if (change->item.n > ISO_GALLERY_TEMPLATES_MAX ||
+        (change->keep && (change->item.n || !known))) {
         return iso_fault_set(fault, -EINVAL, "%s has %zu templates", name, change->item.n);
     }
     return change->access_size > ISO_GALLERY_ACCESS_MAX
@@ -125,7 +126,7 @@ static int prepare(struct iso_gallery *gallery, const struct call *call,
         return error;
     }
     out->row = change->item.person;
-    out->row.id = change->item.n == 0 ? change->person : 0;
+    out->row.id = change->keep ? change->person : 0;
     out->kept = calloc(change->item.n ? change->item.n : 1, sizeof *out->kept);
     out->access = change->access_size ? malloc(change->access_size) : NULL;
     if (!out->kept || (change->access_size && !out->access) ||
@@ -204,7 +205,7 @@ static int store(struct iso_gallery *gallery, const struct iso_gallery_change *c
                  struct prepared *prepared, struct iso_fault *fault)
 {
     int error = 0;
-    if (change->person && (change->remove || change->item.n > 0)) {
+    if (change->person && !change->keep) {
         error = iso_gallery_db_drop_person(gallery->db, change->person, fault);
     }
     if (error || change->remove) {
@@ -225,7 +226,7 @@ static void follow(struct iso_gallery *gallery, struct iso_gallery_change *chang
 {
     struct iso_gallery_memory *memory = &gallery->memory;
     change->number = change->remove ? 0 : prepared->row.id;
-    if (change->person && (change->remove || change->item.n > 0)) {
+    if (change->person && !change->keep) {
         iso_gallery_memory_remove(memory, change->person);
     }
     if (change->remove) {

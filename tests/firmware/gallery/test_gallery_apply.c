@@ -105,6 +105,7 @@ static void a_person_is_replaced_by_number(void **state)
     assert_int_equal(gallery_rig_add(gallery, "ben", 40, NULL), 0);
     const int64_t ada = id_of(gallery, "ada"), ben = id_of(gallery, "ben");
     struct iso_gallery_change change = change_of(ada, "ada lovelace", "one");
+    change.keep = true;
     change.item.person.valid_until_s = 9000;
     assert_int_equal(iso_gallery_apply(gallery, &change, 1, NULL), 0);
     for (int round = 0; round < 2; round++) { /* the templates stay, and the number */
@@ -148,6 +149,7 @@ static void names_are_exchanged_in_one_call(void **state)
     assert_int_equal(gallery_rig_add(gallery, "ben", 40, NULL), 0);
     const int64_t ada = id_of(gallery, "ada"), ben = id_of(gallery, "ben");
     struct iso_gallery_change changes[2] = {change_of(ada, "ben", ""), change_of(ben, "ada", "")};
+    changes[0].keep = changes[1].keep = true;
     assert_int_equal(iso_gallery_apply(gallery, changes, 1, NULL), -EEXIST);
     assert_int_equal(iso_gallery_apply(gallery, changes, 2, NULL), 0);
     for (int round = 0; round < 2; round++) {
@@ -157,6 +159,7 @@ static void names_are_exchanged_in_one_call(void **state)
     }
     changes[0] = change_of(ada, "ada", "");
     changes[1] = change_of(ben, "Ada", "");
+    changes[0].keep = changes[1].keep = true;
     assert_int_equal(iso_gallery_apply(gallery, changes, 2, NULL), -EINVAL);
     assert_int_equal(id_of(gallery, "ben"), ada);
     iso_gallery_close(gallery);
@@ -181,7 +184,8 @@ static void a_call_that_is_refused_changes_nothing(void **state)
     const uint64_t before = iso_gallery_version(gallery).changes;
     put_template(&changes[0], &bytes, 80, PUPPET_ALGORITHM);
     assert_int_equal(iso_gallery_stage(gallery, ISO_GALLERY_FLEET, "after", 5, NULL), 0);
-    assert_int_equal(iso_gallery_apply(gallery, changes, 2, NULL), -EINVAL); /* no template */
+    changes[1].keep = true; /* nobody has templates that could stay */
+    assert_int_equal(iso_gallery_apply(gallery, changes, 2, NULL), -EINVAL);
     expect_as_before(gallery, before);
     changes[1] = change_of(0, "CARL", "x");
     changes[1].item.n = 1;
@@ -197,6 +201,25 @@ static void a_call_that_is_refused_changes_nothing(void **state)
     iso_gallery_unstage(gallery);
     assert_int_equal(iso_gallery_apply(gallery, NULL, 0, NULL), 0);
     expect_as_before(gallery, before + 1);
+    iso_gallery_close(gallery);
+}
+
+static void somebody_may_have_no_template(void **state)
+{
+    struct iso_gallery *gallery = gallery_rig_open(*state);
+    struct bytes bytes;
+    struct iso_gallery_change change = change_of(0, "carl", "card");
+    assert_int_equal(iso_gallery_apply(gallery, &change, 1, NULL), 0);
+    gallery = reopen(*state, gallery);
+    assert_int_equal(iso_gallery_find(gallery, "carl")->templates, 0);
+    change = change_of(id_of(gallery, "carl"), "carl", "card");
+    put_template(&change, &bytes, 80, PUPPET_ALGORITHM);
+    assert_int_equal(iso_gallery_apply(gallery, &change, 1, NULL), 0);
+    assert_int_equal(found(gallery, 80), id_of(gallery, "carl"));
+    change = change_of(id_of(gallery, "carl"), "carl", "card");
+    assert_int_equal(iso_gallery_apply(gallery, &change, 1, NULL), 0);
+    assert_int_equal(found(gallery, 80), 0);
+    expect_record(gallery, id_of(gallery, "carl"), "card");
     iso_gallery_close(gallery);
 }
 
@@ -239,9 +262,13 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, stores_setup, stores_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(a_person_and_a_record_come_together), TEST(a_person_is_replaced_by_number),
-        TEST(names_are_exchanged_in_one_call),     TEST(a_call_that_is_refused_changes_nothing),
-        TEST(a_full_gallery_takes_nobody_new),     TEST(the_record_also_goes_with_another_record),
+        TEST(a_person_and_a_record_come_together),
+        TEST(a_person_is_replaced_by_number),
+        TEST(names_are_exchanged_in_one_call),
+        TEST(a_call_that_is_refused_changes_nothing),
+        TEST(somebody_may_have_no_template),
+        TEST(a_full_gallery_takes_nobody_new),
+        TEST(the_record_also_goes_with_another_record),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
