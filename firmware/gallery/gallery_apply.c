@@ -205,7 +205,7 @@ static int store(struct iso_gallery *gallery, const struct iso_gallery_change *c
                  struct prepared *prepared, struct iso_fault *fault)
 {
     int error = 0;
-    if (change->person && !change->keep) {
+    if (change->person && (change->remove || !change->keep)) {
         error = iso_gallery_db_drop_person(gallery->db, change->person, fault);
     }
     if (error || change->remove) {
@@ -226,7 +226,7 @@ static void follow(struct iso_gallery *gallery, struct iso_gallery_change *chang
 {
     struct iso_gallery_memory *memory = &gallery->memory;
     change->number = change->remove ? 0 : prepared->row.id;
-    if (change->person && !change->keep) {
+    if (change->person && (change->remove || !change->keep)) {
         iso_gallery_memory_remove(memory, change->person);
     }
     if (change->remove) {
