@@ -199,10 +199,19 @@ static void open_parts(struct check_door *door)
     door->borrowed.gallery = door->gallery;
     door->borrowed.audit = door->audit;
     door->borrowed.door_io = door->door_io;
-    door->borrowed.events = (struct iso_appliance_events){
-        on_enroll_status, on_enroll_step, on_recognition, on_visit,        on_wanted,
-        on_hint,          on_view,        NULL,           on_picture,      on_door_changed,
-        on_claim_lost,    on_message,     door};
+    door->borrowed.events = (struct iso_appliance_events){on_enroll_status,
+                                                          on_enroll_step,
+                                                          on_recognition,
+                                                          on_visit,
+                                                          on_wanted,
+                                                          on_hint,
+                                                          on_view,
+                                                          NULL,
+                                                          on_picture,
+                                                          on_door_changed,
+                                                          on_claim_lost,
+                                                          on_message,
+                                                          door};
     expect(door, iso_appliance_new(&door->borrowed, &door->appliance), "appliance", &fault);
     expect(door, iso_appliance_start(door->appliance, &fault), "appliance", &fault);
 }

@@ -1,5 +1,5 @@
-/* One door of a fleet for the check of a whole fleet: the appliance of the daemon with its stores on
- * the disk, its part of the fleet, and the link that carries its messages. The camera and the
+/* One door of a fleet for the check of a whole fleet: the appliance of the daemon with its stores
+ * on the disk, its part of the fleet, and the link that carries its messages. The camera and the
  * recognition are puppets (tests/firmware/rigs/puppets.h): a face is a number. Everything else is
  * the code of the product, and the clock is that of the machine. Many doors live in one process. */
 #ifndef TESTS_FLEET_CHECK_DOOR_H

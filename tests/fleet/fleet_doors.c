@@ -1,8 +1,8 @@
 /* Many doors of a fleet in one process, for tests/fleet/fleet_check.sh.
  *
- *   fleet_doors run FOLDER FIRST COUNT      doors FIRST ... FIRST + COUNT - 1, in FOLDER/NUMBER each,
- *                                           until SIGTERM; commands come over FOLDER/FIRST.socket
- *   fleet_doors ask SOCKET WORD...          sends one command, and prints the answer
+ *   fleet_doors run FOLDER FIRST COUNT      doors FIRST ... FIRST + COUNT - 1, in FOLDER/NUMBER
+ * each, until SIGTERM; commands come over FOLDER/FIRST.socket fleet_doors ask SOCKET WORD... sends
+ * one command, and prints the answer
  *
  * Commands (NUMBER: of a door, or "all"):
  *   show NUMBER FACE          "allow NAME", "deny REASON" or "nothing", one line a door

@@ -156,6 +156,7 @@ int iso__fleet_store(struct iso_fleet *fleet, const struct iso__fleet_record *dr
     }
     fleet->stored_term = draft->term;
     fleet->index.version = store->version(store->context);
+    iso__fleet_level(fleet);
     return 0;
 }
 
@@ -229,6 +230,7 @@ static void begin_anew(struct iso_fleet *fleet, struct iso__fleet_record *draft)
     draft->acked = 0;
     draft->term = (struct iso_fleet_term){.length_s = 0};
     fleet->asked = false;
+    fleet->waiting.length_s = 0;
     fleet->index.version = (struct iso_gallery_version){.changes = 0}; /* ids have the door's */
 }
 
@@ -286,6 +288,7 @@ int iso_fleet_leave(struct iso_fleet *fleet, const char *who, struct iso_fault *
     iso__fleet_batch_free(batch);
     if (!error) {
         fleet->asked = false;
+        fleet->waiting.length_s = 0;
         fleet->lease_held = false;
         fleet->fault.text[0] = '\0';
     }

@@ -27,6 +27,9 @@
  * revision wins. Whoever was enrolled here has an id, too (iso_fleet_request_id()); a PUT with that
  * id, or with the same name, replaces this person.
  *
+ * A lease counts from the moment when the door is level with the places that it lists; until then
+ * the earlier one goes on.
+ *
  * Who is admitted: a person of the fleet while the lease holds, or with offline_ok always; somebody
  * who was enrolled here if the last LEASE said so.
  *
@@ -180,9 +183,9 @@ int iso_fleet_get_status(struct iso_fleet *fleet, struct iso_fleet_status *out,
 
 /* Whether somebody with this credential may be admitted, as far as the fleet is concerned. */
 enum iso_fleet_admission {
-    ISO_FLEET_MAY_ENTER = 0,
-    ISO_FLEET_NO_LEASE,     /* a person of the fleet, and the lease is over */
+    ISO_FLEET_NO_LEASE = 0, /* a person of the fleet, and the lease is over */
     ISO_FLEET_NOT_APPROVED, /* enrolled here, and the hub does not admit such people */
+    ISO_FLEET_MAY_ENTER,
 };
 
 enum iso_fleet_admission iso_fleet_admission(const struct iso_fleet *fleet,

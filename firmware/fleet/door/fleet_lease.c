@@ -178,10 +178,7 @@ static int take(struct iso_fleet *fleet, const struct iso_fleet_lease *lease,
     draft.lease_s = lease->lease_s;
     draft.local_people = lease->local_people;
     draft.acked = lease->acked > draft.acked ? lease->acked : draft.acked;
-    draft.term = (struct iso_fleet_term){
-        .begin = fleet->asked_at,
-        .length_s = lease->lease_s ? lease->lease_s : ISO_FLEET_LEASE_ONLINE_S,
-    };
+    iso__fleet_give_term(fleet, &draft, lease);
     if (draft.local_people != fleet->record.local_people ||
         has_other_zones(&draft, &fleet->record) ||
         is_worth_storing(&fleet->stored_term, &draft.term)) {

@@ -50,6 +50,7 @@ static void adopt(struct iso_fleet *fleet, const struct iso__fleet_record *draft
     fleet->stored_term = draft->term;
     fleet->index.version = store->version(store->context);
     fleet->work |= ISO_FLEET_WORK_PLACES;
+    iso__fleet_level(fleet);
 }
 
 /* A policy that does not fit this door (the access point is not in it, a time zone is not known)

@@ -6,6 +6,7 @@
 #include "firmware/fleet/door/fleet.h"
 #include "firmware/fleet/door/fleet_index.h"
 #include "firmware/fleet/door/fleet_record.h"
+#include "firmware/fleet/message/lease.h"
 
 enum { ISO__FLEET_WORDS = 3 }; /* bits of enum iso_fleet_work */
 
@@ -20,6 +21,10 @@ struct iso_fleet {
     bool asked;
     uint8_t nonce[ISO_FLEET_NONCE_BYTES];
     struct iso_fleet_clocks asked_at;
+    /* A lease that counts when the door is level with what it lists. (fleet_level.c) */
+    struct iso_fleet_term waiting; /* length_s 0: none */
+    size_t n_waiting;
+    struct iso_fleet_place waiting_for[ISO_FLEET_ZONES_MAX];
     /* What was told and handed out. (fleet_time.c, fleet_mail.c) */
     bool lease_held;
     uint64_t events_given, events_told;
@@ -102,6 +107,14 @@ int iso__fleet_take_lockdown(struct iso_fleet *fleet, struct iso__fleet_record *
 
 int iso__fleet_take_lease(struct iso_fleet *fleet, const void *bytes, size_t size,
                           enum iso_fleet_outcome *outcome, struct iso_fault *fault);
+
+/* Gives a draft the term of a lease if its zones are level with what the lease lists. Otherwise the
+ * earlier term goes on, unless it would end later, and the lease waits. (fleet_level.c) */
+void iso__fleet_give_term(struct iso_fleet *fleet, struct iso__fleet_record *draft,
+                          const struct iso_fleet_lease *lease);
+
+/* Called after the record has changed: takes a waiting lease if the zones are level now. */
+void iso__fleet_level(struct iso_fleet *fleet);
 
 /* Says that the hub has lost something of a zone; `sequence` is the one at the hub. */
 void iso__fleet_say_behind(const struct iso_fleet *fleet, const struct iso__fleet_zone *zone,

@@ -93,6 +93,36 @@ static void a_lease_that_is_over_keeps_people_out(void **state)
     assert_int_equal(door_rig_admission(rig, "ada"), ISO_FLEET_MAY_ENTER);
 }
 
+/* Somebody who holds a revocation back, and lets answers pass, does not keep the door at work: the
+ * earlier lease ends, and the new one counts only with the revocation. */
+static void an_answer_does_not_count_without_the_changes(void **state)
+{
+    struct door_rig *rig = *state;
+    begin_with_ada(rig);
+    struct iso_fleet_bytes held_back = door_rig_remove(rig, 0, 1, 3);
+    for (int i = 0; i < 4; i++) {
+        rig->now.boot_ns += 1000 * ISO_NS_PER_S;
+        assert_int_equal(door_rig_answer(rig, 1), ISO_FLEET_APPLIED);
+    }
+    assert_int_equal(status(rig).lease_left_ns, 0);
+    assert_int_equal(door_rig_admission(rig, "ada"), ISO_FLEET_NO_LEASE);
+    assert_int_equal(door_rig_give(rig, held_back), ISO_FLEET_APPLIED);
+    assert_int_equal(door_rig_person(rig, "ada"), 0);
+    assert_int_equal(status(rig).lease_left_ns, 3600 * ISO_NS_PER_S);
+}
+
+/* A shorter lease is no extension, and counts at once. */
+static void a_shorter_lease_counts_at_once(void **state)
+{
+    struct door_rig *rig = *state;
+    begin_with_ada(rig);
+    struct iso_fleet_bytes held_back = door_rig_remove(rig, 0, 1, 3);
+    rig->lease_s = 60;
+    assert_int_equal(door_rig_answer(rig, 1), ISO_FLEET_APPLIED);
+    assert_int_equal(status(rig).lease_left_ns, 60 * ISO_NS_PER_S);
+    iso_fleet_bytes_free(&held_back);
+}
+
 /* The lease runs from the question, not from the answer. */
 static void a_slow_answer_gives_less(void **state)
 {
@@ -321,6 +351,8 @@ int main(void)
         cmocka_unit_test(a_term_ends_by_the_clock_of_the_boot),
         cmocka_unit_test(after_a_reboot_a_known_date_counts),
         TEST(a_lease_that_is_over_keeps_people_out),
+        TEST(an_answer_does_not_count_without_the_changes),
+        TEST(a_shorter_lease_counts_at_once),
         TEST(a_slow_answer_gives_less),
         TEST(a_lease_goes_on_over_a_restart),
         TEST(what_is_stored_never_holds_longer),
