@@ -31,6 +31,11 @@
 #define ISO_CONTRACT_FLEET_REQUESTS "FleetRequests"
 #define ISO_CONTRACT_FLEET_WORK     "FleetWork"
 
+/* What waits for the link, of the signal. */
+#define ISO_CONTRACT_FLEET_WORK_EVENTS   "events"
+#define ISO_CONTRACT_FLEET_WORK_REQUESTS "requests"
+#define ISO_CONTRACT_FLEET_WORK_PLACES   "places"
+
 /* What became of a message of the hub. */
 enum iso_fleet_outcome {
     ISO_FLEET_APPLIED, /* it is stored */

@@ -81,6 +81,11 @@ const char *iso_fleet_hub_name(const struct iso_fleet *fleet)
     return fleet->record.member.hub_name;
 }
 
+bool iso_fleet_has_policy(const struct iso_fleet *fleet)
+{
+    return fleet->record.membership_size > 0 && fleet->record.has_policy;
+}
+
 /* The newest lease of this run is not lost with an error of the disk. */
 static void reload(struct iso_fleet *fleet)
 {
@@ -145,7 +150,7 @@ int iso__fleet_store(struct iso_fleet *fleet, const struct iso__fleet_record *dr
                     : store->apply(store->context, changes, n, bytes.bytes, bytes.size, fault);
     iso_fleet_bytes_free(&bytes);
     if (error) {
-        fleet->reload |= store->state(store->context, NULL) != 0;
+        fleet->reload = true; /* a store that was out of service may have it all the same */
         return error;
     }
     if (has_other_places(&fleet->record, draft)) {

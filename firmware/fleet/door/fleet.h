@@ -68,9 +68,10 @@ struct iso_fleet_host {
     int (*policy)(void *context, const char *json, const char *who, struct iso_fault *fault);
     /* Begins or ends the lockdown. NULL: there is none. */
     int (*lockdown)(void *context, bool on, struct iso_fault *fault);
-    /* A person is removed or gets another number: whatever was kept of the person in memory goes.
-     * NULL: nothing was kept. */
-    void (*forget)(void *context, int64_t person, const char *name);
+    /* Somebody who was here under a number and a name was changed, and has the number `now`; 0: the
+     * person was removed. Whatever is kept in memory of the person is outdated. NULL: nothing is.
+     */
+    void (*changed)(void *context, int64_t person, const char *name, int64_t now);
     /* Adds members about the door, for people, to the health that a QUESTION tells. NULL: none. */
     void (*health)(void *context, struct iso_json_line *line);
     /* A line for the system's log; names nobody. NULL: none. */
@@ -94,8 +95,9 @@ void iso_fleet_close(struct iso_fleet *fleet); /* wipes; NULL is accepted */
 
 bool iso_fleet_is_member(const struct iso_fleet *fleet);
 
-/* The name of the hub, "" without one. */
+/* The name of the hub, "" without one; whether the door's policy came from it. */
 const char *iso_fleet_hub_name(const struct iso_fleet *fleet);
+bool iso_fleet_has_policy(const struct iso_fleet *fleet);
 
 /* Takes a MEMBERSHIP; recorded. `who` describes the user who asks. Of the same hub it replaces the
  * earlier one. -EBADMSG, -EKEYREJECTED it is changed or for another door, -EEXIST the door belongs

@@ -145,8 +145,8 @@ static void follow(struct iso_fleet *fleet, const struct iso_gallery_change *cha
                    const struct step *step, const char *name)
 {
     const struct iso_fleet_host *host = &fleet->options.host;
-    if (change->person && change->person != change->number && host->forget) {
-        host->forget(host->context, change->person, name);
+    if (change->person && host->changed) {
+        host->changed(host->context, change->person, name, change->number);
     }
     if (!iso_fleet_id_is_zero(&step->dropped)) {
         iso__fleet_index_drop(&fleet->index, &step->dropped);

@@ -36,7 +36,7 @@ static int offer_policy(struct iso_fleet *fleet, const struct iso__fleet_record 
         return 0;
     }
     if (error) {
-        fleet->reload |= store->state(store->context, NULL) != 0;
+        fleet->reload = true; /* it may be stored all the same */
         return iso_fault_set_code(fault, why.code, error, "%s", why.text);
     }
     return 0;

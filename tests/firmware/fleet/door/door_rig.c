@@ -189,6 +189,28 @@ struct iso_fleet_bytes door_rig_membership(const struct door_rig *rig)
     return out;
 }
 
+void door_rig_make_hub(struct door_rig *rig)
+{
+    assert_int_equal(iso_fleet_start(NULL), 0);
+    (void)crypto_sign_keypair(rig->hub.public, rig->hub.secret);
+    (void)crypto_box_keypair(rig->hub_receives.public, rig->hub_receives.secret);
+    rig->door = iso_fleet_id_random();
+    rig->lease_s = 3600;
+    for (int i = 0; i < 3; i++) {
+        rig->zone[i].place.zone = rig->zone[i].base.zone = iso_fleet_id_random();
+        rig->zone[i].place.epoch = rig->zone[i].base.epoch = 1;
+        randombytes_buf(&rig->zone[i].key, sizeof rig->zone[i].key);
+    }
+}
+
+void door_rig_join(struct door_rig *rig)
+{
+    struct iso_fleet_bytes membership = door_rig_membership(rig);
+    assert_int_equal(iso_fleet_join(rig->fleet, membership.bytes, membership.size, "user 0", NULL),
+                     0);
+    iso_fleet_bytes_free(&membership);
+}
+
 static int setup(struct door_rig *rig)
 {
     void *directory = NULL;
@@ -197,25 +219,13 @@ static int setup(struct door_rig *rig)
     }
     rig->directory = directory;
     gallery_rig_capacity = 100;
-    assert_int_equal(iso_fleet_start(NULL), 0);
+    door_rig_make_hub(rig);
     (void)crypto_sign_keypair(rig->door_signs.public, rig->door_signs.secret);
-    (void)crypto_sign_keypair(rig->hub.public, rig->hub.secret);
     (void)crypto_box_keypair(rig->door_receives.public, rig->door_receives.secret);
-    (void)crypto_box_keypair(rig->hub_receives.public, rig->hub_receives.secret);
-    rig->door = iso_fleet_id_random();
     rig->now = (struct iso_fleet_clocks){
         .boot_ns = 1000000000, .boot_id = {1}, .date_s = 1800000000, .date_known = true};
-    rig->lease_s = 3600;
-    for (int i = 0; i < 3; i++) {
-        rig->zone[i].place.zone = rig->zone[i].base.zone = iso_fleet_id_random();
-        rig->zone[i].place.epoch = rig->zone[i].base.epoch = 1;
-        randombytes_buf(&rig->zone[i].key, sizeof rig->zone[i].key);
-    }
     open_door(rig);
-    struct iso_fleet_bytes membership = door_rig_membership(rig);
-    assert_int_equal(iso_fleet_join(rig->fleet, membership.bytes, membership.size, "user 0", NULL),
-                     0);
-    iso_fleet_bytes_free(&membership);
+    door_rig_join(rig);
     return 0;
 }
 

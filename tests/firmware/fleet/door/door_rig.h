@@ -52,6 +52,11 @@ struct door_rig {
 int door_rig_setup(void **state); /* *state: struct door_rig of a door that has joined */
 int door_rig_teardown(void **state);
 
+/* Makes the keys and the zones of the hub, and lets the door join; for a door of another kind,
+ * whose fleet and public keys (door_signs, door_receives) the caller sets. */
+void door_rig_make_hub(struct door_rig *rig);
+void door_rig_join(struct door_rig *rig);
+
 /* Closes and opens gallery and fleet, as a kill and a restart. */
 void door_rig_restart(struct door_rig *rig);
 
