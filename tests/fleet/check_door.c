@@ -11,10 +11,10 @@
 #include <unistd.h>
 
 #include "drivers/door/door_null.h"
+#include "firmware/appliance/administration/administration.h"
 #include "firmware/appliance/appliance.h"
 #include "firmware/fleet/door/fleet_direct.h"
 #include "firmware/policy/zones/zone_file.h"
-#include "firmware/transfer/transfer.h"
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/fleet/check_files.h"
 
@@ -115,6 +115,14 @@ static void on_claim_lost(void *context)
     (void)context;
 }
 
+static void on_fleet_work(void *context, const char *what)
+{
+    const struct check_door *door = context;
+    if (door->link) {
+        link_door_work(door->link, what);
+    }
+}
+
 static void on_message(void *context, int priority, const char *text)
 {
     const struct check_door *door = context;
@@ -199,19 +207,21 @@ static void open_parts(struct check_door *door)
     door->borrowed.gallery = door->gallery;
     door->borrowed.audit = door->audit;
     door->borrowed.door_io = door->door_io;
-    door->borrowed.events = (struct iso_appliance_events){on_enroll_status,
-                                                          on_enroll_step,
-                                                          on_recognition,
-                                                          on_visit,
-                                                          on_wanted,
-                                                          on_hint,
-                                                          on_view,
-                                                          NULL,
-                                                          on_picture,
-                                                          on_door_changed,
-                                                          on_claim_lost,
-                                                          on_message,
-                                                          door};
+    door->borrowed.events = (struct iso_appliance_events){
+        .enroll_status = on_enroll_status,
+        .enroll_step = on_enroll_step,
+        .recognition_status = on_recognition,
+        .visit = on_visit,
+        .wanted = on_wanted,
+        .hint = on_hint,
+        .view = on_view,
+        .picture = on_picture,
+        .door_changed = on_door_changed,
+        .claim_lost = on_claim_lost,
+        .fleet_work = on_fleet_work,
+        .message = on_message,
+        .context = door,
+    };
     expect(door, iso_appliance_new(&door->borrowed, &door->appliance), "appliance", &fault);
     expect(door, iso_appliance_start(door->appliance, &fault), "appliance", &fault);
 }
@@ -284,24 +294,28 @@ void check_door_step(struct check_door *door)
     const int64_t now_ns = iso_monotonic_ns();
     for (int i = 0; i < 20 && iso_appliance_step(door->appliance) <= now_ns; i++) {
     }
-    int64_t due_ns = 0;
-    const unsigned work = iso_fleet_time(iso_appliance_fleet(door->appliance), &due_ns);
-    if (door->link) {
-        if (work & ISO_FLEET_WORK_EVENTS) {
-            link_door_work(door->link, "events");
-        }
-        if (work & ISO_FLEET_WORK_REQUESTS) {
-            link_door_work(door->link, "requests");
-        }
-        if (work & ISO_FLEET_WORK_PLACES) {
-            link_door_work(door->link, "places");
-        }
-    }
 }
 
-void check_door_address(const struct check_door *door, char address[129])
+void check_door_address(const struct check_door *door, char address[ISO_TRANSFER_ADDRESS_SIZE])
 {
     iso_transfer_address(door->ring, address);
+}
+
+void check_door_join(struct check_door *door, const char *path, char *answer, size_t size)
+{
+    uint8_t bytes[1024];
+    struct iso_fault fault = {.text = ""};
+    FILE *in = fopen(path, "re");
+    const size_t n = in ? fread(bytes, 1, sizeof bytes, in) : 0;
+    if (in) {
+        (void)fclose(in);
+    }
+    const int error = iso_fleet_join(iso_appliance_fleet(door->appliance), bytes, n, "check",
+                                     &fault);
+    if (!error && !door->link) {
+        start_link(door);
+    }
+    (void)snprintf(answer, size, "%s", error ? fault.text : "ok");
 }
 
 void check_door_show(struct check_door *door, int face, char *answer, size_t size)
@@ -325,8 +339,8 @@ void check_door_enrol(struct check_door *door, const char *name, int face, char 
     struct iso_person person = {.enrolled_s = time(NULL)};
     const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
     (void)snprintf(person.name, sizeof person.name, "%s", name);
-    (void)iso_gallery_add(door->gallery, &person, &tmpl, &fault);
-    (void)snprintf(answer, size, "%s", fault.text);
+    const int error = iso_gallery_add(door->gallery, &person, &tmpl, &fault);
+    (void)snprintf(answer, size, "%s", error ? fault.text : "ok");
     if (door->link) {
         link_door_work(door->link, "requests");
     }
@@ -356,7 +370,7 @@ static size_t digest_people(const struct check_door *door, char text[17])
         struct iso_credential_record record = iso_site_access_credential(door->gallery,
                                                                          people[i].id);
         if (record.fleet.zones) {
-            memcpy(all[rows], record.fleet.id, ISO_FLEET_ID_BYTES);
+            memcpy(all[rows], record.fleet.person, ISO_FLEET_ID_BYTES);
             memcpy(all[rows++] + ISO_FLEET_ID_BYTES, &record.fleet.revision, 8);
         }
         iso_credential_record_wipe(&record);

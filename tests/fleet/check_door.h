@@ -9,6 +9,7 @@
 
 #include "firmware/fleet/door/fleet.h"
 #include "firmware/fleet/link/link.h"
+#include "firmware/transfer/transfer.h"
 
 struct check_door;
 
@@ -28,9 +29,11 @@ void check_door_free(struct check_door *door);
 /* Lets the appliance do what is due; called every few milliseconds. */
 void check_door_step(struct check_door *door);
 
-/* The address of the appliance, for joining; and the membership that the hub has answered. Ends the
- * program with a line after an error. */
-void check_door_address(const struct check_door *door, char address[129]);
+/* The address of the appliance, for joining. */
+void check_door_address(const struct check_door *door, char address[ISO_TRANSFER_ADDRESS_SIZE]);
+
+/* Joins the fleet with the membership in a file, and starts the link. Writes "ok" or a fault. */
+void check_door_join(struct check_door *door, const char *path, char *answer, size_t size);
 
 /* Shows usable frames of a face and steps until the visit has a verdict, at most three seconds.
  * Writes "allow NAME", "deny REASON" or "nothing". */

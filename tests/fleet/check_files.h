@@ -1,5 +1,6 @@
-/* What a door of the check keeps for its link: the files of the certificate, and where broker and
- * hub are. `isotherm-link join` writes the same for a real door. */
+/* What a door of the check keeps for its link in its folder: ca.pem, door.pem, door-key.pem, and in
+ * link.txt one line: host and port of the broker, and the address of the hub. fleet_check.sh writes
+ * them when the door joins. */
 #ifndef TESTS_FLEET_CHECK_FILES_H
 #define TESTS_FLEET_CHECK_FILES_H
 
@@ -8,7 +9,7 @@
 #include <stdint.h>
 
 struct check_files {
-    char broker_host[256], hub_url[300];
+    char broker_host[64], hub_url[128];
     uint16_t broker_port;
     char ca[PATH_MAX], certificate[PATH_MAX], key[PATH_MAX]; /* paths of PEM files */
 };

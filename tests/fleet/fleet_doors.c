@@ -8,6 +8,7 @@
  *   show NUMBER FACE          "allow NAME", "deny REASON" or "nothing", one line a door
  *   enrol NUMBER NAME FACE    "" or a fault
  *   address NUMBER            the appliance's address
+ *   join NUMBER FILE          "ok" or a fault; FILE: the membership
  *   advance NUMBER SECONDS    moves the clock since the boot forward
  *   state NUMBER              check_door_describe()
  */
@@ -55,7 +56,7 @@ static struct sockaddr_un address_of(const char *path)
 static void answer_for(struct check_door *door, char *const words[], int n, char *answer,
                        size_t size)
 {
-    char text[129] = "";
+    char text[ISO_TRANSFER_ADDRESS_SIZE] = "";
     if (strcmp(words[0], "show") == 0 && n == 3) {
         check_door_show(door, atoi(words[2]), answer, size);
     } else if (strcmp(words[0], "enrol") == 0 && n == 4) {
@@ -63,6 +64,8 @@ static void answer_for(struct check_door *door, char *const words[], int n, char
     } else if (strcmp(words[0], "address") == 0) {
         check_door_address(door, text);
         (void)snprintf(answer, size, "%s", text);
+    } else if (strcmp(words[0], "join") == 0 && n == 3) {
+        check_door_join(door, words[2], answer, size);
     } else if (strcmp(words[0], "advance") == 0 && n == 3) {
         check_door_advance(door, atoll(words[2]));
         (void)snprintf(answer, size, "ok");
