@@ -136,7 +136,7 @@ int hub_answer_fetch(struct hub_store *store, const void *bytes, size_t size,
 {
     struct fetching f = {.store = store, .write = write, .context = context};
     struct hub_door door;
-    struct hub__door_zone zone;
+    struct hub__door_zone zone = {.known = false};
     bool all = false;
     int error = hub__sender(store, bytes, size, &door, fault);
     if (error) {

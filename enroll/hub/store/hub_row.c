@@ -1,7 +1,6 @@
 /* Values of statements and fields of results, in PostgreSQL's binary form. */
-#include <arpa/inet.h>
-#include <assert.h>
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "enroll/hub/store/hub_db.h"
@@ -11,7 +10,9 @@ enum { OID_SWITCH = 16, OID_BYTES = 17, OID_INTEGER = 20, OID_TEXT = 25, OID_ID 
 
 static void add(struct hub_values *values, Oid type, const void *bytes, size_t size)
 {
-    assert(values->n < HUB_DB_VALUES_MAX);
+    if (values->n == HUB_DB_VALUES_MAX) {
+        abort(); /* a fault of the program: the statement has more values than there is room */
+    }
     values->types[values->n] = type;
     values->values[values->n] = bytes;
     values->lengths[values->n] = (int)size;
@@ -66,7 +67,9 @@ static const uint8_t *field(const PGresult *result, int row, int column, size_t 
     if (PQgetisnull(result, row, column)) {
         return NULL;
     }
-    assert((size_t)PQgetlength(result, row, column) == size);
+    if ((size_t)PQgetlength(result, row, column) != size) {
+        abort();
+    }
     return (const uint8_t *)PQgetvalue(result, row, column);
 }
 
