@@ -6,8 +6,8 @@
 
 #include "enroll/hub/broker/ca_inner.h"
 
-/* Takes the key of a request that was signed by the same key. Nothing else of it is used. The caller
- * frees *out. */
+/* Takes the key of a request that was signed by the same key. Nothing else of it is used. The
+ * caller frees *out. */
 static int read_key(const char *csr, size_t size, gnutls_pubkey_t *out, struct iso_fault *fault)
 {
     const gnutls_datum_t pem = {(unsigned char *)(uintptr_t)csr, (unsigned)size};
@@ -74,6 +74,17 @@ int hub_ca_sign_door(const struct hub_ca *ca, const char *csr, size_t size,
     }
     *out = made;
     return 0;
+}
+
+int hub_ca_check_request(const char *csr, size_t size, struct iso_fault *fault)
+{
+    gnutls_pubkey_t key = NULL;
+    const int r = read_key(csr, size, &key, fault);
+
+    if (r == 0) {
+        gnutls_pubkey_deinit(key);
+    }
+    return r;
 }
 
 /* The number of a list rises, so that a broker takes the newer one. */

@@ -57,9 +57,9 @@ int hub__sign(const struct hub_ca *ca, gnutls_x509_crt_t certificate)
     r = r < 0 ? r : gnutls_x509_crt_set_key_usage(certificate, GNUTLS_KEY_DIGITAL_SIGNATURE);
     r = r < 0 ? r : gnutls_x509_crt_get_subject_key_id(ca->certificate, id, &size, NULL);
     r = r < 0 ? r : gnutls_x509_crt_set_authority_key_id(certificate, id, size);
-    return r < 0 ? r
-                 : gnutls_x509_crt_sign2(certificate, ca->certificate, ca->key, GNUTLS_DIG_SHA256,
-                                         0);
+    return r < 0
+               ? r
+               : gnutls_x509_crt_sign2(certificate, ca->certificate, ca->key, GNUTLS_DIG_SHA256, 0);
 }
 
 int hub__text_store(const char *path, const char *text, size_t size, struct iso_fault *fault)

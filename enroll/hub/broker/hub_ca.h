@@ -1,7 +1,7 @@
 /* The certificate authority of a hub: one P-256 key that lives as long as the fleet. It signs the
- * certificates of the hub's HTTPS server and of its broker, and one certificate for each door. Doors
- * learn its digest from their join address (the parameter "ca"), so nobody else can be the hub. All
- * hub processes of a fleet have the same authority: an administrator copies the folder. */
+ * certificates of the hub's HTTPS server and of its broker, and one certificate for each door.
+ * Doors learn its digest from their join address (the parameter "ca"), so nobody else can be the
+ * hub. All hub processes of a fleet have the same authority: an administrator copies the folder. */
 #ifndef HUB_BROKER_HUB_CA_H
 #define HUB_BROKER_HUB_CA_H
 
@@ -49,8 +49,13 @@ int hub_ca_sign_door(const struct hub_ca *ca, const char *csr, size_t size,
                      struct hub_door_certificate *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The list of the certificates that are not accepted any more, as PEM. It has no end, since a broker
- * with an expired list refuses every door. The caller frees *pem with free(). */
+/* The checks of hub_ca_sign_door alone, for a caller who learns the door's id by something that
+ * cannot be repeated. */
+int hub_ca_check_request(const char *csr, size_t size, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The list of the certificates that are not accepted any more, as PEM. It has no end, since a
+ * broker with an expired list refuses every door. The caller frees *pem with free(). */
 int hub_ca_revoke(const struct hub_ca *ca, const uint8_t (*serials)[HUB_CA_SERIAL_BYTES], size_t n,
                   int64_t now_s, char **pem, struct iso_fault *fault)
     __attribute__((warn_unused_result));

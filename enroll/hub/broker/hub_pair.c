@@ -60,7 +60,7 @@ static int sign(const struct hub_ca *ca, const struct wanted *wanted, gnutls_x50
 {
     const bool is_client = wanted->use == HUB_PAIR_CLIENT;
     const int64_t ends_s = wanted->now_s + HUB_PAIR_DAYS * INT64_C(86400);
-    const char *name = is_client     ? HUB_PAIR_CLIENT_NAME
+    const char *name = is_client       ? HUB_PAIR_CLIENT_NAME
                        : wanted->n > 0 ? wanted->hosts[0]
                                        : "isotherm-hub";
     uint8_t serial[HUB_CA_SERIAL_BYTES];
@@ -73,10 +73,10 @@ static int sign(const struct hub_ca *ca, const struct wanted *wanted, gnutls_x50
         r = add_host(certificate, wanted->hosts[i]);
     }
     r = r < 0 ? r : gnutls_x509_crt_set_key(certificate, key);
-    r = r < 0 ? r
-              : gnutls_x509_crt_set_key_purpose_oid(
-                    certificate, is_client ? GNUTLS_KP_TLS_WWW_CLIENT : GNUTLS_KP_TLS_WWW_SERVER,
-                    0);
+    r = r < 0
+            ? r
+            : gnutls_x509_crt_set_key_purpose_oid(
+                  certificate, is_client ? GNUTLS_KP_TLS_WWW_CLIENT : GNUTLS_KP_TLS_WWW_SERVER, 0);
     return r < 0 ? r : hub__sign(ca, certificate);
 }
 

@@ -1,6 +1,6 @@
-/* The hub's own certificates: a key and a certificate of the hub's authority in two files, which are
- * made and renewed here. The HTTPS server, the broker and the hub's client of the broker each have
- * one pair. */
+/* The hub's own certificates: a key and a certificate of the hub's authority in two files, which
+ * are made and renewed here. The HTTPS server, the broker and the hub's client of the broker each
+ * have one pair. */
 #ifndef HUB_BROKER_HUB_PAIR_H
 #define HUB_BROKER_HUB_PAIR_H
 
@@ -9,13 +9,13 @@
 #include "enroll/hub/broker/hub_ca.h"
 
 enum {
-    HUB_PAIR_DAYS = 397,   /* so long a pair is valid */
+    HUB_PAIR_DAYS = 397,      /* so long a pair is valid */
     HUB_PAIR_RENEW_DAYS = 60, /* so long before its end it is replaced */
     HUB_PAIR_HOSTS_MOST = 16,
 };
 
-/* Whose certificate it is. The word is also the beginning of the names of its files: "https.pem" and
- * "https-key.pem". */
+/* Whose certificate it is. The word is also the beginning of the names of its files: "https.pem"
+ * and "https-key.pem". */
 enum hub_pair_use {
     HUB_PAIR_HTTPS,  /* TLS server */
     HUB_PAIR_BROKER, /* TLS server */

@@ -1,5 +1,5 @@
-/* The authority of the hub: made once, kept, refused when it is damaged; what it signs for doors and
- * for itself is judged by another implementation, OpenSSL's program. */
+/* The authority of the hub: made once, kept, refused when it is damaged; what it signs for doors
+ * and for itself is judged by another implementation, OpenSSL's program. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -138,8 +138,7 @@ static void a_door_gets_its_own_name_and_nothing_more(void **state)
     must_not("openssl verify -purpose sslserver -CAfile ca.pem d.pem", "purpose");
     must_not("openssl x509 -in d.pem -noout -checkend $((3600 * 24 * 91))", "will expire");
     must("openssl x509 -in d.pem -noout -checkend $((3600 * 24 * 89))");
-    assert_true(told_by("openssl x509 -in d.pem -noout -subject -text", told,
-                        sizeof told));
+    assert_true(told_by("openssl x509 -in d.pem -noout -subject -text", told, sizeof told));
     char subject[80];
     (void)snprintf(subject, sizeof subject, "subject=CN = %s\n", iso_fleet_id_text(&door, id));
     assert_non_null(strstr(told, subject));
@@ -233,18 +232,18 @@ static void the_hubs_own_certificates_renew_themselves(void **state)
     assert_true(again.is_new);
     hub_pair_free(&again);
     /* Its end is near. */
-    assert_int_equal(hub_pair_open(ca, folder, HUB_PAIR_HTTPS, hosts, 4,
-                                   now_s + (HUB_PAIR_DAYS - HUB_PAIR_RENEW_DAYS) * INT64_C(86400) -
-                                       3600,
-                                   &again, NULL),
-                     0);
+    assert_int_equal(
+        hub_pair_open(ca, folder, HUB_PAIR_HTTPS, hosts, 4,
+                      now_s + (HUB_PAIR_DAYS - HUB_PAIR_RENEW_DAYS) * INT64_C(86400) - 3600, &again,
+                      NULL),
+        0);
     assert_false(again.is_new);
     hub_pair_free(&again);
-    assert_int_equal(hub_pair_open(ca, folder, HUB_PAIR_HTTPS, hosts, 4,
-                                   now_s + (HUB_PAIR_DAYS - HUB_PAIR_RENEW_DAYS) * INT64_C(86400) +
-                                       3600,
-                                   &again, NULL),
-                     0);
+    assert_int_equal(
+        hub_pair_open(ca, folder, HUB_PAIR_HTTPS, hosts, 4,
+                      now_s + (HUB_PAIR_DAYS - HUB_PAIR_RENEW_DAYS) * INT64_C(86400) + 3600, &again,
+                      NULL),
+        0);
     assert_true(again.is_new);
     hub_pair_free(&again);
     hub_pair_free(&first);
@@ -258,8 +257,8 @@ static void the_client_of_the_hub_is_no_server(void **state)
     struct stat status;
     (void)state;
 
-    assert_int_equal(
-        hub_pair_open(ca, folder, HUB_PAIR_CLIENT, NULL, 0, time(NULL), &pair, NULL), 0);
+    assert_int_equal(hub_pair_open(ca, folder, HUB_PAIR_CLIENT, NULL, 0, time(NULL), &pair, NULL),
+                     0);
     must("openssl verify -x509_strict -purpose sslclient -CAfile ca.pem hub-client.pem");
     must_not("openssl verify -purpose sslserver -CAfile ca.pem hub-client.pem", "purpose");
     assert_int_equal(stat(scratch_path(folder, "hub-client-key.pem"), &status), 0);
