@@ -1,7 +1,7 @@
 /* What a hub works with: its database, its keys, and in whose name it acts. One store belongs to
  * one thread; several stores, also of several processes, may work on the same database.
  *
- * Each function of enroll/hub/store and enroll/hub/answer is one transaction: it holds as a whole
+ * Each function of the rooms store, people and answer is one transaction: it holds as a whole
  * or not at all. They return 0 or a negative errno with a one-line fault: the errors of hub_db.h,
  * and -ENOENT   there is no zone, door, person or request of this name or id -EEXIST   the name is
  * taken -EINVAL   a name or value is not allowed -ESTALE   the zone is behind its doors: the

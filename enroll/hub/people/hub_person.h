@@ -1,7 +1,7 @@
 /* People of the fleet. Each change of a person goes as a delta into every zone in which the person
  * is, and gets a revision that is higher than all before it. The errors of hub_store.h. */
-#ifndef ISO_ENROLL_HUB_STORE_HUB_PERSON_H
-#define ISO_ENROLL_HUB_STORE_HUB_PERSON_H
+#ifndef ISO_ENROLL_HUB_PEOPLE_HUB_PERSON_H
+#define ISO_ENROLL_HUB_PEOPLE_HUB_PERSON_H
 
 #include "enroll/hub/store/hub_store.h"
 #include "firmware/fleet/message/change.h"

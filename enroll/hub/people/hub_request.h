@@ -1,6 +1,6 @@
 /* People who were enrolled at a door and wait for approval. The errors of hub_store.h. */
-#ifndef ISO_ENROLL_HUB_STORE_HUB_REQUEST_H
-#define ISO_ENROLL_HUB_STORE_HUB_REQUEST_H
+#ifndef ISO_ENROLL_HUB_PEOPLE_HUB_REQUEST_H
+#define ISO_ENROLL_HUB_PEOPLE_HUB_REQUEST_H
 
 #include "enroll/hub/store/hub_store.h"
 

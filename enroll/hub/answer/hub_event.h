@@ -1,6 +1,6 @@
 /* The records of all doors' logs. The errors of hub_store.h. */
-#ifndef ISO_ENROLL_HUB_STORE_HUB_EVENT_H
-#define ISO_ENROLL_HUB_STORE_HUB_EVENT_H
+#ifndef ISO_ENROLL_HUB_ANSWER_HUB_EVENT_H
+#define ISO_ENROLL_HUB_ANSWER_HUB_EVENT_H
 
 #include "enroll/hub/store/hub_store.h"
 
