@@ -2,6 +2,7 @@
  * lock ends with the connection to the database. */
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <sys/epoll.h>
 #include <systemd/sd-daemon.h>
 
@@ -142,6 +143,7 @@ static void subscribe_as_leader(struct hub_service *service)
     (void)!hub_mqtt_unsubscribe(service->mqtt, ISO_FLEET_TOPIC_ALL_ONLINE);
     (void)!hub_mqtt_subscribe(service->mqtt, ISO_FLEET_TOPIC_ALL_ONLINE);
     service->heads_wanted = true;
+    hub__home_publish(service, true);
 }
 
 void hub__broker_state(void *context, bool is_connected)
@@ -216,9 +218,7 @@ static int on_tick(sd_event_source *source, uint64_t usec, void *context)
     become(service, r == 0 && is_leader);
     publish(service);
     follow_broker(service);
-    if (service->is_leader && service->options->home_assistant) {
-        hub__home_publish(service, false);
-    }
+    hub__home_publish(service, false);
     hub__metrics_write(service);
     return sd_event_source_set_time_relative(source, HUB_TICK_MS * 1000ULL);
 }
@@ -244,4 +244,5 @@ void hub__leader_stop(struct hub_service *service)
     if (service->is_leader) {
         (void)!hub_leader_leave(&service->store, NULL);
     }
+    free(service->home);
 }

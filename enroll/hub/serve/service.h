@@ -55,6 +55,11 @@ struct hub_service {
     bool heads_wanted; /* the broker may have lost what it has retained */
     bool database_lost;
 
+    /* what Home Assistant was told */
+    struct hub_home_door *home;
+    size_t n_home;
+    int64_t homed_s;
+
     sd_event_source *hourly;
     int64_t followed_s; /* when the broker's folder was compared last */
     int64_t measured_s; /* when the file of metrics was written last */
