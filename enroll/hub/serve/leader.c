@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/epoll.h>
 #include <systemd/sd-daemon.h>
 
@@ -35,21 +36,41 @@ int hub__emit(void *context, const char *topic, const void *bytes, size_t size, 
     struct hub_service *service = context;
     const int r = hub_mqtt_publish(service->mqtt, topic, bytes, size, retain);
 
-    if (r == 0) {
-        service->totals.emitted++;
-    }
+    service->emit_failed = r < 0;
+    service->totals.emitted += r == 0;
     return r;
 }
 
-/* Emits for the outbox: a HEAD, which alone is retained, comes after the deltas of its zone. Only
- * when the broker has them they may count as published. */
+/* What one call of the outbox has emitted. */
+struct outbox {
+    struct hub_service *service;
+    unsigned deltas;
+};
+
+static bool is_delta(const char *topic)
+{
+    static const char end[] = "/delta";
+    const size_t n = strlen(topic);
+
+    return n >= sizeof end && strcmp(topic + n - (sizeof end - 1), end) == 0;
+}
+
+/* Emits for the outbox. Deltas may count as published only when the broker has them. So the last
+ * message of a zone is waited for: its HEAD, which alone is retained, or the last delta that the
+ * outbox may emit at once. */
 static int emit_and_wait(void *context, const char *topic, const void *bytes, size_t size,
                          bool retain)
 {
-    struct hub_service *service = context;
-    const int r = hub__emit(service, topic, bytes, size, retain);
+    struct outbox *outbox = context;
+    struct hub_service *service = outbox->service;
+    int r = hub__emit(service, topic, bytes, size, retain);
 
-    return r < 0 || !retain ? r : hub_mqtt_flush(service->mqtt, FLUSH_MS);
+    outbox->deltas += is_delta(topic);
+    if (r == 0 && (retain || outbox->deltas == DELTAS_AT_ONCE)) {
+        r = hub_mqtt_flush(service->mqtt, FLUSH_MS);
+        service->emit_failed = r < 0;
+    }
+    return r;
 }
 
 static void failed(struct hub_service *service, int error, const struct iso_fault *fault)
@@ -64,7 +85,8 @@ static void failed(struct hub_service *service, int error, const struct iso_faul
 /* Publishes what the broker does not have. */
 static void publish(struct hub_service *service)
 {
-    const struct hub_emit emit = {.emit = emit_and_wait, .context = service};
+    struct outbox outbox = {.service = service};
+    const struct hub_emit emit = {.emit = emit_and_wait, .context = &outbox};
     const double begun_s = hub__clock_s();
     struct iso_fault fault = {.text = ""};
     bool done = true;
@@ -73,13 +95,14 @@ static void publish(struct hub_service *service)
     if (!service->is_leader || !hub_mqtt_is_connected(service->mqtt)) {
         return;
     }
+    service->emit_failed = false;
     if (service->heads_wanted) {
         r = hub_outbox_heads(&service->store, &emit, &fault);
         service->heads_wanted = r != 0;
     }
     r = r ? r : hub_outbox_each(&service->store, DELTAS_AT_ONCE, &emit, &done, &fault);
     hub__measured(service, "publishing", begun_s);
-    hub__database_state(service, *fault.text ? r : 0, &fault);
+    hub__database_state(service, service->emit_failed ? 0 : r, &fault);
     if (r) {
         failed(service, r, &fault);
     } else if (!done) {

@@ -51,6 +51,7 @@ static int answer(struct hub_service *service, const struct hub_mail *mail)
     char id[ISO_FLEET_ID_TEXT_SIZE];
     int r;
 
+    service->emit_failed = false;
     if (mail->is_presence) {
         r = service->is_leader
                 ? hub_door_set_online(&service->store, &mail->door,
@@ -60,7 +61,7 @@ static int answer(struct hub_service *service, const struct hub_mail *mail)
         r = hub_take(&service->store, &mail->door, mail->bytes, mail->size, &emit, &fault);
     }
     hub__measured(service, "the answer to a door", begun_s);
-    hub__database_state(service, *fault.text ? r : 0, &fault); /* without a text: the broker */
+    hub__database_state(service, service->emit_failed ? 0 : r, &fault);
     switch (r) {
     case 0:
         count(service, mail);

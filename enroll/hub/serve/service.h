@@ -54,6 +54,7 @@ struct hub_service {
     bool is_leader;
     bool heads_wanted; /* the broker may have lost what it has retained */
     bool database_lost;
+    bool emit_failed; /* the last message of this call could not be sent: not the database's fault */
 
     /* what Home Assistant was told */
     struct hub_home_door *home;
