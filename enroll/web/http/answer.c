@@ -5,6 +5,8 @@
 
 #include "enroll/web/http/exchange.h"
 
+enum { WEB_SOURCE_BLOCK_BYTES = 64 << 10 };
+
 static const struct {
     const char *name, *value;
 } common[] = {
@@ -63,6 +65,43 @@ struct MHD_Response *web__answer_json(unsigned status, json_t *json)
 
     json_decref(json);
     return web__answer_text(status, text, text ? strlen(text) : 0);
+}
+
+static ssize_t read_source(void *context, uint64_t at, char *out, size_t most)
+{
+    const struct web_source *source = context;
+
+    if (at >= source->size) {
+        return MHD_CONTENT_READER_END_OF_STREAM;
+    }
+    const ssize_t n = source->read(source->context, at, out, most);
+    return n > 0 ? n : MHD_CONTENT_READER_END_WITH_ERROR;
+}
+
+static void end_source(void *context)
+{
+    struct web_source *source = context;
+
+    source->done(source->context);
+    free(source);
+}
+
+struct MHD_Response *web__answer_source(const char *content_type, const struct web_source *source)
+{
+    struct web_source *copy = malloc(sizeof *copy);
+    struct MHD_Response *response = NULL;
+
+    if (copy) {
+        *copy = *source;
+        response = MHD_create_response_from_callback(source->size, WEB_SOURCE_BLOCK_BYTES,
+                                                     read_source, copy, end_source);
+    }
+    if (!response) {
+        source->done(source->context);
+        free(copy);
+        return NULL;
+    }
+    return complete(response, content_type);
 }
 
 struct MHD_Response *web__answer_empty(void)

@@ -6,6 +6,8 @@
 #include <microhttpd.h>
 #include <stdbool.h>
 
+#include "enroll/web/http/exchange.h"
+
 /* The headers of this kind of answer, added to a response. False: there is no memory. */
 bool web__answer_add_headers(struct MHD_Response *response, const char *content_type,
                              const char *cache_control) __attribute__((warn_unused_result));
@@ -17,6 +19,10 @@ struct MHD_Response *web__answer_text(unsigned status, char *text, size_t size);
 /* The same with a JSON value, which is taken over. A status of 400 and more makes it a problem.
  * NULL: there is no memory, or `json` is NULL. */
 struct MHD_Response *web__answer_json(unsigned status, json_t *json);
+
+/* A response with the bytes of a source, whose `done` is called once in any case. NULL: there is no
+ * memory. */
+struct MHD_Response *web__answer_source(const char *content_type, const struct web_source *source);
 
 /* A response without a body. NULL: there is no memory. */
 struct MHD_Response *web__answer_empty(void);

@@ -134,12 +134,12 @@ static void check_role(struct web_exchange *exchange)
     }
 }
 
-static bool is_json(const char *type)
+/* Whether a header Content-Type names a type, with or without parameters. */
+static bool is_type(const char *header_text, const char *type)
 {
-    static const char json[] = "application/json";
+    const size_t n = strlen(type);
 
-    return type && strncasecmp(type, json, sizeof json - 1) == 0 &&
-           strchr("; \t", type[sizeof json - 1]);
+    return header_text && strncasecmp(header_text, type, n) == 0 && strchr("; \t", header_text[n]);
 }
 
 static void check_body(struct web_exchange *exchange)
@@ -148,7 +148,7 @@ static void check_body(struct web_exchange *exchange)
     const bool has_body = header(exchange, "Transfer-Encoding") ||
                           (length && strspn(length, "0") != strlen(length));
 
-    if (has_body && !is_json(header(exchange, "Content-Type"))) {
+    if (has_body && !is_type(header(exchange, "Content-Type"), "application/json")) {
         refuse(exchange, 415, "no-json", "the body has to be of the type application/json");
     }
 }
@@ -175,6 +175,32 @@ static void check_api(struct web_exchange *exchange, char *path, char *query, co
     }
 }
 
+static const struct web_plain_route *find_plain(const struct web_exchange *exchange,
+                                                const char *path)
+{
+    const struct web_plain_route *route = exchange->server->setup.plain;
+
+    while (route && route->path && strcmp(route->path, path) != 0) {
+        route++;
+    }
+    return route && route->path ? route : NULL;
+}
+
+static void check_plain(struct web_exchange *exchange, const struct web_plain_route *route,
+                        const char *method)
+{
+    if (strcmp(method, "POST") != 0) {
+        refuse(exchange, 405, "no-such-method", "this path has no such method");
+        strcpy(exchange->refusal.allow, "POST");
+        return;
+    }
+    /* Nothing depends on a cookie, so it does not matter which page has made a browser ask. */
+    if (!is_type(header(exchange, "Content-Type"), route->type)) {
+        refuse(exchange, 415, "other-type", "the body has to be of another type");
+    }
+    exchange->plain = route;
+}
+
 static void check_file(struct web_exchange *exchange, char *path, const char *method)
 {
     if (web_percent_decode(path, false)) {
@@ -193,6 +219,7 @@ void web__request_check(struct web_exchange *exchange, const char *method)
     const char *host = header(exchange, "Host");
     char *query = exchange->uri;
     char *path = strsep(&query, "?");
+    const struct web_plain_route *plain = find_plain(exchange, path);
 
     if (!host || !*host) {
         refuse(exchange, 400, "no-host", "the request has no header Host");
@@ -201,6 +228,8 @@ void web__request_check(struct web_exchange *exchange, const char *method)
         refuse(exchange, 414, "too-long", "the path is too long");
     } else if (strncmp(path, api, sizeof api - 1) == 0 && path[sizeof api - 1] == '/') {
         check_api(exchange, path + sizeof api - 1, query, method);
+    } else if (plain) {
+        check_plain(exchange, plain, method);
     } else {
         check_file(exchange, path, method);
     }

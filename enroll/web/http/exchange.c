@@ -135,6 +135,12 @@ json_t *web_exchange_body(const struct web_exchange *exchange)
     return exchange->json;
 }
 
+const void *web_exchange_bytes(const struct web_exchange *exchange, size_t *size)
+{
+    *size = exchange->body_size;
+    return exchange->body;
+}
+
 const char *web_exchange_account(const struct web_exchange *exchange)
 {
     return exchange->account;
@@ -181,6 +187,12 @@ void web_exchange_text(struct web_exchange *exchange, unsigned status, char *tex
         web_exchange_header(exchange, "Content-Encoding", "gzip");
     }
     answer_or_fail(exchange, status, web__answer_text(status, text, size));
+}
+
+void web_exchange_source(struct web_exchange *exchange, const char *content_type,
+                         const struct web_source *source)
+{
+    answer_or_fail(exchange, 200, web__answer_source(content_type, source));
 }
 
 void web_exchange_done(struct web_exchange *exchange)

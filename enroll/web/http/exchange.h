@@ -13,6 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <sys/socket.h>
+#include <sys/types.h>
 
 #include "enroll/web/account/role.h"
 #include "enroll/web/http/stream.h"
@@ -37,6 +38,10 @@ bool web_exchange_number(struct web_exchange *exchange, const char *name, int64_
  * is valid until the answer. */
 json_t *web_exchange_body(const struct web_exchange *exchange);
 
+/* The body of a plain route: *size bytes, which are valid until the answer; NULL for an empty one.
+ */
+const void *web_exchange_bytes(const struct web_exchange *exchange, size_t *size);
+
 /* The account that asks, and its role; "" and WEB_ROLE_NONE without a session. */
 const char *web_exchange_account(const struct web_exchange *exchange);
 enum web_role web_exchange_role(const struct web_exchange *exchange);
@@ -55,6 +60,21 @@ void web_exchange_json(struct web_exchange *exchange, unsigned status, json_t *j
  * gzip if the client accepts it. `text` is taken
  * over, and freed with free(); NULL (no memory) is answered as 500. */
 void web_exchange_text(struct web_exchange *exchange, unsigned status, char *text, size_t size);
+
+/* Where the bytes of a long answer come from. */
+struct web_source {
+    uint64_t size;
+    /* Copies at most `most` bytes from the place `at` on, at least one. A negative errno cuts the
+     * answer off, which the client notices, because the answer has said its size. */
+    ssize_t (*read)(void *context, uint64_t at, void *out, size_t most);
+    void (*done)(void *context); /* the answer has been sent or given up */
+    void *context;
+};
+
+/* Answers 200 with bytes of any type, which are read as the client takes them. `done` is called
+ * once, also if there is no memory. */
+void web_exchange_source(struct web_exchange *exchange, const char *content_type,
+                         const struct web_source *source);
 
 /* 204, without a body. */
 void web_exchange_done(struct web_exchange *exchange);

@@ -43,8 +43,9 @@ struct web_exchange {
     char *uri; /* as the client sent it; later its parts, decoded */
     const char *part;
     struct web_query query;
-    const struct web_route *route; /* NULL: none */
-    const struct web_file *file;   /* NULL: none */
+    const struct web_route *route;       /* NULL: none */
+    const struct web_plain_route *plain; /* NULL: none */
+    const struct web_file *file;         /* NULL: none */
     struct web_refusal refusal;
 
     char account[WEB_ACCOUNT_NAME_SIZE];

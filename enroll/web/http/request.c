@@ -115,7 +115,7 @@ static enum MHD_Result take(struct web_exchange *exchange, const char *data, siz
     if (exchange->body_received > WEB_BODY_MOST_BYTES && !exchange->refusal.status) {
         refuse_as_too_large(exchange);
     }
-    if (exchange->refusal.status || !exchange->route) {
+    if (exchange->refusal.status || (!exchange->route && !exchange->plain)) {
         return exchange->body_received <= WEB_BODY_DRAIN_BYTES ? MHD_YES : MHD_NO;
     }
     if (exchange->body_received > exchange->body_room && !grow(exchange)) {
@@ -155,6 +155,8 @@ static void handle(struct web_exchange *exchange)
         web__exchange_refuse(exchange);
     } else if (exchange->route) {
         exchange->route->handle(exchange->server->setup.context, exchange);
+    } else if (exchange->plain) {
+        exchange->plain->handle(exchange->server->setup.context, exchange);
     } else {
         exchange->answered = true;
     }

@@ -13,4 +13,12 @@ struct web_route {
     void (*handle)(void *context, struct web_exchange *exchange);
 };
 
+/* What other programs ask, beside the API: a POST of bytes of one type, without a session. The
+ * handler finds out itself who asks. */
+struct web_plain_route {
+    const char *path; /* whole: "/fleet/v1/join" */
+    const char *type; /* of the body: "application/octet-stream" */
+    void (*handle)(void *context, struct web_exchange *exchange);
+};
+
 #endif

@@ -174,7 +174,7 @@ int web_server_new(const struct web_server_setup *setup, struct web_server **out
     if (r == 0) {
         server->setup = *setup;
         server->setup.now_ns = setup->now_ns ? setup->now_ns : web_now_ns;
-        r = web__files_read(&server->files, setup->pages, fault);
+        r = setup->pages ? web__files_read(&server->files, setup->pages, fault) : 0;
     }
     if (r == 0) {
         set_keepalive(setup->listen_fd);

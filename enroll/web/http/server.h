@@ -7,6 +7,8 @@
  *                 request (403 "other-origin"), the type and size of the body (415, 413), and that
  *                 it is a JSON object (400 "invalid-json"). 404 "no-such-path" and 405
  *                 "no-such-method" otherwise
+ *   plain paths   by the table of plain routes: POST alone. Checked are the type (415) and
+ *                 the size of the body, which the handler gets as bytes
  *   other paths   files of the folder of pages: GET and HEAD, with an ETag. It lists the folder
  *                 when it starts and serves nothing else; "/" is index.html
  *
@@ -51,11 +53,12 @@ struct web_server_setup {
     sd_event *event;
     int listen_fd; /* a listening TCP socket, which the server takes over */
     const struct web_certificate *certificate;
-    const char *pages; /* the folder */
+    const char *pages; /* the folder; NULL: there are none */
     struct web_sessions *sessions;
-    const struct web_route *routes; /* ends with a method of NULL */
-    void *context;                  /* of the handlers */
-    int64_t (*now_ns)(void);        /* the clock of the deadlines; NULL: web_now_ns of now.h */
+    const struct web_route *routes;      /* ends with a method of NULL */
+    const struct web_plain_route *plain; /* ends with a path of NULL; NULL: there are none */
+    void *context;                       /* of the handlers */
+    int64_t (*now_ns)(void);             /* the clock of the deadlines; NULL: web_now_ns of now.h */
 };
 
 /* Starts to answer. All that `setup` points to has to live longer than the server. A negative errno

@@ -13,6 +13,7 @@
 #include "tests/support/scratch.h"
 
 int64_t (*web_rig_clock)(void);
+const struct web_plain_route *web_rig_plain;
 
 int web_rig_listen(int *port)
 {
@@ -58,6 +59,7 @@ void web_rig_start(struct web_rig *rig, const char *folder, const struct web_rou
                                            .listen_fd = web_rig_listen(&rig->port),
                                            .certificate = &rig->certificate,
                                            .pages = pages,
+                                           .plain = web_rig_plain,
                                            .sessions = &rig->sessions,
                                            .routes = routes,
                                            .context = context,

@@ -1,0 +1,37 @@
+/* What the leader among the processes of a hub publishes, and how it learns of it. The table of
+ * deltas is the queue; a notification of the database is only a hint. Errors as in
+ * enroll/hub/store/hub_store.h. */
+#ifndef ISO_ENROLL_HUB_ANSWER_HUB_OUTBOX_H
+#define ISO_ENROLL_HUB_ANSWER_HUB_OUTBOX_H
+
+#include "enroll/hub/answer/hub_answer.h"
+
+/* Emits what the broker does not have: for each zone the KEY of a new epoch for each of its doors,
+ * the new deltas in their order, and the HEAD (retained). At most `most` deltas; *done is false if
+ * there are more. What was emitted counts as published when the function returns 0, so a failure
+ * lets it be emitted again. */
+int hub_outbox_each(struct hub_store *store, uint32_t most, const struct hub_emit *emit, bool *done,
+                    struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* The HEAD of every zone again, for a broker that may have lost what it retained. */
+int hub_outbox_heads(struct hub_store *store, const struct hub_emit *emit, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Tries to become the leader, who alone publishes: a lock of this store's session. *is_leader says
+ * whether it is one now; also for one who is already. Call it regularly: a lost connection loses
+ * the lock, and then another process may have it. */
+int hub_leader_try(struct hub_store *store, bool *is_leader, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+int hub_leader_leave(struct hub_store *store, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Lets the database notify this store of changes. *fd becomes readable then; it belongs to the
+ * store and changes when the connection is made anew, so call this after each -ENOTCONN. */
+int hub_listen(struct hub_store *store, int *fd, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Takes all notifications that have arrived; *changed says whether there was one. Does not wait. */
+int hub_listen_take(struct hub_store *store, bool *changed, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif
