@@ -11,6 +11,9 @@ fault_s=$2
 seed=${3:-1}
 here=$(cd "$(dirname "$0")" && pwd)
 . "$here/fleet_parts.sh"
+. "$here/fleet_steps.sh"
+. "$here/fleet_steps.sh"
+. "$here/fleet_faults.sh"
 
 DOORS=50 A_PROCESS=10 LEASE_S=20
 prepare

@@ -38,17 +38,22 @@ prepare() {
     chmod 755 "$work"
     trap 'clean_up' EXIT
     mkdir "$work/db" "$work/doors" "$work/hub" "$work/broker" "$work/log"
-    [ "$(id -u)" -ne 0 ] || chown postgres "$work/db"
+    if [ "$(id -u)" -eq 0 ]; then # both servers give up the rights of root
+        chown postgres "$work/db"
+        chown mosquitto:mosquitto "$work/broker"
+        chmod 2770 "$work/broker"
+    fi
     as_postgres "$pg/initdb" -D "$work/db/data" -A trust -U postgres >"$work/log/initdb" 2>&1
     broker_port=$(free_port) hub_broker_port=$(free_port)
     https_port=([1]=$(free_port) [2]=$(free_port))
     conninfo="host=$work/db user=postgres dbname=fleet"
     start_postgres
-    as_postgres createdb -h "$work/db" -U postgres fleet
+    as_postgres "$pg/createdb" -h "$work/db" -U postgres fleet
     make_hub
     start_broker
     start_hub 1
     start_hub 2
+    follow_lists &
 }
 
 free_port() {
@@ -70,19 +75,60 @@ start_postgres() {
     exit 1
 }
 
-sql() { as_postgres psql -X -q -A -t -h "$work/db" -U postgres -d fleet -c "$1"; }
+sql() { as_postgres "$pg/psql" -X -q -A -t -h "$work/db" -U postgres -d fleet -c "$1"; }
 
 start_broker() {
-    mosquitto -c "$work/broker/mosquitto.conf" >>"$work/log/broker" 2>&1 &
+    /usr/sbin/mosquitto -c "$work/broker/mosquitto.conf" >>"$work/log/broker" 2>&1 &
     pid_of_broker=$!
+    echo "$pid_of_broker" >"$work/broker.pid"
+}
+
+# Lets the broker read its lists anew when the hub has changed them, as the path unit of the package does.
+follow_lists() {
+    local seen='' now
+    while sleep 0.5; do
+        now=$(cat "$work/broker/acl" "$work/broker/crl.pem" 2>/dev/null | cksum)
+        [ "$now" = "$seen" ] || kill -HUP "$(cat "$work/broker.pid")" 2>/dev/null || true
+        seen=$now
+    done
 }
 
 # ---- the hub ----
 
-hub() { "$build/enroll/hub/isotherm-hub" --config "$work/hub/hub.conf" "$@"; }
+hub() { "$build/enroll/hub/command/isotherm-hub" "$@" --config "$work/hub1.conf"; }
+
+# The two hubs have the same database and keys, and each its own port.
+make_hub() {
+    local i
+    for i in 1 2; do
+        cat >"$work/hub$i.conf" <<CONF
+[database]
+conninfo = host=$work/db user=postgres dbname=fleet
+
+[hub]
+name = Headquarters
+folder = $work/hub
+host = localhost
+port = ${https_port[$i]}
+listen = 127.0.0.1:${https_port[$i]}
+
+[broker]
+host = localhost
+port = $broker_port
+hub_host = localhost
+hub_port = $hub_broker_port
+folder = $work/broker
+persistence = $work/broker
+CONF
+    done
+    hub init >"$work/log/init"
+    hub broker-config "$work/broker" >>"$work/log/init"
+    hub zone add hq >>"$work/log/init"
+    hub zone add lab >>"$work/log/init"
+}
 
 start_hub() {
-    "$build/enroll/hub/isotherm-hub" --config "$work/hub/hub$1.conf" run >>"$work/log/hub$1" 2>&1 &
+    "$build/enroll/hub/command/isotherm-hub" run --config "$work/hub$1.conf" >>"$work/log/hub$1" 2>&1 &
     eval "pid_of_hub$1=$!"
 }
 
