@@ -31,6 +31,9 @@
 #define ISO_CONTRACT_FLEET_REQUESTS "FleetRequests"
 #define ISO_CONTRACT_FLEET_WORK     "FleetWork"
 
+/* The door belongs to no fleet; of all methods but GetFleet and FleetJoin. */
+#define ISO_CONTRACT_ERROR_NO_FLEET "org.isotherm.Error.NoFleet"
+
 /* What waits for the link, of the signal. */
 #define ISO_CONTRACT_FLEET_WORK_EVENTS   "events"
 #define ISO_CONTRACT_FLEET_WORK_REQUESTS "requests"
@@ -71,6 +74,13 @@ enum iso_fleet_outcome {
     "zones"                                  /* a(sttsb): zone, epoch, sequence, digest, wants a \
                                               * snapshot */
 #define ISO_CONTRACT_FLEET_PENDING "pending" /* u: people who wait for approval */
+#define ISO_CONTRACT_FLEET_PEOPLE  "people"  /* u: people who came from the hub */
 #define ISO_CONTRACT_FLEET_BEHIND  "hub-behind" /* b: the hub knows less than this door */
+#define ISO_CONTRACT_FLEET_FAULT   "fault" /* s: what of the hub's wishes this door could not do */
+
+/* The words of ISO_CONTRACT_FLEET_LEASE. */
+#define ISO_CONTRACT_FLEET_LEASE_HELD "held"
+#define ISO_CONTRACT_FLEET_LEASE_OVER "over"
+#define ISO_CONTRACT_FLEET_LEASE_NONE "none"
 
 #endif

@@ -348,12 +348,29 @@ static void put_row(const struct iso_fleet_person *person, const char *name, str
     (void)snprintf(out->name, sizeof out->name, "%s", name);
 }
 
-static int copy_templates(const struct iso_fleet_person *person, struct step *step,
-                          struct iso_gallery_change *change)
+/* Which templates the door keeps: at most as many as the gallery takes, those that it can search
+ * first. */
+static size_t choose_templates(const struct iso_fleet_person *person, uint32_t algorithm,
+                               size_t chosen[ISO_GALLERY_TEMPLATES_MAX])
 {
-    size_t size = 0;
-    for (size_t i = 0; i < person->n; i++) {
-        size += person->templates[i].size;
+    size_t n = 0;
+    for (int round = 0; round < 2; round++) {
+        for (size_t i = 0; i < person->n && n < ISO_GALLERY_TEMPLATES_MAX; i++) {
+            if ((person->templates[i].algorithm == algorithm) == (round == 0)) {
+                chosen[n++] = i;
+            }
+        }
+    }
+    return n;
+}
+
+static int copy_templates(const struct iso_fleet_person *person, uint32_t algorithm,
+                          struct step *step, struct iso_gallery_change *change)
+{
+    size_t chosen[ISO_GALLERY_TEMPLATES_MAX], size = 0;
+    const size_t n = choose_templates(person, algorithm, chosen);
+    for (size_t i = 0; i < n; i++) {
+        size += person->templates[chosen[i]].size;
     }
     step->templates = malloc(size ? size : 1);
     step->templates_size = size;
@@ -361,14 +378,15 @@ static int copy_templates(const struct iso_fleet_person *person, struct step *st
         return -ENOMEM;
     }
     uint8_t *at = step->templates;
-    for (size_t i = 0; i < person->n; i++) {
-        memcpy(at, person->templates[i].bytes, person->templates[i].size);
-        change->item.templates[i].algorithm = person->templates[i].algorithm;
+    for (size_t i = 0; i < n; i++) {
+        const struct iso_fleet_template *own = &person->templates[chosen[i]];
+        memcpy(at, own->bytes, own->size);
+        change->item.templates[i].algorithm = own->algorithm;
         change->item.templates[i].bytes = at;
-        change->item.templates[i].size = person->templates[i].size;
-        at += person->templates[i].size;
+        change->item.templates[i].size = own->size;
+        at += own->size;
     }
-    change->item.n = person->n;
+    change->item.n = n;
     return 0;
 }
 
@@ -464,7 +482,7 @@ static int fill_new(struct iso__fleet_batch *batch, const struct plan *plan,
     change->keep = of_fleet && memcmp(plan->entry->templates, record->fleet.templates,
                                       sizeof record->fleet.templates) == 0;
     step->key = plan->key;
-    return change->keep || !copy_templates(person, step, change)
+    return change->keep || !copy_templates(person, batch->fleet->options.algorithm, step, change)
                ? 0
                : iso_fault_set(fault, -ENOMEM, "fleet: out of memory");
 }

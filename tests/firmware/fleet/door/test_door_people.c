@@ -463,6 +463,33 @@ static void a_credential_that_cannot_be_read_lets_nobody_in(void **state)
     assert_false(door_rig_credential(rig, "ada").enabled);
 }
 
+/* More templates than the gallery keeps of one person: those of the door's algorithm come first. */
+static void templates_of_the_own_algorithm_come_first(void **state)
+{
+    struct door_rig *rig = *state;
+    static uint8_t bytes[2][ISO_TEMPLATE_BYTES_MAX];
+    struct iso_fleet_change change = {.kind = ISO_FLEET_PUT,
+                                      .person = {.id = door_rig_id(1),
+                                                 .revision = 1,
+                                                 .name = "ada",
+                                                 .name_length = 3,
+                                                 .n = ISO_FLEET_TEMPLATES_MAX}};
+    door_rig_begin(rig, 1);
+    for (uint32_t a = 0; a < 2; a++) {
+        const struct iso_template tmpl = puppet_template(20, PUPPET_ALGORITHM + a);
+        const int size = iso_template_serialise(&tmpl, bytes[a], sizeof bytes[a]);
+        for (size_t i = 0; i < ISO_FLEET_TEMPLATES_MAX; i++) {
+            if (i < 28 ? a == 1 : a == 0) { /* the last four are of the own one */
+                change.person.templates[i] = (struct iso_fleet_template){PUPPET_ALGORITHM + a,
+                                                                         (uint32_t)size, bytes[a]};
+            }
+        }
+    }
+    give_change(rig, &change);
+    assert_int_equal(iso_gallery_find(rig->gallery, "ada")->templates, ISO_GALLERY_TEMPLATES_MAX);
+    assert_int_equal(iso_gallery_find(rig->gallery, "ada")->usable, 4);
+}
+
 int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, door_rig_setup, door_rig_teardown)
@@ -483,6 +510,7 @@ int main(void)
         TEST(an_answer_takes_the_place_of_the_local_person),
         TEST(a_name_of_the_hub_replaces_a_local_person),
         TEST(a_credential_that_cannot_be_read_lets_nobody_in),
+        TEST(templates_of_the_own_algorithm_come_first),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
