@@ -13,7 +13,8 @@ static int add(struct hub_run *run)
 {
     struct iso_fleet_id zones[HUB_PERSON_ZONES_MAX], id;
     char code[HUB_CODE_SIZE];
-    int error = hub_run_zones(run, zones);
+    int error = hub_address_check(run);
+    error = error ? error : hub_run_zones(run, zones);
     error = error ? error
                   : hub_door_add(&run->store, run->arguments.words[0], zones,
                                  run->arguments.n_zones, &id, code, &run->fault);
@@ -24,7 +25,8 @@ static int new_code(struct hub_run *run)
 {
     struct hub_door door;
     char code[HUB_CODE_SIZE];
-    int error = find(run, &door);
+    int error = hub_address_check(run);
+    error = error ? error : find(run, &door);
     error = error ? error : hub_door_new_code(&run->store, &door.id, code, &run->fault);
     return error ? error : hub_print_address(run, code);
 }

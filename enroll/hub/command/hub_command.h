@@ -96,6 +96,9 @@ int hub_run_zones(struct hub_run *run, struct iso_fleet_id ids[HUB_PERSON_ZONES_
 int hub_run_confirm(struct hub_run *run, const struct iso_fleet_id *zones, size_t n)
     __attribute__((warn_unused_result));
 
+/* Whether the configuration says where the doors reach the hub. -ENODATA. */
+int hub_address_check(struct hub_run *run) __attribute__((warn_unused_result));
+
 /* Prints a join address, and its QR code on a terminal. */
 int hub_print_address(struct hub_run *run, const char *code) __attribute__((warn_unused_result));
 
