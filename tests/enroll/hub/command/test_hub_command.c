@@ -137,6 +137,27 @@ static void open_store(struct hub_store *store)
     hub_rig_fine(hub_store_open(&options, store, &fault), &fault);
 }
 
+/* A door in a lockdown, with events, that is expelled. */
+static void leave(struct door_rig *door, struct hub_store *store)
+{
+    struct iso_fault fault = {.text = ""};
+    /* A lockdown says who has not confirmed it. */
+    hub_rig_fine(door_rig_ask(door, store, &fault), &fault);
+    expect(1, "lockdown on --wait 0", "not confirmed: front, online");
+    door_rig_fetch(door, store);
+    hub_rig_fine(door_rig_ask(door, store, &fault), &fault);
+    assert_true(door->zones[0].lockdown);
+    free(hub(0, "lockdown on office"));
+
+    hub_rig_fine(door_rig_send_events(door, store, 1, 5, &fault), &fault);
+    expect(0, "event list --door front --count 1", "front 5 {");
+    expect(0, "act list", "person-revoke anna");
+    free(hub(0, "door expel front"));
+    expect(1, "door expel front", "is expelled");
+    expect(1, "door code front", "is expelled");
+    expect(0, "door list --all", "expelled");
+}
+
 static void a_fleet_is_run_by_commands(void **state)
 {
     static struct door_rig door;
@@ -182,21 +203,7 @@ static void a_fleet_is_run_by_commands(void **state)
     door_rig_fetch(&door, &store);
     assert_int_equal(door.n_people, 0);
 
-    /* A lockdown says who has not confirmed it. */
-    hub_rig_fine(door_rig_ask(&door, &store, &fault), &fault);
-    expect(1, "lockdown on --wait 0", "not confirmed: front, online");
-    door_rig_fetch(&door, &store);
-    hub_rig_fine(door_rig_ask(&door, &store, &fault), &fault);
-    assert_true(door.zones[0].lockdown);
-    free(hub(0, "lockdown on office"));
-
-    hub_rig_fine(door_rig_send_events(&door, &store, 1, 5, &fault), &fault);
-    expect(0, "event list --door front --count 1", "front 5 {");
-    expect(0, "act list", "person-revoke anna");
-    free(hub(0, "door expel front"));
-    expect(1, "door expel front", "is expelled");
-    expect(1, "door code front", "is expelled");
-    expect(0, "door list --all", "expelled");
+    leave(&door, &store);
     hub_store_close(&store);
 }
 

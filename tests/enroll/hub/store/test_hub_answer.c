@@ -12,9 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/hub/answer/hub_event.h"
 #include "enroll/hub/answer/hub_outbox.h"
-#include "enroll/hub/people/hub_request.h"
 #include "tests/enroll/hub/rigs/door_rig.h"
 
 static struct iso_fault fault;
@@ -80,8 +78,18 @@ static void a_door_gets_keys_lease_and_people(void **state)
     assert_int_equal(known.algorithm, 3);
     assert_string_equal(known.health, "{\"version\":\"1.0\"}");
     assert_true(known.online);
+}
 
-    /* Each change is applied. */
+static void a_door_applies_each_change(void **state)
+{
+    struct hub_rig *rig = *state;
+    const struct iso_fleet_id zones[2] = {hub_rig_zone(rig, "office"), hub_rig_zone(rig, "lab")};
+    struct door_rig door;
+    const struct iso_fleet_id anna = hub_rig_put(rig, "anna", zones, 2);
+    const struct iso_fleet_id ben = hub_rig_put(rig, "ben", &zones[1], 1);
+    door_rig_join(&door, rig, "front", zones, 2);
+    ask(&door, rig);
+    door_rig_fetch(&door, &rig->store);
     hub_rig_fine(hub_person_set_offline(&rig->store, &anna, true, &fault), &fault);
     hub_rig_fine(hub_person_rename(&rig->store, &anna, "Anna B.", &fault), &fault);
     hub_rig_fine(hub_person_set_zones(&rig->store, &ben, &zones[0], 1, &fault), &fault);
@@ -229,11 +237,10 @@ static void a_door_that_moves_leaves_the_old_zone(void **state)
                      -EACCES);
 }
 
-static void a_snapshot_is_the_sum_of_the_deltas(void **state)
+/* 60 people, of whom 20 are revoked and 20 are changed, and a lockdown: 101 deltas. */
+static struct iso_fleet_id busy_zone(struct hub_rig *rig)
 {
-    struct hub_rig *rig = *state;
     const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    struct door_rig one, two;
     char name[16];
     struct iso_fleet_id ids[60];
     for (int i = 0; i < 60; i++) {
@@ -247,6 +254,14 @@ static void a_snapshot_is_the_sum_of_the_deltas(void **state)
         hub_rig_fine(hub_person_set_offline(&rig->store, &ids[i], true, &fault), &fault);
     }
     hub_rig_fine(hub_zone_lockdown(&rig->store, &zone, true, &fault), &fault);
+    return zone;
+}
+
+static void a_snapshot_is_the_sum_of_the_deltas(void **state)
+{
+    struct hub_rig *rig = *state;
+    const struct iso_fleet_id zone = busy_zone(rig);
+    struct door_rig one, two;
     door_rig_join(&one, rig, "front", &zone, 1);
     door_rig_join(&two, rig, "back", &zone, 1);
     ask(&one, rig);
@@ -281,176 +296,6 @@ static void a_snapshot_is_the_sum_of_the_deltas(void **state)
     ask(&four, rig);
     door_rig_fetch(&four, &rig->store);
     assert_true(door_rig_is_same(&one, &four, &zone));
-}
-
-static void events_are_stored_once(void **state)
-{
-    struct hub_rig *rig = *state;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    struct door_rig door, other;
-    door_rig_join(&door, rig, "front", &zone, 1);
-    door_rig_join(&other, rig, "back", &zone, 1);
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 1, 10, &fault), &fault);
-    assert_int_equal(door.acked, 10);
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 1, 10, &fault), &fault);
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 5, 15, &fault), &fault);
-    assert_int_equal(door.acked, 15);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM event"), 15);
-    /* A gap is not acknowledged until it is filled. */
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 21, 30, &fault), &fault);
-    assert_int_equal(door.acked, 15);
-    hub_rig_fine(door_rig_send_events(&other, &rig->store, 1, 3, &fault), &fault);
-    assert_int_equal(other.acked, 3);
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 16, 20, &fault), &fault);
-    assert_int_equal(door.acked, 30);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM event"), 33);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(DISTINCT number) FROM event"), 30);
-    ask(&door, rig);
-    assert_int_equal(door.lease.acked, 30);
-}
-
-static int keep_event(void *context, const struct hub_event *event)
-{
-    uint64_t *last = context;
-    assert_true(event->number > *last);
-    assert_string_equal(event->door_name, "front");
-    assert_non_null(strstr(event->record, "péter 1"));
-    *last = event->number;
-    return 0;
-}
-
-static void events_are_found(void **state)
-{
-    struct hub_rig *rig = *state;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    const struct hub_event_filter filter = {
-        .person = "péter 1", .since = "2026-11-21T08:00:02", .most = 2};
-    struct door_rig door;
-    uint64_t last = 0;
-    door_rig_join(&door, rig, "front", &zone, 1);
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 1, 20, &fault), &fault);
-    hub_rig_fine(hub_event_each(&rig->store, &filter, keep_event, &last, &fault), &fault);
-    assert_int_equal(last, 19);
-}
-
-/* Messages of a door that is none, or that says what is not true. */
-static void bad_messages_are_refused(void **state)
-{
-    struct hub_rig *rig = *state;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    struct door_rig door, other;
-    struct iso_fleet_bytes bytes = {.bytes = NULL};
-    const struct iso_fleet_events wrong = {.first = 5, .last = 6};
-    static const char *const lines[] = {"{\"sequence\":4}\n",
-                                        "{\"sequence\":7}\n",
-                                        "{\"sequence\":6}\n{\"sequence\":5}\n",
-                                        "{\"sequence\":5}\n{\"sequence\":5}\n",
-                                        "{\"sequence\":\"5\"}\n",
-                                        "[5]\n",
-                                        "{\"sequence\":5,\"time\":7}\n",
-                                        "{\"sequence\":5}",
-                                        "nonsense\n"};
-    door_rig_join(&door, rig, "front", &zone, 1);
-    door_rig_join(&other, rig, "back", &zone, 1);
-    const struct hub_emit emit = door_rig_emit(&door);
-    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
-        struct iso_fleet_events events = wrong;
-        events.door = door.id;
-        assert_int_equal(iso_fleet_make_events(&events, lines[i], strlen(lines[i]),
-                                               door.hub_receives, &door.signs, &bytes),
-                         0);
-        assert_int_equal(hub_take(&rig->store, &door.id, bytes.bytes, bytes.size, &emit, &fault),
-                         -EBADMSG);
-        iso_fleet_bytes_free(&bytes);
-    }
-    /* Another door's key, another door's topic, an unknown door, a cut message. */
-    struct door_rig forged = door;
-    forged.signs = other.signs;
-    assert_int_equal(door_rig_ask(&forged, &rig->store, &fault), -EKEYREJECTED);
-    forged = door;
-    forged.id = iso_fleet_id_random();
-    assert_int_equal(door_rig_ask(&forged, &rig->store, &fault), -EACCES);
-    const struct iso_fleet_question question = {.door = door.id, .health = ""};
-    assert_int_equal(iso_fleet_make_question(&question, &door.signs, &bytes), 0);
-    assert_int_equal(hub_take(&rig->store, &other.id, bytes.bytes, bytes.size, &emit, &fault),
-                     -EBADMSG);
-    for (size_t size = 0; size < bytes.size; size++) {
-        assert_true(hub_take(&rig->store, &door.id, bytes.bytes, size, &emit, &fault) < 0);
-    }
-    bytes.bytes[bytes.size / 2] ^= 1;
-    assert_true(hub_take(&rig->store, &door.id, bytes.bytes, bytes.size, &emit, &fault) < 0);
-    iso_fleet_bytes_free(&bytes);
-    assert_int_equal(door.leases + door.acks, 0);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM event"), 0);
-    assert_int_equal(hub_rig_number(rig, "SELECT max(reported_s) FROM door"), 0);
-}
-
-static int keep_request(void *context, const struct hub_request *request)
-{
-    *(struct hub_request *)context = *request;
-    return 0;
-}
-
-static void requests_wait_for_a_person(void **state)
-{
-    struct hub_rig *rig = *state;
-    struct hub_store *store = &rig->store;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    struct door_rig door;
-    struct hub_request request = {.state = HUB_REQUEST_REJECTED};
-    struct iso_fleet_person anna = hub_rig_person("anna", 3, 2, 1);
-    door_rig_join(&door, rig, "front", &zone, 1);
-    ask(&door, rig);
-    hub_rig_fine(door_rig_request(&door, store, &anna, &fault), &fault);
-    hub_rig_fine(door_rig_request(&door, store, &anna, &fault), &fault);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM request"), 1);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM person"), 0);
-    hub_rig_fine(hub_request_each(store, false, keep_request, &request, &fault), &fault);
-    assert_string_equal(request.name, "anna");
-    assert_string_equal(request.door_name, "front");
-    hub_rig_fine(hub_request_find(store, "anna", &request, &fault), &fault);
-    hub_rig_fine(hub_request_approve(store, &request.person, NULL, 0, &fault), &fault);
-    assert_int_equal(hub_request_approve(store, &request.person, NULL, 0, &fault), -EALREADY);
-    door_rig_fetch(&door, store);
-    assert_non_null(door_rig_person(&door, &zone, &anna.id));
-    /* The same message comes late: nothing happens. */
-    hub_rig_fine(door_rig_request(&door, store, &anna, &fault), &fault);
-    assert_int_equal(hub_rig_zone_now(rig, &zone).place.sequence, 1);
-    /* After a revocation the door that still has the person is told again. */
-    hub_rig_fine(hub_person_revoke(store, &anna.id, &fault), &fault);
-    hub_rig_fine(door_rig_request(&door, store, &anna, &fault), &fault);
-    door_rig_fetch(&door, store);
-    assert_int_equal(hub_rig_zone_now(rig, &zone).place.sequence, 3);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM person"), 0);
-
-    const struct iso_fleet_person ben = hub_rig_person("ben", 3, 2, 1);
-    hub_rig_fine(door_rig_request(&door, store, &ben, &fault), &fault);
-    hub_rig_fine(hub_request_reject(store, &ben.id, &fault), &fault);
-    assert_int_equal(hub_rig_zone_now(rig, &zone).place.sequence, 4); /* REMOVE */
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM request WHERE sealed IS NOT NULL"),
-                     0);
-}
-
-static void a_zone_may_approve_at_once(void **state)
-{
-    struct hub_rig *rig = *state;
-    struct hub_store *store = &rig->store;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    const struct hub_zone_settings settings = {.lease_s = 60, .approve_auto = true};
-    struct iso_fleet_person anna = hub_rig_person("anna", 3, 2, 1);
-    struct iso_fleet_person same = hub_rig_person("anna", 3, 2, 2);
-    struct door_rig door;
-    hub_rig_fine(hub_zone_set(store, &zone, &settings, &fault), &fault);
-    door_rig_join(&door, rig, "front", &zone, 1);
-    ask(&door, rig);
-    hub_rig_fine(door_rig_request(&door, store, &anna, &fault), &fault);
-    door_rig_fetch(&door, store);
-    assert_non_null(door_rig_person(&door, &zone, &anna.id));
-    /* Another person with a taken name waits. */
-    same.id = iso_fleet_id_of("another", 7);
-    hub_rig_fine(door_rig_request(&door, store, &same, &fault), &fault);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM request WHERE state = 0"), 1);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM person"), 1);
 }
 
 static void one_of_two_is_the_leader(void **state)
@@ -490,16 +335,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(a_door_gets_keys_lease_and_people),
+        TEST(a_door_applies_each_change),
         TEST(doors_confirm_a_change),
         TEST(what_is_published_twice_is_known),
         TEST(an_expelled_door_gets_no_key),
         TEST(a_door_that_moves_leaves_the_old_zone),
         TEST(a_snapshot_is_the_sum_of_the_deltas),
-        TEST(events_are_stored_once),
-        TEST(events_are_found),
-        TEST(bad_messages_are_refused),
-        TEST(requests_wait_for_a_person),
-        TEST(a_zone_may_approve_at_once),
         TEST(one_of_two_is_the_leader),
     };
     return cmocka_run_group_tests(tests, hub_rig_start, hub_rig_stop);

@@ -183,6 +183,32 @@ static void the_connection_comes_back(void **state)
 
 /* ---- yesterday's database ---- */
 
+/* After the recovery the door has what this database knows, and the stream goes on. */
+static void recover_and_go_on(struct hub_rig *rig, struct door_rig *door,
+                              const struct iso_fleet_id *zone, const struct iso_fleet_id *anna)
+{
+    struct hub_store *store = &rig->store;
+    const unsigned keys = door->keys;
+    hub_rig_fine(hub_zone_recover(store, zone, &fault), &fault);
+    struct hub_zone now = hub_rig_zone_now(rig, zone);
+    assert_int_equal(now.place.epoch, 2);
+    assert_int_equal(now.place.sequence, 9);
+    hub_rig_fine(door_rig_ask(door, store, &fault), &fault);
+    assert_int_equal(door->keys, keys + 1);
+    assert_true(door->zones[0].wants_snapshot);
+    assert_false(hub_rig_zone_now(rig, zone).behind); /* an old place of before the reset */
+    const uint64_t revision = door_rig_person(door, zone, anna)->revision;
+    door_rig_fetch(door, store);
+    assert_int_equal(door_rig_count(door, zone), 1);
+    assert_true(door_rig_person(door, zone, anna)->revision > revision);
+    /* The stream goes on. */
+    hub_rig_fine(hub_zone_lockdown(store, zone, true, &fault), &fault);
+    door_rig_fetch(door, store);
+    assert_true(door->zones[0].lockdown);
+    hub_rig_fine(door_rig_ask(door, store, &fault), &fault);
+    assert_false(hub_rig_zone_now(rig, zone).behind);
+}
+
 static void a_restored_database_is_noticed(void **state)
 {
     struct hub_rig *rig = *state;
@@ -216,25 +242,7 @@ static void a_restored_database_is_noticed(void **state)
     assert_non_null(strstr(fault.text, "isotherm-hub recover"));
     assert_int_equal(hub_zone_lockdown(store, &zone, true, &fault), -ESTALE);
 
-    const unsigned keys = door.keys;
-    hub_rig_fine(hub_zone_recover(store, &zone, &fault), &fault);
-    struct hub_zone now = hub_rig_zone_now(rig, &zone);
-    assert_int_equal(now.place.epoch, 2);
-    assert_int_equal(now.place.sequence, 9);
-    hub_rig_fine(door_rig_ask(&door, store, &fault), &fault);
-    assert_int_equal(door.keys, keys + 1);
-    assert_true(door.zones[0].wants_snapshot);
-    assert_false(hub_rig_zone_now(rig, &zone).behind); /* an old place of before the reset */
-    const uint64_t revision = door_rig_person(&door, &zone, &anna)->revision;
-    door_rig_fetch(&door, store);
-    assert_int_equal(door_rig_count(&door, &zone), 1);
-    assert_true(door_rig_person(&door, &zone, &anna)->revision > revision);
-    /* The stream goes on. */
-    hub_rig_fine(hub_zone_lockdown(store, &zone, true, &fault), &fault);
-    door_rig_fetch(&door, store);
-    assert_true(door.zones[0].lockdown);
-    hub_rig_fine(door_rig_ask(&door, store, &fault), &fault);
-    assert_false(hub_rig_zone_now(rig, &zone).behind);
+    recover_and_go_on(rig, &door, &zone, &anna);
 }
 
 static void another_history_is_noticed(void **state)
