@@ -11,37 +11,37 @@
 
 #include "enroll/hub/answer/hub_event.h"
 #include "enroll/hub/people/hub_request.h"
-#include "tests/enroll/hub/rigs/door_rig.h"
+#include "tests/enroll/hub/rigs/played_door.h"
 
 static struct iso_fault fault;
 
-static void ask(struct door_rig *door, struct hub_rig *rig)
+static void ask(struct played_door *door, struct store_rig *rig)
 {
-    hub_rig_fine(door_rig_ask(door, &rig->store, &fault), &fault);
+    store_rig_fine(played_door_ask(door, &rig->store, &fault), &fault);
 }
 
 static void events_are_stored_once(void **state)
 {
-    struct hub_rig *rig = *state;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    struct door_rig door, other;
-    door_rig_join(&door, rig, "front", &zone, 1);
-    door_rig_join(&other, rig, "back", &zone, 1);
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 1, 10, &fault), &fault);
+    struct store_rig *rig = *state;
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    struct played_door door, other;
+    played_door_join(&door, rig, "front", &zone, 1);
+    played_door_join(&other, rig, "back", &zone, 1);
+    store_rig_fine(played_door_send_events(&door, &rig->store, 1, 10, &fault), &fault);
     assert_int_equal(door.acked, 10);
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 1, 10, &fault), &fault);
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 5, 15, &fault), &fault);
+    store_rig_fine(played_door_send_events(&door, &rig->store, 1, 10, &fault), &fault);
+    store_rig_fine(played_door_send_events(&door, &rig->store, 5, 15, &fault), &fault);
     assert_int_equal(door.acked, 15);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM event"), 15);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM event"), 15);
     /* A gap is not acknowledged until it is filled. */
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 21, 30, &fault), &fault);
+    store_rig_fine(played_door_send_events(&door, &rig->store, 21, 30, &fault), &fault);
     assert_int_equal(door.acked, 15);
-    hub_rig_fine(door_rig_send_events(&other, &rig->store, 1, 3, &fault), &fault);
+    store_rig_fine(played_door_send_events(&other, &rig->store, 1, 3, &fault), &fault);
     assert_int_equal(other.acked, 3);
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 16, 20, &fault), &fault);
+    store_rig_fine(played_door_send_events(&door, &rig->store, 16, 20, &fault), &fault);
     assert_int_equal(door.acked, 30);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM event"), 33);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(DISTINCT number) FROM event"), 30);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM event"), 33);
+    assert_int_equal(store_rig_number(rig, "SELECT count(DISTINCT number) FROM event"), 30);
     ask(&door, rig);
     assert_int_equal(door.lease.acked, 30);
 }
@@ -58,24 +58,24 @@ static int keep_event(void *context, const struct hub_event *event)
 
 static void events_are_found(void **state)
 {
-    struct hub_rig *rig = *state;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
+    struct store_rig *rig = *state;
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
     const struct hub_event_filter filter = {
         .person = "péter 1", .since = "2026-11-21T08:00:02", .most = 2};
-    struct door_rig door;
+    struct played_door door;
     uint64_t last = 0;
-    door_rig_join(&door, rig, "front", &zone, 1);
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 1, 20, &fault), &fault);
-    hub_rig_fine(hub_event_each(&rig->store, &filter, keep_event, &last, &fault), &fault);
+    played_door_join(&door, rig, "front", &zone, 1);
+    store_rig_fine(played_door_send_events(&door, &rig->store, 1, 20, &fault), &fault);
+    store_rig_fine(hub_event_each(&rig->store, &filter, keep_event, &last, &fault), &fault);
     assert_int_equal(last, 19);
 }
 
 /* Messages of a door that is none, or that says what is not true. */
 static void bad_messages_are_refused(void **state)
 {
-    struct hub_rig *rig = *state;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    struct door_rig door, other;
+    struct store_rig *rig = *state;
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    struct played_door door, other;
     struct iso_fleet_bytes bytes = {.bytes = NULL};
     const struct iso_fleet_events wrong = {.first = 5, .last = 6};
     static const char *const lines[] = {"{\"sequence\":4}\n",
@@ -87,9 +87,9 @@ static void bad_messages_are_refused(void **state)
                                         "{\"sequence\":5,\"time\":7}\n",
                                         "{\"sequence\":5}",
                                         "nonsense\n"};
-    door_rig_join(&door, rig, "front", &zone, 1);
-    door_rig_join(&other, rig, "back", &zone, 1);
-    const struct hub_emit emit = door_rig_emit(&door);
+    played_door_join(&door, rig, "front", &zone, 1);
+    played_door_join(&other, rig, "back", &zone, 1);
+    const struct hub_emit emit = played_door_emit(&door);
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
         struct iso_fleet_events events = wrong;
         events.door = door.id;
@@ -101,12 +101,12 @@ static void bad_messages_are_refused(void **state)
         iso_fleet_bytes_free(&bytes);
     }
     /* Another door's key, another door's topic, an unknown door, a cut message. */
-    struct door_rig forged = door;
+    struct played_door forged = door;
     forged.signs = other.signs;
-    assert_int_equal(door_rig_ask(&forged, &rig->store, &fault), -EKEYREJECTED);
+    assert_int_equal(played_door_ask(&forged, &rig->store, &fault), -EKEYREJECTED);
     forged = door;
     forged.id = iso_fleet_id_random();
-    assert_int_equal(door_rig_ask(&forged, &rig->store, &fault), -EACCES);
+    assert_int_equal(played_door_ask(&forged, &rig->store, &fault), -EACCES);
     const struct iso_fleet_question question = {.door = door.id, .health = ""};
     assert_int_equal(iso_fleet_make_question(&question, &door.signs, &bytes), 0);
     assert_int_equal(hub_take(&rig->store, &other.id, bytes.bytes, bytes.size, &emit, &fault),
@@ -118,8 +118,8 @@ static void bad_messages_are_refused(void **state)
     assert_true(hub_take(&rig->store, &door.id, bytes.bytes, bytes.size, &emit, &fault) < 0);
     iso_fleet_bytes_free(&bytes);
     assert_int_equal(door.leases + door.acks, 0);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM event"), 0);
-    assert_int_equal(hub_rig_number(rig, "SELECT max(reported_s) FROM door"), 0);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM event"), 0);
+    assert_int_equal(store_rig_number(rig, "SELECT max(reported_s) FROM door"), 0);
 }
 
 static int keep_request(void *context, const struct hub_request *request)
@@ -130,67 +130,67 @@ static int keep_request(void *context, const struct hub_request *request)
 
 static void requests_wait_for_a_person(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct hub_store *store = &rig->store;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    struct door_rig door;
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    struct played_door door;
     struct hub_request request = {.state = HUB_REQUEST_REJECTED};
-    struct iso_fleet_person anna = hub_rig_person("anna", 3, 2, 1);
-    door_rig_join(&door, rig, "front", &zone, 1);
+    struct iso_fleet_person anna = store_rig_person("anna", 3, 2, 1);
+    played_door_join(&door, rig, "front", &zone, 1);
     ask(&door, rig);
-    hub_rig_fine(door_rig_request(&door, store, &anna, &fault), &fault);
-    hub_rig_fine(door_rig_request(&door, store, &anna, &fault), &fault);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM request"), 1);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM person"), 0);
-    hub_rig_fine(hub_request_each(store, false, keep_request, &request, &fault), &fault);
+    store_rig_fine(played_door_request(&door, store, &anna, &fault), &fault);
+    store_rig_fine(played_door_request(&door, store, &anna, &fault), &fault);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM request"), 1);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM person"), 0);
+    store_rig_fine(hub_request_each(store, false, keep_request, &request, &fault), &fault);
     assert_string_equal(request.name, "anna");
     assert_string_equal(request.door_name, "front");
-    hub_rig_fine(hub_request_find(store, "anna", &request, &fault), &fault);
-    hub_rig_fine(hub_request_approve(store, &request.person, NULL, 0, &fault), &fault);
+    store_rig_fine(hub_request_find(store, "anna", &request, &fault), &fault);
+    store_rig_fine(hub_request_approve(store, &request.person, NULL, 0, &fault), &fault);
     assert_int_equal(hub_request_approve(store, &request.person, NULL, 0, &fault), -EALREADY);
-    door_rig_fetch(&door, store);
-    assert_non_null(door_rig_person(&door, &zone, &anna.id));
+    played_door_fetch(&door, store);
+    assert_non_null(played_door_person(&door, &zone, &anna.id));
     /* The same message comes late: nothing happens. */
-    hub_rig_fine(door_rig_request(&door, store, &anna, &fault), &fault);
-    assert_int_equal(hub_rig_zone_now(rig, &zone).place.sequence, 1);
+    store_rig_fine(played_door_request(&door, store, &anna, &fault), &fault);
+    assert_int_equal(store_rig_zone_now(rig, &zone).place.sequence, 1);
     /* After a revocation the door that still has the person is told again. */
-    hub_rig_fine(hub_person_revoke(store, &anna.id, &fault), &fault);
-    hub_rig_fine(door_rig_request(&door, store, &anna, &fault), &fault);
-    door_rig_fetch(&door, store);
-    assert_int_equal(hub_rig_zone_now(rig, &zone).place.sequence, 3);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM person"), 0);
+    store_rig_fine(hub_person_revoke(store, &anna.id, &fault), &fault);
+    store_rig_fine(played_door_request(&door, store, &anna, &fault), &fault);
+    played_door_fetch(&door, store);
+    assert_int_equal(store_rig_zone_now(rig, &zone).place.sequence, 3);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM person"), 0);
 
-    const struct iso_fleet_person ben = hub_rig_person("ben", 3, 2, 1);
-    hub_rig_fine(door_rig_request(&door, store, &ben, &fault), &fault);
-    hub_rig_fine(hub_request_reject(store, &ben.id, &fault), &fault);
-    assert_int_equal(hub_rig_zone_now(rig, &zone).place.sequence, 4); /* REMOVE */
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM request WHERE sealed IS NOT NULL"),
+    const struct iso_fleet_person ben = store_rig_person("ben", 3, 2, 1);
+    store_rig_fine(played_door_request(&door, store, &ben, &fault), &fault);
+    store_rig_fine(hub_request_reject(store, &ben.id, &fault), &fault);
+    assert_int_equal(store_rig_zone_now(rig, &zone).place.sequence, 4); /* REMOVE */
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM request WHERE sealed IS NOT NULL"),
                      0);
 }
 
 static void a_zone_may_approve_at_once(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct hub_store *store = &rig->store;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
     const struct hub_zone_settings settings = {.lease_s = 60, .approve_auto = true};
-    struct iso_fleet_person anna = hub_rig_person("anna", 3, 2, 1);
-    struct iso_fleet_person same = hub_rig_person("anna", 3, 2, 2);
-    struct door_rig door;
-    hub_rig_fine(hub_zone_set(store, &zone, &settings, &fault), &fault);
-    door_rig_join(&door, rig, "front", &zone, 1);
+    struct iso_fleet_person anna = store_rig_person("anna", 3, 2, 1);
+    struct iso_fleet_person same = store_rig_person("anna", 3, 2, 2);
+    struct played_door door;
+    store_rig_fine(hub_zone_set(store, &zone, &settings, &fault), &fault);
+    played_door_join(&door, rig, "front", &zone, 1);
     ask(&door, rig);
-    hub_rig_fine(door_rig_request(&door, store, &anna, &fault), &fault);
-    door_rig_fetch(&door, store);
-    assert_non_null(door_rig_person(&door, &zone, &anna.id));
+    store_rig_fine(played_door_request(&door, store, &anna, &fault), &fault);
+    played_door_fetch(&door, store);
+    assert_non_null(played_door_person(&door, &zone, &anna.id));
     /* Another person with a taken name waits. */
     same.id = iso_fleet_id_of("another", 7);
-    hub_rig_fine(door_rig_request(&door, store, &same, &fault), &fault);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM request WHERE state = 0"), 1);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM person"), 1);
+    store_rig_fine(played_door_request(&door, store, &same, &fault), &fault);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM request WHERE state = 0"), 1);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM person"), 1);
 }
 
-#define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, hub_rig_setup, hub_rig_teardown)
+#define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, store_rig_setup, store_rig_teardown)
 
 int main(void)
 {
@@ -199,5 +199,5 @@ int main(void)
         TEST(bad_messages_are_refused),   TEST(requests_wait_for_a_person),
         TEST(a_zone_may_approve_at_once),
     };
-    return cmocka_run_group_tests(tests, hub_rig_start, hub_rig_stop);
+    return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);
 }

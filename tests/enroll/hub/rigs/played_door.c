@@ -1,4 +1,4 @@
-#include "tests/enroll/hub/rigs/door_rig.h"
+#include "tests/enroll/hub/rigs/played_door.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,8 +17,8 @@
 #include "firmware/fleet/message/snapshot.h"
 #include "firmware/fleet/message/zone_key.h"
 
-int door_rig_join_with(struct door_rig *door, struct hub_store *store, const char *code,
-                       struct iso_fault *fault)
+int played_door_join_with(struct played_door *door, struct hub_store *store, const char *code,
+                          struct iso_fault *fault)
 {
     uint8_t both[2 * ISO_FLEET_PUBLIC_BYTES];
     char address[HUB_DOOR_ADDRESS_DIGITS + 1];
@@ -43,21 +43,21 @@ int door_rig_join_with(struct door_rig *door, struct hub_store *store, const cha
     return 0;
 }
 
-void door_rig_join(struct door_rig *door, struct hub_rig *rig, const char *name,
-                   const struct iso_fleet_id *zones, size_t n_zones)
+void played_door_join(struct played_door *door, struct store_rig *rig, const char *name,
+                      const struct iso_fleet_id *zones, size_t n_zones)
 {
     struct iso_fault fault = {.text = ""};
     struct iso_fleet_id id;
     char code[HUB_CODE_SIZE];
-    *door = (struct door_rig){.algorithm = 3};
+    *door = (struct played_door){.algorithm = 3};
     (void)crypto_sign_keypair(door->signs.public, door->signs.secret);
     (void)crypto_box_keypair(door->receives.public, door->receives.secret);
-    hub_rig_fine(hub_door_add(&rig->store, name, zones, n_zones, &id, code, &fault), &fault);
-    hub_rig_fine(door_rig_join_with(door, &rig->store, code, &fault), &fault);
+    store_rig_fine(hub_door_add(&rig->store, name, zones, n_zones, &id, code, &fault), &fault);
+    store_rig_fine(played_door_join_with(door, &rig->store, code, &fault), &fault);
     assert_true(iso_fleet_id_is_same(&door->id, &id));
 }
 
-struct door_rig_zone *door_rig_zone(struct door_rig *door, const struct iso_fleet_id *zone)
+struct played_door_zone *played_door_zone(struct played_door *door, const struct iso_fleet_id *zone)
 {
     for (size_t i = 0; i < door->n_zones; i++) {
         if (iso_fleet_id_is_same(&door->zones[i].place.zone, zone)) {
@@ -67,8 +67,9 @@ struct door_rig_zone *door_rig_zone(struct door_rig *door, const struct iso_flee
     return NULL;
 }
 
-struct door_rig_person *door_rig_person(struct door_rig *door, const struct iso_fleet_id *zone,
-                                        const struct iso_fleet_id *person)
+struct played_door_person *played_door_person(struct played_door *door,
+                                              const struct iso_fleet_id *zone,
+                                              const struct iso_fleet_id *person)
 {
     for (size_t i = 0; i < door->n_people; i++) {
         if (iso_fleet_id_is_same(&door->people[i].zone, zone) &&
@@ -79,7 +80,7 @@ struct door_rig_person *door_rig_person(struct door_rig *door, const struct iso_
     return NULL;
 }
 
-size_t door_rig_count(const struct door_rig *door, const struct iso_fleet_id *zone)
+size_t played_door_count(const struct played_door *door, const struct iso_fleet_id *zone)
 {
     size_t n = 0;
     for (size_t i = 0; i < door->n_people; i++) {
@@ -88,8 +89,8 @@ size_t door_rig_count(const struct door_rig *door, const struct iso_fleet_id *zo
     return n;
 }
 
-bool door_rig_is_same(const struct door_rig *a, const struct door_rig *b,
-                      const struct iso_fleet_id *zone)
+bool played_door_is_same(const struct played_door *a, const struct played_door *b,
+                         const struct iso_fleet_id *zone)
 {
     size_t n = 0;
     for (size_t i = 0; i < a->n_people; i++) {
@@ -98,19 +99,19 @@ bool door_rig_is_same(const struct door_rig *a, const struct door_rig *b,
                  memcmp(&a->people[i], &b->people[k], sizeof a->people[i]) == 0;
         }
     }
-    return n == door_rig_count(a, zone) && n == door_rig_count(b, zone);
+    return n == played_door_count(a, zone) && n == played_door_count(b, zone);
 }
 
-static void forget_person(struct door_rig *door, struct door_rig_person *person)
+static void forget_person(struct played_door *door, struct played_door_person *person)
 {
     *person = door->people[--door->n_people];
 }
 
-static void apply(struct door_rig *door, struct door_rig_zone *zone,
+static void apply(struct played_door *door, struct played_door_zone *zone,
                   const struct iso_fleet_change *change)
 {
     const struct iso_fleet_person *person = &change->person;
-    struct door_rig_person *known = door_rig_person(door, &zone->place.zone, &person->id);
+    struct played_door_person *known = played_door_person(door, &zone->place.zone, &person->id);
     if (change->kind == ISO_FLEET_POLICY) {
         (void)snprintf(zone->policy, sizeof zone->policy, "%.*s", (int)change->policy_length,
                        change->policy);
@@ -124,7 +125,7 @@ static void apply(struct door_rig *door, struct door_rig_zone *zone,
     } else {
         assert_true(!known || person->revision > known->revision);
         if (!known) {
-            assert_true(door->n_people < DOOR_RIG_PEOPLE);
+            assert_true(door->n_people < PLAYED_DOOR_PEOPLE);
             known = &door->people[door->n_people++];
             memset(known, 0, sizeof *known);
         }
@@ -139,16 +140,16 @@ static void apply(struct door_rig *door, struct door_rig_zone *zone,
     }
 }
 
-static void take_key(struct door_rig *door, const void *bytes, size_t size)
+static void take_key(struct played_door *door, const void *bytes, size_t size)
 {
     struct iso_fleet_key_grant grant;
     assert_int_equal(iso_fleet_read_key(bytes, size, door->hub_signs, &door->receives, &grant), 0);
     assert_true(iso_fleet_id_is_same(&grant.door, &door->id));
     door->keys++;
-    struct door_rig_zone *zone = door_rig_zone(door, &grant.base.zone);
+    struct played_door_zone *zone = played_door_zone(door, &grant.base.zone);
     if (!zone) {
         zone = &door->zones[door->n_zones++];
-        *zone = (struct door_rig_zone){
+        *zone = (struct played_door_zone){
             .place = {.zone = grant.base.zone, .epoch = grant.base.epoch},
             .wants_snapshot = grant.base.sequence > 0};
     }
@@ -165,13 +166,13 @@ static void take_key(struct door_rig *door, const void *bytes, size_t size)
     }
 }
 
-static void take_delta(struct door_rig *door, const void *bytes, size_t size)
+static void take_delta(struct played_door *door, const void *bytes, size_t size)
 {
     struct iso_fleet_delta delta;
     struct iso_fleet_bytes plain = {.bytes = NULL};
     struct iso_fleet_change change;
     assert_int_equal(iso_fleet_read_delta(bytes, size, door->hub_signs, &delta), 0);
-    struct door_rig_zone *zone = door_rig_zone(door, &delta.place.zone);
+    struct played_door_zone *zone = played_door_zone(door, &delta.place.zone);
     if (!zone) {
         door->refused++;
         return;
@@ -202,7 +203,7 @@ static void take_delta(struct door_rig *door, const void *bytes, size_t size)
 static int take_message(void *context, const char *topic, const void *bytes, size_t size,
                         bool retain)
 {
-    struct door_rig *door = context;
+    struct played_door *door = context;
     enum iso_fleet_kind kind;
     char own[ISO_FLEET_TOPIC_SIZE];
     struct iso_fleet_ack ack;
@@ -238,15 +239,15 @@ static int take_message(void *context, const char *topic, const void *bytes, siz
     }
 }
 
-struct hub_emit door_rig_emit(struct door_rig *door)
+struct hub_emit played_door_emit(struct played_door *door)
 {
     return (struct hub_emit){.emit = take_message, .context = door};
 }
 
-int door_rig_ask(struct door_rig *door, struct hub_store *store, struct iso_fault *fault)
+int played_door_ask(struct played_door *door, struct hub_store *store, struct iso_fault *fault)
 {
     static const char health[] = "{\"version\": \"1.0\"}";
-    const struct hub_emit emit = door_rig_emit(door);
+    const struct hub_emit emit = played_door_emit(door);
     struct iso_fleet_bytes bytes = {.bytes = NULL};
     struct iso_fleet_question question = {.door = door->id,
                                           .time_s = 5,
@@ -273,10 +274,10 @@ static int keep(void *context, const void *bytes, size_t size)
     return out->error;
 }
 
-int door_rig_fetch_raw(struct door_rig *door, struct hub_store *store,
-                       const struct iso_fleet_id *zone, uint64_t after, enum iso_fleet_wanted what,
-                       struct iso_fleet_bytes *out, enum hub_fetch_answer *answer,
-                       struct iso_fault *fault)
+int played_door_fetch_raw(struct played_door *door, struct hub_store *store,
+                          const struct iso_fleet_id *zone, uint64_t after,
+                          enum iso_fleet_wanted what, struct iso_fleet_bytes *out,
+                          enum hub_fetch_answer *answer, struct iso_fault *fault)
 {
     struct iso_fleet_fetch fetch = {.door = door->id, .zone = *zone, .after = after, .what = what};
     struct iso_fleet_bytes bytes = {.bytes = NULL};
@@ -288,8 +289,8 @@ int door_rig_fetch_raw(struct door_rig *door, struct hub_store *store,
 }
 
 struct target {
-    struct door_rig *door;
-    struct door_rig_zone *zone;
+    struct played_door *door;
+    struct played_door_zone *zone;
 };
 
 static int take_part(void *context, const struct iso_fleet_change *change)
@@ -299,7 +300,7 @@ static int take_part(void *context, const struct iso_fleet_change *change)
     return 0;
 }
 
-static void take_snapshot(struct door_rig *door, struct door_rig_zone *zone,
+static void take_snapshot(struct played_door *door, struct played_door_zone *zone,
                           const struct iso_fleet_bytes *file)
 {
     struct target target = {.door = door, .zone = zone};
@@ -318,7 +319,7 @@ static void take_snapshot(struct door_rig *door, struct door_rig_zone *zone,
     zone->wants_snapshot = false;
 }
 
-static void take_deltas(struct door_rig *door, const struct iso_fleet_bytes *answer)
+static void take_deltas(struct played_door *door, const struct iso_fleet_bytes *answer)
 {
     for (size_t at = 0; at < answer->size;) {
         const uint32_t size = iso_get_u32(answer->bytes + at);
@@ -329,17 +330,18 @@ static void take_deltas(struct door_rig *door, const struct iso_fleet_bytes *ans
 }
 
 /* One round for a zone. Returns whether something has come. */
-static bool fetch_once(struct door_rig *door, struct hub_store *store, struct door_rig_zone *zone)
+static bool fetch_once(struct played_door *door, struct hub_store *store,
+                       struct played_door_zone *zone)
 {
     struct iso_fault fault = {.text = ""};
     struct iso_fleet_bytes answer = {.bytes = NULL};
     enum hub_fetch_answer what;
     const uint64_t before = zone->place.sequence;
     const bool whole = zone->wants_snapshot;
-    hub_rig_fine(door_rig_fetch_raw(door, store, &zone->place.zone, before,
-                                    whole ? ISO_FLEET_WANT_SNAPSHOT : ISO_FLEET_WANT_DELTAS,
-                                    &answer, &what, &fault),
-                 &fault);
+    store_rig_fine(played_door_fetch_raw(door, store, &zone->place.zone, before,
+                                         whole ? ISO_FLEET_WANT_SNAPSHOT : ISO_FLEET_WANT_DELTAS,
+                                         &answer, &what, &fault),
+                   &fault);
     if (what == HUB_ANSWER_SNAPSHOT) {
         take_snapshot(door, zone, &answer);
     } else {
@@ -349,7 +351,7 @@ static bool fetch_once(struct door_rig *door, struct hub_store *store, struct do
     return whole || zone->place.sequence > before;
 }
 
-void door_rig_fetch(struct door_rig *door, struct hub_store *store)
+void played_door_fetch(struct played_door *door, struct hub_store *store)
 {
     for (size_t i = 0; i < door->n_zones; i++) {
         for (unsigned n = 0; fetch_once(door, store, &door->zones[i]); n++) {
@@ -358,10 +360,10 @@ void door_rig_fetch(struct door_rig *door, struct hub_store *store)
     }
 }
 
-int door_rig_send_events(struct door_rig *door, struct hub_store *store, uint64_t first,
-                         uint64_t last, struct iso_fault *fault)
+int played_door_send_events(struct played_door *door, struct hub_store *store, uint64_t first,
+                            uint64_t last, struct iso_fault *fault)
 {
-    const struct hub_emit emit = door_rig_emit(door);
+    const struct hub_emit emit = played_door_emit(door);
     const struct iso_fleet_events events = {.door = door->id, .first = first, .last = last};
     struct iso_fleet_bytes lines = {.bytes = NULL}, bytes = {.bytes = NULL};
     for (uint64_t n = first; n <= last; n++) {
@@ -383,10 +385,10 @@ int door_rig_send_events(struct door_rig *door, struct hub_store *store, uint64_
     return error;
 }
 
-int door_rig_request(struct door_rig *door, struct hub_store *store,
-                     const struct iso_fleet_person *person, struct iso_fault *fault)
+int played_door_request(struct played_door *door, struct hub_store *store,
+                        const struct iso_fleet_person *person, struct iso_fault *fault)
 {
-    const struct hub_emit emit = door_rig_emit(door);
+    const struct hub_emit emit = played_door_emit(door);
     struct iso_fleet_bytes bytes = {.bytes = NULL};
     assert_int_equal(
         iso_fleet_make_request(&door->id, person, door->hub_receives, &door->signs, &bytes), 0);
