@@ -13,7 +13,7 @@
 
 enum { EXIT_USAGE = 2, EXIT_FAULT = 4 };
 
-#define DEFAULT_FOLDER      "/var/lib/isotherm-hub/broker"
+#define DEFAULT_FOLDER      "/var/lib/isotherm-broker"
 #define DEFAULT_PERSISTENCE "/var/lib/mosquitto"
 
 static const char usage[] =

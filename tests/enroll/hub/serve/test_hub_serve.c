@@ -1,6 +1,5 @@
 /* The running hub, with a real database and a real broker, and a door that is played: it joins,
  * asks, follows its zone, sends events and fetches. */
-#include <errno.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,63 +12,9 @@
 #include "enroll/hub/answer/hub_event.h"
 #include "enroll/hub/store/hub_door.h"
 #include "enroll/hub/store/hub_zone.h"
-#include "firmware/fleet/message/head.h"
 #include "firmware/fleet/message/snapshot.h"
-#include "tests/enroll/hub/rigs/door_rig.h"
-#include "tests/enroll/hub/rigs/hub_rig.h"
+#include "tests/enroll/hub/rigs/served_door.h"
 #include "tests/support/scratch.h"
-
-static struct hub_rig rig;
-static struct door_rig door;
-static bool is_possible;
-
-static double now_s(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static void ok(int error, const struct iso_fault *fault)
-{
-    if (error) {
-        fail_msg("%d: %s", error, fault->text);
-    }
-}
-
-static int setup(void **state)
-{
-    assert_int_equal(scratch_setup(state), 0);
-    is_possible = hub_rig_start(&rig, *state);
-    if (!is_possible) {
-        return 0;
-    }
-    hub_rig_serve(&rig, 0);
-    (void)hub_rig_leader(&rig);
-    door_rig_make(&door, *state);
-    return 0;
-}
-
-static int teardown(void **state)
-{
-    broker_client_end(&door.client);
-    hub_rig_stop(&rig);
-    return scratch_teardown(state);
-}
-
-/* Joins, and lets the broker know the door. */
-static void join(void)
-{
-    assert_int_equal(door_rig_join(&door, rig.hubs[0].port, hub_rig_add_door(&rig, "Gate")), 200);
-    hub_rig_reload(&rig, door.id, true);
-}
-
-static void join_and_connect(struct iso_fleet_lease *lease)
-{
-    join();
-    assert_true(door_rig_connect(&door, &rig.zone));
-    assert_true(door_rig_ask(&door, "{}", 0, lease, 10));
-}
 
 static void a_door_joins_and_gets_lease_and_key(void **state)
 {
@@ -79,9 +24,7 @@ static void a_door_joins_and_gets_lease_and_key(void **state)
     struct iso_fault fault = {.text = ""};
     (void)state;
 
-    if (!is_possible) {
-        skip();
-    }
+    served_door_begin();
     const char *code = hub_rig_add_door(&rig, "Gate");
     assert_int_equal(door_rig_join(&door, rig.hubs[0].port, "AAAABBBBCCCCDDDDEEEEFFFFGGGGHHHH"),
                      403);
@@ -93,20 +36,20 @@ static void a_door_joins_and_gets_lease_and_key(void **state)
     assert_int_equal(door_rig_join(&door, rig.hubs[0].port, code), 403);
     hub_rig_reload(&rig, door.id, true);
     assert_true(door_rig_connect(&door, &rig.zone));
-    const double begun = now_s();
+    const double begun = served_now_s();
     assert_true(door_rig_ask(&door, "{\"door-state\":\"locked\"}", 0, &lease, 10));
-    print_message("asked and answered in %.0f ms\n", 1e3 * (now_s() - begun));
+    print_message("asked and answered in %.0f ms\n", 1e3 * (served_now_s() - begun));
     assert_int_equal(lease.n, 1);
     assert_true(iso_fleet_id_is_same(&lease.places[0].zone, &rig.zone));
     assert_int_equal(lease.lease_s, ISO_FLEET_LEASE_DEFAULT_S);
     assert_memory_not_equal(door.key.bytes, none, sizeof none);
     assert_int_equal(door.place.epoch, 1);
-    ok(hub_door_find(&rig.store, "Gate", &stored, &fault), &fault);
+    served_ok(hub_door_find(&rig.store, "Gate", &stored, &fault), &fault);
     assert_string_equal(stored.health, "{\"door-state\":\"locked\"}");
     /* The broker tells the leader that the door is there, and Home Assistant how it is. */
     for (int i = 0; i < 500 && !stored.online; i++) {
         (void)usleep(20000);
-        ok(hub_door_find(&rig.store, "Gate", &stored, &fault), &fault);
+        served_ok(hub_door_find(&rig.store, "Gate", &stored, &fault), &fault);
     }
     assert_true(stored.online);
 }
@@ -121,20 +64,18 @@ static void a_change_arrives_within_a_second(void **state)
     double longest = 0;
     (void)state;
 
-    if (!is_possible) {
-        skip();
-    }
-    join_and_connect(&lease);
+    served_door_begin();
+    served_door_connect(&lease);
     (void)iso_fleet_topic_delta(&rig.zone, topic);
     for (int i = 0; i < 10; i++) {
         const size_t from = door.client.n;
-        ok(hub_zone_lockdown(&rig.store, &rig.zone, i % 2 == 0, &fault), &fault);
-        const double begun = now_s();
+        served_ok(hub_zone_lockdown(&rig.store, &rig.zone, i % 2 == 0, &fault), &fault);
+        const double begun = served_now_s();
         const int at = broker_client_wait(&door.client, topic, from, 5);
         assert_true(at >= 0);
-        longest = now_s() - begun > longest ? now_s() - begun : longest;
+        longest = served_now_s() - begun > longest ? served_now_s() - begun : longest;
         const struct broker_message *m = &door.client.messages[at];
-        ok(iso_fleet_open_delta(m->bytes, m->size, &door.key, &plain), &fault);
+        served_ok(iso_fleet_open_delta(m->bytes, m->size, &door.key, &plain), &fault);
         assert_int_equal(iso_fleet_read_change(plain.bytes, plain.size, &change), 0);
         assert_int_equal(change.kind, ISO_FLEET_LOCKDOWN);
         assert_int_equal(change.lockdown, i % 2 == 0);
@@ -185,10 +126,8 @@ static void events_are_acknowledged_and_stored_once(void **state)
     int n = 0;
     (void)state;
 
-    if (!is_possible) {
-        skip();
-    }
-    join_and_connect(&lease);
+    served_door_begin();
+    served_door_connect(&lease);
     events.door = door.membership.door;
     assert_int_equal(iso_fleet_make_events(&events, lines, sizeof lines - 1,
                                            door.membership.hub_receives, &door.signs, &bytes),
@@ -200,7 +139,7 @@ static void events_are_acknowledged_and_stored_once(void **state)
         assert_int_equal(wait_for_ack(from), 2);
     }
     iso_fleet_bytes_free(&bytes);
-    ok(hub_event_each(&rig.store, &all, count_event, &n, &fault), &fault);
+    served_ok(hub_event_each(&rig.store, &all, count_event, &n, &fault), &fault);
     assert_int_equal(n, 2);
     assert_true(door_rig_ask(&door, "{}", 2, &lease, 10));
     assert_int_equal(lease.acked, 2);
@@ -233,13 +172,11 @@ static void missing_deltas_and_snapshots_are_fetched(void **state)
     struct iso_fault fault = {.text = ""};
     (void)state;
 
-    if (!is_possible) {
-        skip();
-    }
+    served_door_begin();
     for (int i = 0; i < 5; i++) {
-        ok(hub_zone_lockdown(&rig.store, &rig.zone, i % 2 == 0, &fault), &fault);
+        served_ok(hub_zone_lockdown(&rig.store, &rig.zone, i % 2 == 0, &fault), &fault);
     }
-    join_and_connect(&lease);
+    served_door_connect(&lease);
     assert_int_equal(lease.places[0].sequence, 5);
     fetch(ISO_FLEET_WANT_DELTAS, 2, &reply);
     assert_int_equal(reply.status, 200);
@@ -302,10 +239,8 @@ static void a_certificate_is_renewed_for_its_key_alone(void **state)
     char line[512], *certificate = NULL;
     (void)state;
 
-    if (!is_possible) {
-        skip();
-    }
-    join();
+    served_door_begin();
+    served_door_join();
     assert_int_equal(renew("door.csr", &certificate), 200);
     char *old = scratch_read_text(scratch_path(door.folder, "door.pem"));
     assert_string_not_equal(old, certificate);
@@ -329,11 +264,9 @@ static void an_expelled_door_gets_nothing_more(void **state)
     char *certificate;
     (void)state;
 
-    if (!is_possible) {
-        skip();
-    }
-    join_and_connect(&lease);
-    ok(hub_door_expel(&rig.store, &door.membership.door, &fault), &fault);
+    served_door_begin();
+    served_door_connect(&lease);
+    served_ok(hub_door_expel(&rig.store, &door.membership.door, &fault), &fault);
     assert_false(door_rig_ask(&door, "{}", 0, &lease, 2));
     fetch(ISO_FLEET_WANT_DELTAS, 0, &reply);
     assert_int_equal(reply.status, 403);
@@ -350,9 +283,7 @@ static void joining_is_tried_so_often_and_not_more(void **state)
     int forbidden = 0, too_many = 0;
     (void)state;
 
-    if (!is_possible) {
-        skip();
-    }
+    served_door_begin();
     for (int i = 0; i < 40; i++) {
         door_rig_post(&door, rig.hubs[0].port, "/fleet/v1/join", "application/json", "{}", 2,
                       &reply);
@@ -365,126 +296,16 @@ static void joining_is_tried_so_often_and_not_more(void **state)
     assert_true(too_many >= 10);
 }
 
-/* ---- what may break ---- */
-
-static void another_hub_takes_over(void **state)
-{
-    enum { CHANGES = 60 };
-    struct iso_fleet_lease lease;
-    struct iso_fault fault = {.text = ""};
-    char topic[ISO_FLEET_TOPIC_SIZE];
-    double killed = 0, longest = 0;
-    int delivered = 0;
-    (void)state;
-
-    if (!is_possible) {
-        skip();
-    }
-    hub_rig_serve(&rig, 1);
-    join_and_connect(&lease);
-    const int leader = hub_rig_leader(&rig);
-    for (int i = 0; i < CHANGES; i++) {
-        ok(hub_zone_lockdown(&rig.store, &rig.zone, i % 2 == 0, &fault), &fault);
-        if (i == CHANGES / 3) {
-            hub_rig_kill(&rig, leader);
-            killed = now_s();
-        }
-        (void)usleep(30000);
-    }
-    (void)hub_rig_leader(&rig);
-    for (int i = 0; i < 1000 && door.place.sequence < CHANGES; i++) {
-        (void)usleep(10000);
-        (void)door_rig_follow(&door, 0);
-    }
-    assert_int_equal(door.place.sequence, CHANGES); /* each follows the one before it */
-    (void)iso_fleet_topic_delta(&rig.zone, topic);
-    for (size_t i = 0; i < door.client.n; i++) {
-        const double at = 1e-9 * (double)door.client.messages[i].at_ns;
-        if (strcmp(door.client.messages[i].topic, topic) == 0) {
-            delivered++;
-            if (at > killed && (longest == 0 || at - killed < longest)) {
-                longest = at - killed;
-            }
-        }
-    }
-    print_message(
-        "the first delta after the death of the leader came after %.2f s; %d of %d deltas "
-        "came twice\n",
-        longest, delivered - CHANGES, CHANGES);
-    assert_true(longest < 5);
-    /* The other one answers mail, too. */
-    assert_true(door_rig_ask(&door, "{}", 0, &lease, 10));
-}
-
-static void the_database_may_go_away_for_a_while(void **state)
-{
-    struct iso_fleet_lease lease;
-    struct iso_fault fault = {.text = ""};
-    char topic[ISO_FLEET_TOPIC_SIZE];
-    (void)state;
-
-    if (!is_possible) {
-        skip();
-    }
-    join_and_connect(&lease);
-    rig_postgres_down(&rig.postgres);
-    assert_false(door_rig_ask(&door, "{}", 0, &lease, 2));
-    rig_postgres_up(&rig.postgres);
-    assert_true(door_rig_ask(&door, "{}", 0, &lease, 10));
-    const size_t from = door.client.n;
-    /* The first statement finds the connection of the test lost. */
-    (void)!hub_zone_lockdown(&rig.store, &rig.zone, true, &fault);
-    ok(hub_zone_lockdown(&rig.store, &rig.zone, true, &fault), &fault);
-    (void)iso_fleet_topic_delta(&rig.zone, topic);
-    assert_true(broker_client_wait(&door.client, topic, from, 10) >= 0);
-    assert_int_equal(hub_rig_says(&rig, 0, "database: it is there again"), 1);
-}
-
-static void the_broker_may_go_away_for_a_while(void **state)
-{
-    struct iso_fleet_lease lease;
-    struct iso_fault fault = {.text = ""};
-    struct iso_fleet_head head = {.time_s = 0};
-    char topic[ISO_FLEET_TOPIC_SIZE];
-    (void)state;
-
-    if (!is_possible) {
-        skip();
-    }
-    join_and_connect(&lease);
-    broker_client_end(&door.client);
-    broker_rig_stop(&rig.broker);
-    ok(hub_zone_lockdown(&rig.store, &rig.zone, true, &fault), &fault);
-    broker_rig_start(&rig.broker, scratch_path(rig.broker_folder, "mosquitto.conf"),
-                     rig.broker_port, scratch_path(rig.folder, "broker.log"));
-    assert_true(door_rig_connect(&door, &rig.zone));
-    (void)iso_fleet_topic_head(&rig.zone, topic);
-    /* The broker has forgotten what it retained; the head comes again, with the change. */
-    for (int at = 0; head.place.sequence < 1; at++) {
-        at = broker_client_wait(&door.client, topic, (size_t)at, 10);
-        assert_true(at >= 0);
-        const struct broker_message *m = &door.client.messages[at];
-        assert_int_equal(iso_fleet_read_head(m->bytes, m->size, door.membership.hub_signs, &head),
-                         0);
-    }
-    assert_true(door_rig_ask(&door, "{}", 0, &lease, 10));
-    assert_int_equal(lease.places[0].sequence, 1);
-}
-
 int main(void)
 {
-#define HUB_TEST(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
     const struct CMUnitTest tests[] = {
-        HUB_TEST(a_door_joins_and_gets_lease_and_key),
-        HUB_TEST(a_change_arrives_within_a_second),
-        HUB_TEST(events_are_acknowledged_and_stored_once),
-        HUB_TEST(missing_deltas_and_snapshots_are_fetched),
-        HUB_TEST(a_certificate_is_renewed_for_its_key_alone),
-        HUB_TEST(an_expelled_door_gets_nothing_more),
-        HUB_TEST(joining_is_tried_so_often_and_not_more),
-        HUB_TEST(another_hub_takes_over),
-        HUB_TEST(the_database_may_go_away_for_a_while),
-        HUB_TEST(the_broker_may_go_away_for_a_while),
+        SERVED_TEST(a_door_joins_and_gets_lease_and_key),
+        SERVED_TEST(a_change_arrives_within_a_second),
+        SERVED_TEST(events_are_acknowledged_and_stored_once),
+        SERVED_TEST(missing_deltas_and_snapshots_are_fetched),
+        SERVED_TEST(a_certificate_is_renewed_for_its_key_alone),
+        SERVED_TEST(an_expelled_door_gets_nothing_more),
+        SERVED_TEST(joining_is_tried_so_often_and_not_more),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
