@@ -88,6 +88,86 @@ static void a_change_arrives_within_a_second(void **state)
     assert_int_equal(door.place.sequence, 10);
 }
 
+/* The value of a measurement in the file of the hub. */
+static double metric(const char *name)
+{
+    char *text = scratch_read_text(rig.hubs[0].metrics);
+    const char *at = strstr(text, name);
+    const double value = at ? atof(at + strlen(name)) : -1;
+
+    free(text);
+    return value;
+}
+
+/* A question with a nonce that says its number. */
+static void send_question(uint32_t number)
+{
+    struct iso_fleet_question question = {
+        .door = door.membership.door, .algorithm = 1, .n = 1, .health = "{}", .health_length = 2};
+    struct iso_fleet_bytes bytes = {.size = 0};
+    char out[ISO_FLEET_TOPIC_SIZE];
+
+    question.places[0] = door.place;
+    memcpy(question.nonce, &number, sizeof number);
+    assert_int_equal(iso_fleet_make_question(&question, &door.signs, &bytes), 0);
+    assert_int_equal(mosquitto_publish(door.client.mosquitto, NULL,
+                                       iso_fleet_topic_out(&door.membership.door, out),
+                                       (int)bytes.size, bytes.bytes, 1, false),
+                     0);
+    iso_fleet_bytes_free(&bytes);
+}
+
+static size_t leases(size_t from)
+{
+    enum iso_fleet_kind kind;
+    size_t n = 0;
+
+    for (size_t i = from; i < door.client.n; i++) {
+        const struct broker_message *m = &door.client.messages[i];
+        n += iso_fleet_kind_of(m->bytes, m->size, &kind) == 0 && kind == ISO_FLEET_LEASE;
+    }
+    return n;
+}
+
+static void a_change_does_not_wait_for_many_questions(void **state)
+{
+    enum { QUESTIONS = 1000 };
+    char topic[ISO_FLEET_TOPIC_SIZE];
+    struct iso_fleet_lease lease;
+    struct iso_fault fault = {.text = ""};
+    (void)state;
+
+    served_door_begin();
+    served_door_connect(&lease);
+    const size_t from = door.client.n;
+    const double begun = served_now_s();
+    for (uint32_t i = 0; i < QUESTIONS; i++) {
+        send_question(i);
+    }
+    served_ok(hub_zone_lockdown(&rig.store, &rig.zone, true, &fault), &fault);
+    const double changed = served_now_s();
+    (void)iso_fleet_topic_delta(&rig.zone, topic);
+    assert_true(broker_client_wait(&door.client, topic, from, 10) >= 0);
+    const double arrived = served_now_s();
+    const size_t answered = leases(from);
+    for (int i = 0; i < 3000 && leases(from) < QUESTIONS; i++) {
+        (void)usleep(10000);
+    }
+    assert_int_equal(leases(from), QUESTIONS);
+    print_message("%d questions answered in %.2f s; a change among them arrived after %.0f ms, "
+                  "when %zu were answered\n",
+                  QUESTIONS, served_now_s() - begun, 1e3 * (arrived - changed), answered);
+    assert_true(arrived - changed < 1);
+    for (int i = 0; i < 2000 && metric("messages_total{kind=\"question\"} ") < QUESTIONS; i++) {
+        (void)usleep(10000);
+    }
+    assert_true(metric("messages_total{kind=\"question\"} ") >= QUESTIONS);
+    assert_true(metric("isotherm_hub_leader ") == 1);
+    assert_true(metric("isotherm_hub_doors_joined ") == 1);
+    print_message("the longest call of the database within the loop took %.0f ms\n",
+                  1e3 * metric("isotherm_hub_longest_call_seconds "));
+}
+
 static int count_event(void *context, const struct hub_event *event)
 {
     (void)event;
@@ -301,6 +381,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         SERVED_TEST(a_door_joins_and_gets_lease_and_key),
         SERVED_TEST(a_change_arrives_within_a_second),
+        SERVED_TEST(a_change_does_not_wait_for_many_questions),
         SERVED_TEST(events_are_acknowledged_and_stored_once),
         SERVED_TEST(missing_deltas_and_snapshots_are_fetched),
         SERVED_TEST(a_certificate_is_renewed_for_its_key_alone),
