@@ -12,7 +12,6 @@ seed=${3:-1}
 here=$(cd "$(dirname "$0")" && pwd)
 . "$here/fleet_parts.sh"
 . "$here/fleet_steps.sh"
-. "$here/fleet_steps.sh"
 . "$here/fleet_faults.sh"
 
 DOORS=50 A_PROCESS=10 LEASE_S=20

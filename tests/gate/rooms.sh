@@ -1,6 +1,6 @@
 #!/bin/sh
 # Gate: the rooms, which are the folders of sources.
-#   - no folder holds more than 25 files
+#   - no folder holds more than 25 files; board/debian may, because debhelper looks for all its files there
 #   - no room of the product (core, drivers, firmware, enroll) has more than a fifth of its lines
 #   - no file includes itself through others, and no room includes itself through other rooms
 # Generated and downloaded files are not examined.
@@ -18,7 +18,7 @@ fault() {
 files=$(git ls-files --cached --others --exclude-standard 2>/dev/null || true)
 [ -n "$files" ] || files=$(find . -type f | sed 's#^\./##')
 
-crowded=$(printf '%s\n' "$files" | sed 's#/[^/]*$##' | sort | uniq -c | awk '$1 > 25 { print $2 ": " $1 " files, more than 25" }')
+crowded=$(printf '%s\n' "$files" | sed 's#/[^/]*$##' | sort | uniq -c | awk '$1 > 25 && $2 != "board/debian" { print $2 ": " $1 " files, more than 25" }')
 [ -z "$crowded" ] || fault "$crowded"
 
 sources=$(printf '%s\n' "$files" | grep -E '^(core|drivers|firmware|enroll|sim|tests)/.*\.(c|h|cc|hh|inc)$' | while read -r file; do

@@ -3,6 +3,7 @@
 #define TESTS_FLEET_LINK_LINK_RIG_H
 
 #include "firmware/fleet/link/link.h"
+#include "tests/firmware/fleet/link/certificates.h"
 #include "tests/firmware/fleet/link/fake_hub.h"
 #include "tests/firmware/fleet/link/mosquitto_rig.h"
 
@@ -15,15 +16,24 @@ struct link_rig {
     struct fake_hub hub;
     struct link_http *http;
     struct link_door *door;
+    bool is_secure;
+    struct authority authority; /* if it is secure */
     char notes[RIG_NOTES_SIZE]; /* what the link has said */
 };
 
 /* cmocka set-up and tear-down: broker, hub and daemon run; the hub has no zone yet. */
 int link_rig_setup(void **state);
+
+/* The same with TLS everywhere: the broker and the hub have certificates of an authority, and the
+ * broker wants certificates of its clients. */
+int link_rig_setup_secure(void **state);
 int link_rig_teardown(void **state);
 
-/* Starts the link. */
+/* Starts the link; and with these names of files of the rig's directory in place of the right
+ * ones. */
 void link_rig_start(struct link_rig *rig);
+void link_rig_start_with(struct link_rig *rig, const char *ca, const char *certificate,
+                         const char *key);
 
 /* Runs the event loop until the condition holds; the test fails after RIG_WAIT_MS. */
 #define link_rig_until(rig, condition)                                                          \
