@@ -109,8 +109,8 @@ static int start_life_sign(struct daemon *daemon, struct iso_fault *fault)
     return error ? fail_at(error, "life sign", fault) : 0;
 }
 
-/* Reads the id of this boot, by which a lease of a fleet goes on over a restart of the daemon. If it
- * cannot be read, each start counts as a boot of its own. */
+/* Reads the id of this boot, by which a lease of a fleet goes on over a restart of the daemon. If
+ * it cannot be read, each start counts as a boot of its own. */
 static void read_boot_id(uint8_t id[ISO_FLEET_ID_BYTES])
 {
     char text[ISO_FLEET_ID_TEXT_SIZE] = "";
