@@ -292,6 +292,11 @@ int64_t iso__appliance_fleet_due_ns(const struct iso_appliance *appliance);
 int iso__appliance_may_change(const struct iso_appliance *appliance,
                               const struct iso_person *person, struct iso_fault *fault);
 
+/* Returns 0 if an import may go on: it replaces nobody who came from the fleet. */
+int iso__appliance_may_replace(const struct iso_appliance *appliance,
+                               const struct iso_gallery_item *items, size_t n, bool replace,
+                               struct iso_fault *fault);
+
 /* Returns 0 if the fleet admits this person now, else -EPERM with the reason. */
 int iso__appliance_fleet_admits(const struct iso_appliance *appliance, int64_t person,
                                 struct iso_fault *fault);

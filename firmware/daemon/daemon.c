@@ -9,12 +9,14 @@
 #include <systemd/sd-daemon.h>
 #include <systemd/sd-event.h>
 
+#include "drivers/file/file.h"
 #include "firmware/bus/bus.h"
 #include "firmware/contract/fault_tag.h"
 #include "firmware/daemon/components.h"
 #include "firmware/daemon/confine.h"
 #include "firmware/daemon/life_sign.h"
 #include "firmware/daemon/quit_signal.h"
+#include "firmware/fleet/message/fleet_id.h"
 #include "firmware/keys/stack_wipe.h"
 
 /* A descriptor that wakes up the event loop when it can be read, and has no other effect. */
@@ -107,6 +109,22 @@ static int start_life_sign(struct daemon *daemon, struct iso_fault *fault)
     return error ? fail_at(error, "life sign", fault) : 0;
 }
 
+/* Reads the id of this boot, by which a lease of a fleet goes on over a restart of the daemon. If
+ * it cannot be read, each start counts as a boot of its own. */
+static void read_boot_id(uint8_t id[ISO_FLEET_ID_BYTES])
+{
+    char text[ISO_FLEET_ID_TEXT_SIZE] = "";
+    struct iso_fleet_id boot = iso_fleet_id_random();
+    FILE *stream = NULL;
+    if (iso_file_stream("/proc/sys/kernel/random/boot_id", ISO_FILE_ANY_SIZE, &stream, NULL) == 0) {
+        if (fgets(text, sizeof text, stream)) {
+            (void)!iso_fleet_id_read(text, &boot);
+        }
+        (void)fclose(stream);
+    }
+    memcpy(id, boot.bytes, sizeof boot.bytes);
+}
+
 static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
 {
     const struct iso_appliance_events events = iso_bus_events(daemon->bus, on_message);
@@ -115,6 +133,7 @@ static int start_appliance(struct daemon *daemon, struct iso_fault *fault)
         return error;
     }
     daemon->lent = iso_components_lend(daemon->components, &events);
+    read_boot_id(daemon->lent.boot_id);
     error = iso_appliance_new(&daemon->lent, &daemon->appliance);
     return error ? fail_at(error, "appliance", fault)
                  : iso_appliance_start(daemon->appliance, fault);

@@ -220,6 +220,21 @@ static int store(struct iso_gallery *gallery, const struct iso_gallery_change *c
                                              change->access_size, fault);
 }
 
+void iso_gallery_memory_put_person(struct iso_gallery_memory *memory, const struct iso_person *row,
+                                   uint32_t unusable)
+{
+    struct iso_person *own = iso_gallery_memory_find(memory, row->id);
+    if (!own) {
+        /* A new person has the highest number, so the array stays sorted. */
+        own = &memory->people[memory->n_people++];
+        own->templates = own->usable = 0;
+    }
+    const uint32_t templates = own->templates + unusable, usable = own->usable;
+    *own = *row;
+    own->templates = templates;
+    own->usable = usable;
+}
+
 /* Does in memory what is on the disk now; cannot fail. */
 static void follow(struct iso_gallery *gallery, struct iso_gallery_change *change,
                    struct prepared *prepared)

@@ -1,6 +1,7 @@
 /* Finds people in the gallery, and the candidates that a probe is compared with. */
 #include <errno.h>
 #include <sodium.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "firmware/gallery/gallery_seal.h"
@@ -133,6 +134,14 @@ int iso_gallery_templates(struct iso_gallery *gallery, int64_t person, struct is
     }
     *n = fetching.n;
     return 0;
+}
+
+void iso_gallery_memory_set_sensor(struct iso_gallery_memory *memory, const char *sensor)
+{
+    (void)snprintf(memory->sensor, sizeof memory->sensor, "%s", sensor);
+    if (memory->site) {
+        iso_site_index_set_sensor(memory->site, memory->sensor);
+    }
 }
 
 void iso_gallery_set_sensor(struct iso_gallery *gallery, const char *model)

@@ -35,14 +35,6 @@ void iso_gallery_memory_done(struct iso_gallery_memory *memory)
     *memory = (struct iso_gallery_memory){0};
 }
 
-void iso_gallery_memory_set_sensor(struct iso_gallery_memory *memory, const char *sensor)
-{
-    (void)snprintf(memory->sensor, sizeof memory->sensor, "%s", sensor);
-    if (memory->site) {
-        iso_site_index_set_sensor(memory->site, memory->sensor);
-    }
-}
-
 /* ---- room ---- */
 
 /* Makes room for `least` items in an array. */
@@ -193,21 +185,6 @@ static int insert_vector(struct iso_gallery_memory *memory, int64_t person,
     }
     iso_gallery_memory_discard(kept);
     return error;
-}
-
-void iso_gallery_memory_put_person(struct iso_gallery_memory *memory, const struct iso_person *row,
-                                   uint32_t unusable)
-{
-    struct iso_person *own = iso_gallery_memory_find(memory, row->id);
-    if (!own) {
-        /* A new person has the highest number, so the array stays sorted. */
-        own = &memory->people[memory->n_people++];
-        own->templates = own->usable = 0;
-    }
-    const uint32_t templates = own->templates + unusable, usable = own->usable;
-    *own = *row;
-    own->templates = templates;
-    own->usable = usable;
 }
 
 void iso_gallery_memory_add(struct iso_gallery_memory *memory, const struct iso_person *row,

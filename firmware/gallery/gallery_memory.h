@@ -35,7 +35,8 @@ int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
                             struct iso_gallery_memory *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Sets the class of the running sensor (iso_site_index_set_sensor). */
+/* Sets the class of the running sensor (iso_site_index_set_sensor).
+ * (gallery_look.c) */
 void iso_gallery_memory_set_sensor(struct iso_gallery_memory *memory, const char *sensor);
 
 /* Wipes and frees everything. */
@@ -64,7 +65,7 @@ int iso_gallery_memory_reserve_people(struct iso_gallery_memory *memory, size_t 
     __attribute__((warn_unused_result));
 
 /* Puts a row in place of that of its person, or adds a person; templates that cannot be searched
- * are only counted. The caller has made room. */
+ * are only counted. The caller has made room. (gallery_apply.c) */
 void iso_gallery_memory_put_person(struct iso_gallery_memory *memory, const struct iso_person *row,
                                    uint32_t unusable);
 

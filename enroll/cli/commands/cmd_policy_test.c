@@ -77,6 +77,8 @@ static const char *explain(const char *reason)
         {"InvalidPIN", "the PIN is wrong"},
         {"isotherm:AntipassbackViolation", "the person is somewhere else, as far as is known"},
         {"isotherm:NoPair", "these two may not enter together"},
+        {"isotherm:NoLease", "the hub has not answered for too long"},
+        {"isotherm:NotApproved", "the hub has not approved this person yet"},
         {"Other", "the access point is out of service, or there is none of this name"},
     };
 

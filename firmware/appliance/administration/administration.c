@@ -144,19 +144,6 @@ int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *co
     return 0;
 }
 
-/* An import replaces nobody who came from the fleet. */
-static int may_replace(const struct iso_appliance *appliance, const struct iso_gallery_item *items,
-                       size_t n, struct iso_fault *fault)
-{
-    int error = 0;
-    for (size_t i = 0; !error && i < n; i++) {
-        const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery,
-                                                          items[i].person.name);
-        error = iso__appliance_may_change(appliance, known, fault);
-    }
-    return error;
-}
-
 static int import_from(struct iso_appliance *appliance, const struct iso_import_request *request,
                        size_t *added, size_t *n, struct iso_fault *fault)
 {
@@ -171,11 +158,10 @@ static int import_from(struct iso_appliance *appliance, const struct iso_import_
     free(bytes);
     if (!error) {
         const struct iso_gallery_item *items = iso_transfer_items(transfer, n);
-        error = request->replace ? may_replace(appliance, items, *n, fault) : 0;
-        if (!error) {
-            error = iso_gallery_import(appliance->borrowed.gallery, items, *n, request->replace,
-                                       request->listener, added, fault);
-        }
+        error = iso__appliance_may_replace(appliance, items, *n, request->replace, fault);
+        error = error ? error
+                      : iso_gallery_import(appliance->borrowed.gallery, items, *n, request->replace,
+                                           request->listener, added, fault);
     }
     iso_transfer_done(transfer);
     return error;
@@ -303,9 +289,7 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
     record.before = before_text;
     record.after = after_text;
     int error = iso__appliance_may_change(appliance, known, fault);
-    if (!error) {
-        error = iso__appliance_record_change(appliance, &record, fault);
-    }
+    error = error ? error : iso__appliance_record_change(appliance, &record, fault);
     if (error) {
         return error;
     }

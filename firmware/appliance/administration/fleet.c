@@ -175,6 +175,19 @@ int iso__appliance_may_change(const struct iso_appliance *appliance,
                          fleet ? iso_fleet_hub_name(fleet) : "");
 }
 
+int iso__appliance_may_replace(const struct iso_appliance *appliance,
+                               const struct iso_gallery_item *items, size_t n, bool replace,
+                               struct iso_fault *fault)
+{
+    int error = 0;
+    for (size_t i = 0; replace && !error && i < n; i++) {
+        const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery,
+                                                          items[i].person.name);
+        error = iso__appliance_may_change(appliance, known, fault);
+    }
+    return error;
+}
+
 /* ---- starting, and time ---- */
 
 static int open_fleet(struct iso_appliance *appliance)

@@ -126,8 +126,10 @@ int iso_fleet_snapshot(struct iso_fleet *fleet, const uint8_t *bytes, size_t siz
                        enum iso_fleet_outcome *outcome, struct iso_fleet_id *zone,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* The same with a file, from its beginning. -EINVAL it is no file. Whoever shortens the file during
- * the call ends the daemon; the link can do that. */
+/* The same with a file, from its beginning. It is copied first, unless it is sealed against
+ * shrinking (memfd_create(2)). -EINVAL it is no file, -EFBIG more than ISO_FLEET_SNAPSHOT_MAX
+ * bytes, -EIO. */
+enum { ISO_FLEET_SNAPSHOT_MAX = 256 << 20 };
 int iso_fleet_snapshot_file(struct iso_fleet *fleet, int fd, enum iso_fleet_outcome *outcome,
                             struct iso_fleet_id *zone, struct iso_fault *fault)
     __attribute__((warn_unused_result));

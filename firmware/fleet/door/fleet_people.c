@@ -4,270 +4,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <syslog.h>
 
-#include "firmware/contract/validity.h"
-#include "firmware/fleet/door/fleet_state.h"
+#include "firmware/fleet/door/fleet_batch.h"
 #include "firmware/policy/credential/credential_json.h"
-
-/* Bytes of a text before or after in a record of the log, as in administration/policy.c. */
-enum { TEXT_SIZE = 480 };
-
-/* One change, with what it points to, and what it does to the index. */
-struct step {
-    uint8_t access[ISO_CREDENTIAL_BYTES_MAX];
-    uint8_t *templates; /* their bytes, one after the other */
-    size_t templates_size;
-    struct iso_person_name_key key; /* of the name; zeros for somebody who leaves */
-    struct iso_fleet_id dropped;    /* an entry that goes; zeros: none */
-    bool puts;
-    struct iso__fleet_entry entry; /* the entry after it, without the number */
-};
-
-/* The record of the log that was made last and is not written yet, so that the one before a
- * transaction can wait for the disk. */
-struct last_note {
-    bool is;
-    const char *reason;
-    char person[ISO_PERSON_NAME_SIZE], before[TEXT_SIZE], after[TEXT_SIZE];
-};
-
-struct iso__fleet_batch {
-    struct iso_fleet *fleet;
-    struct iso_fleet_id zone;
-    uint8_t bit;
-    uint64_t sequence;
-    uint32_t seen; /* the number of the snapshot whose people are put; 0: none */
-    struct last_note note;
-    size_t n;
-    struct iso_gallery_change changes[ISO__FLEET_BATCH];
-    struct step steps[ISO__FLEET_BATCH];
-};
-
-int iso__fleet_batch_new(struct iso_fleet *fleet, const struct iso_fleet_id *zone, uint8_t bit,
-                         uint64_t sequence, uint32_t seen, struct iso__fleet_batch **out)
-{
-    struct iso__fleet_batch *batch = calloc(1, sizeof *batch);
-    if (!batch) {
-        return -ENOMEM;
-    }
-    batch->fleet = fleet;
-    batch->zone = *zone;
-    batch->bit = bit;
-    batch->sequence = sequence;
-    batch->seen = seen;
-    *out = batch;
-    return 0;
-}
-
-static void wipe_step(struct step *step, struct iso_gallery_change *change)
-{
-    if (step->templates) {
-        sodium_memzero(step->templates, step->templates_size);
-        free(step->templates);
-    }
-    sodium_memzero(step, sizeof *step);
-    sodium_memzero(change, sizeof *change);
-}
-
-void iso__fleet_batch_free(struct iso__fleet_batch *batch)
-{
-    if (batch) {
-        for (size_t i = 0; i < batch->n; i++) {
-            wipe_step(&batch->steps[i], &batch->changes[i]);
-        }
-        sodium_memzero(batch, sizeof *batch);
-        free(batch);
-    }
-}
-
-/* ---- records ---- */
-
-static int write_note(struct iso__fleet_batch *batch, bool wait, struct iso_fault *fault)
-{
-    const struct last_note *last = &batch->note;
-    const struct iso__fleet_note note = {
-        .reason = last->reason,
-        .person = last->person,
-        .before = *last->before ? last->before : NULL,
-        .after = *last->after ? last->after : NULL,
-        .zone = iso_fleet_id_is_zero(&batch->zone) ? NULL : &batch->zone,
-        .sequence = batch->sequence,
-    };
-    batch->note.is = false;
-    return last->reason ? iso__fleet_note(batch->fleet, &note, wait, fault) : 0;
-}
-
-/* Makes the next record, and writes the one before. */
-static int note(struct iso__fleet_batch *batch, const char *reason, const char *person,
-                const char *before, const char *after, struct iso_fault *fault)
-{
-    const int error = batch->note.is ? write_note(batch, false, fault) : 0;
-    struct last_note *last = &batch->note;
-    last->is = true;
-    last->reason = reason;
-    (void)snprintf(last->person, sizeof last->person, "%s", person);
-    (void)snprintf(last->before, sizeof last->before, "%s", before);
-    (void)snprintf(last->after, sizeof last->after, "%s", after);
-    return error;
-}
-
-/* The name, the limits and the credential, cut to whole characters. */
-static void describe(const struct iso_person *person, const struct iso_credential_record *record,
-                     char text[TEXT_SIZE])
-{
-    const struct iso_validity validity = {person->valid_from_s, person->valid_until_s};
-    char limits[ISO_VALIDITY_TEXT_SIZE];
-    char *credential = iso_credential_text(record);
-    iso_validity_text(&validity, limits);
-    (void)snprintf(text, TEXT_SIZE, "%s; %s; %s", person->name, limits,
-                   credential ? credential : "");
-    size_t n = strlen(text);
-    if (n == TEXT_SIZE - 1) {
-        while (n > 0 && ((unsigned char)text[n - 1] & 0xc0) == 0x80) {
-            n--;
-        }
-        text[n ? n - 1 : 0] = '\0';
-    }
-    free(credential);
-}
-
-/* ---- storing ---- */
-
-/* An error that the contents of a change cause, and not the disk. */
-static bool is_of_content(int error)
-{
-    return error == -EINVAL || error == -EDQUOT || error == -EFBIG || error == -EEXIST;
-}
-
-/* Does in the index what was stored. */
-static void follow(struct iso_fleet *fleet, const struct iso_gallery_change *change,
-                   const struct step *step, const char *name)
-{
-    const struct iso_fleet_host *host = &fleet->options.host;
-    if (change->person && host->changed) {
-        host->changed(host->context, change->person, name, change->number);
-    }
-    if (!iso_fleet_id_is_zero(&step->dropped)) {
-        iso__fleet_index_drop(&fleet->index, &step->dropped);
-    }
-    if (step->puts) {
-        struct iso__fleet_entry entry = step->entry;
-        entry.person = change->number;
-        iso__fleet_index_put(&fleet->index, &entry);
-    }
-}
-
-/* The names of those who are changed, before they are. */
-struct names {
-    char text[ISO__FLEET_BATCH][ISO_PERSON_NAME_SIZE];
-};
-
-static void note_names(const struct iso__fleet_batch *batch, struct names *names)
-{
-    const struct iso_fleet_store *store = &batch->fleet->options.store;
-    for (size_t i = 0; i < batch->n; i++) {
-        const struct iso_person *person = store->find_id(store->context, batch->changes[i].person);
-        (void)snprintf(names->text[i], sizeof names->text[i], "%s", person ? person->name : "");
-    }
-}
-
-static int store_steps(struct iso__fleet_batch *batch, const struct iso__fleet_record *draft,
-                       size_t first, size_t n, struct iso_fault *fault)
-{
-    struct names *names = calloc(1, sizeof *names);
-    if (!names || iso__fleet_index_reserve(&batch->fleet->index, n)) {
-        free(names);
-        return iso_fault_set(fault, -ENOMEM, "fleet: out of memory");
-    }
-    note_names(batch, names);
-    const int error = iso__fleet_store(batch->fleet, draft, batch->changes + first, n, fault);
-    for (size_t i = first; !error && i < first + n; i++) {
-        follow(batch->fleet, &batch->changes[i], &batch->steps[i], names->text[i]);
-    }
-    sodium_memzero(names, sizeof *names);
-    free(names);
-    return error;
-}
-
-/* A person whom this door cannot store as the hub wants is not left as before: nobody keeps rights
- * that the hub has changed. */
-static int store_refused(struct iso__fleet_batch *batch, size_t i, const struct iso_fault *why,
-                         struct iso_fault *fault)
-{
-    struct iso_gallery_change *change = &batch->changes[i];
-    struct step *step = &batch->steps[i];
-    const struct iso__fleet_note refused = {
-        .reason = "refused",
-        .person = change->item.person.name,
-        .after = why->text,
-        .zone = &batch->zone,
-        .sequence = batch->sequence,
-    };
-    int error = iso__fleet_note(batch->fleet, &refused, true, fault);
-    iso__fleet_complain(batch->fleet, why);
-    if (error || !change->person) {
-        return error;
-    }
-    step->dropped = step->entry.id;
-    step->puts = false;
-    change->remove = true;
-    change->keep = false;
-    return store_steps(batch, &batch->fleet->record, i, 1, fault);
-}
-
-/* Something of the batch cannot be stored as it is: stores one after the other. */
-static int store_singly(struct iso__fleet_batch *batch, struct iso_fault *fault)
-{
-    int error = 0;
-    for (size_t i = 0; !error && i < batch->n; i++) {
-        struct iso_fault why = {.text = ""};
-        error = store_steps(batch, &batch->fleet->record, i, 1, &why);
-        if (is_of_content(error)) {
-            error = store_refused(batch, i, &why, fault);
-        } else if (error) {
-            (void)iso_fault_set_code(fault, why.code, error, "%s", why.text);
-        }
-    }
-    return error;
-}
-
-static int flush(struct iso__fleet_batch *batch, const struct iso__fleet_record *draft,
-                 struct iso_fault *fault)
-{
-    int error = batch->note.is ? write_note(batch, true, fault) : 0;
-    if (!error && (batch->n > 0 || draft != &batch->fleet->record)) {
-        error = store_steps(batch, draft, 0, batch->n, fault);
-        if (is_of_content(error) && batch->n > 0) {
-            error = store_singly(batch, fault);
-            error = error ? error : iso__fleet_store(batch->fleet, draft, NULL, 0, fault);
-        }
-    }
-    for (size_t i = 0; i < batch->n; i++) {
-        wipe_step(&batch->steps[i], &batch->changes[i]);
-    }
-    batch->n = 0;
-    return error;
-}
-
-int iso__fleet_batch_end(struct iso__fleet_batch *batch, const struct iso__fleet_record *draft,
-                         struct iso_fault *fault)
-{
-    return flush(batch, draft, fault);
-}
-
-/* Whether the batch has this person, or this name, already: then what it has is stored first. */
-static bool has(const struct iso__fleet_batch *batch, int64_t person,
-                const struct iso_person_name_key *key)
-{
-    for (size_t i = 0; i < batch->n; i++) {
-        if ((person && batch->changes[i].person == person) ||
-            (key && iso_person_name_key_is_same(&batch->steps[i].key, key))) {
-            return true;
-        }
-    }
-    return false;
-}
 
 /* ---- a PUT ---- */
 
@@ -365,7 +104,7 @@ static size_t choose_templates(const struct iso_fleet_person *person, uint32_t a
 }
 
 static int copy_templates(const struct iso_fleet_person *person, uint32_t algorithm,
-                          struct step *step, struct iso_gallery_change *change)
+                          struct iso__fleet_change *step, struct iso_gallery_change *change)
 {
     size_t chosen[ISO_GALLERY_TEMPLATES_MAX], size = 0;
     const size_t n = choose_templates(person, algorithm, chosen);
@@ -392,7 +131,7 @@ static int copy_templates(const struct iso_fleet_person *person, uint32_t algori
 
 /* Takes the credential into a change, and into the entry after it. */
 static void put_credential(const struct iso_credential_record *record, uint32_t seen,
-                           struct step *step, struct iso_gallery_change *change)
+                           struct iso__fleet_change *step, struct iso_gallery_change *change)
 {
     change->access_size = iso_credential_record_put(record, step->access);
     change->access = step->access;
@@ -408,7 +147,7 @@ static int add_nameless(struct iso__fleet_batch *batch, const struct iso_person 
 {
     const struct iso_fleet_store *store = &batch->fleet->options.store;
     struct iso_gallery_change *change = &batch->changes[batch->n];
-    struct step *step = &batch->steps[batch->n];
+    struct iso__fleet_change *step = &batch->steps[batch->n];
     char text[ISO_FLEET_ID_TEXT_SIZE];
     struct iso_credential_record record = iso__fleet_credential(store, person->id);
     const struct iso__fleet_entry entry = iso__fleet_entry_of(&record, person->id);
@@ -423,8 +162,8 @@ static int add_nameless(struct iso__fleet_batch *batch, const struct iso_person 
     const int error = iso_person_name_key(change->item.person.name, &step->key);
     batch->n++;
     return error ? iso_fault_set(fault, -ENOMEM, "fleet: out of memory")
-                 : note(batch, "renamed", person->name, person->name, change->item.person.name,
-                        fault);
+                 : iso__fleet_batch_note(batch, "renamed", person->name, person->name,
+                                         change->item.person.name, fault);
 }
 
 static int add_removal(struct iso__fleet_batch *batch, const struct iso__fleet_entry *entry,
@@ -433,12 +172,12 @@ static int add_removal(struct iso__fleet_batch *batch, const struct iso__fleet_e
     const struct iso_fleet_store *store = &batch->fleet->options.store;
     const struct iso_person *person = store->find_id(store->context, entry->person);
     struct iso_credential_record record = iso__fleet_credential(store, entry->person);
-    char before[TEXT_SIZE] = "";
-    describe(person, &record, before);
+    char before[ISO__FLEET_TEXT_SIZE] = "";
+    iso__fleet_describe(person, &record, before);
     iso_credential_record_wipe(&record);
     batch->changes[batch->n] = (struct iso_gallery_change){.person = entry->person, .remove = true};
     batch->steps[batch->n].dropped = entry->id;
-    const int error = note(batch, "removed", person->name, before, "", fault);
+    const int error = iso__fleet_batch_note(batch, "removed", person->name, before, "", fault);
     batch->n++;
     sodium_memzero(before, sizeof before);
     return error;
@@ -469,7 +208,7 @@ static int fill_new(struct iso__fleet_batch *batch, const struct plan *plan,
                     struct iso_credential_record *record, struct iso_fault *fault)
 {
     struct iso_gallery_change *change = &batch->changes[batch->n];
-    struct step *step = &batch->steps[batch->n];
+    struct iso__fleet_change *step = &batch->steps[batch->n];
     const struct iso_fleet_person *person = plan->person;
     const bool of_fleet = plan->entry && plan->entry->revision;
     *record = credential_of(person);
@@ -492,11 +231,11 @@ static int add_put(struct iso__fleet_batch *batch, const struct plan *plan, stru
 {
     const struct iso_fleet_store *store = &batch->fleet->options.store;
     struct iso_gallery_change *change = &batch->changes[batch->n];
-    struct step *step = &batch->steps[batch->n];
+    struct iso__fleet_change *step = &batch->steps[batch->n];
     const struct iso_person *known = store->find_id(store->context, plan->replaced);
     struct iso_credential_record earlier = iso__fleet_credential(store, plan->replaced);
     struct iso_credential_record record;
-    char before[TEXT_SIZE] = "", after[TEXT_SIZE] = "";
+    char before[ISO__FLEET_TEXT_SIZE] = "", after[ISO__FLEET_TEXT_SIZE] = "";
     int error = fill_new(batch, plan, &record, fault);
     if (error) {
         iso_credential_record_wipe(&earlier);
@@ -509,12 +248,12 @@ static int add_put(struct iso__fleet_batch *batch, const struct plan *plan, stru
     }
     put_credential(&record, batch->seen, step, change);
     if (known) {
-        describe(known, &earlier, before);
+        iso__fleet_describe(known, &earlier, before);
     }
-    describe(&change->item.person, &record, after);
+    iso__fleet_describe(&change->item.person, &record, after);
     const bool local = known && !iso_credential_is_of_fleet(&earlier);
-    error = note(batch, local ? "replaced" : "put", known ? known->name : plan->name, before, after,
-                 fault);
+    error = iso__fleet_batch_note(batch, local ? "replaced" : "put",
+                                  known ? known->name : plan->name, before, after, fault);
     batch->n++;
     iso_credential_record_wipe(&earlier);
     iso_credential_record_wipe(&record);
@@ -529,7 +268,7 @@ static int add_zones(struct iso__fleet_batch *batch, const struct iso__fleet_ent
 {
     const struct iso_fleet_store *store = &batch->fleet->options.store;
     struct iso_gallery_change *change = &batch->changes[batch->n];
-    struct step *step = &batch->steps[batch->n];
+    struct iso__fleet_change *step = &batch->steps[batch->n];
     const struct iso_person *person = store->find_id(store->context, entry->person);
     struct iso_credential_record record = iso__fleet_credential(store, entry->person);
     record.fleet.zones = zones;
@@ -546,7 +285,9 @@ static int add_zones(struct iso__fleet_batch *batch, const struct iso__fleet_ent
 /* Two places: a PUT may also take a name from another person. */
 static int make_room(struct iso__fleet_batch *batch, struct iso_fault *fault)
 {
-    return batch->n + 2 <= ISO__FLEET_BATCH ? 0 : flush(batch, &batch->fleet->record, fault);
+    return batch->n + 2 <= ISO__FLEET_BATCH
+               ? 0
+               : iso__fleet_batch_flush(batch, &batch->fleet->record, fault);
 }
 
 /* A PUT that this door cannot take at all: whoever was here under this id leaves. */
@@ -576,9 +317,9 @@ int iso__fleet_put(struct iso__fleet_batch *batch, const struct iso_fleet_person
         return refuse_put(batch, person, &why, fault);
     }
     const int64_t holder = plan.holder ? plan.holder->id : 0;
-    if (!error && (has(batch, plan.replaced, &plan.key) || has(batch, holder, NULL) ||
-                   batch->n + 2 > ISO__FLEET_BATCH)) {
-        error = flush(batch, &batch->fleet->record, fault);
+    if (!error && (iso__fleet_batch_has(batch, plan.replaced, &plan.key) ||
+                   iso__fleet_batch_has(batch, holder, NULL) || batch->n + 2 > ISO__FLEET_BATCH)) {
+        error = iso__fleet_batch_flush(batch, &batch->fleet->record, fault);
         return error ? error : iso__fleet_put(batch, person, fault); /* people may be others now */
     }
     if (error) {
@@ -601,8 +342,8 @@ int iso__fleet_withdraw(struct iso__fleet_batch *batch, const struct iso_fleet_i
 {
     int error = make_room(batch, fault);
     const struct iso__fleet_entry *entry = iso__fleet_index_find(&batch->fleet->index, person);
-    if (!error && entry && has(batch, entry->person, NULL)) {
-        error = flush(batch, &batch->fleet->record, fault);
+    if (!error && entry && iso__fleet_batch_has(batch, entry->person, NULL)) {
+        error = iso__fleet_batch_flush(batch, &batch->fleet->record, fault);
         entry = iso__fleet_index_find(&batch->fleet->index, person);
     }
     if (error || !entry) {
@@ -639,7 +380,7 @@ int iso__fleet_withdraw_all(struct iso__fleet_batch *batch, const struct iso__fl
 {
     size_t n = 0;
     /* First, so that the index says whom the snapshot had. */
-    int error = flush(batch, &batch->fleet->record, fault);
+    int error = iso__fleet_batch_flush(batch, &batch->fleet->record, fault);
     struct iso_fleet_id *ids = error ? NULL : collect(batch, &n);
     if (!error && !ids) {
         return iso_fault_set(fault, -ENOMEM, "fleet: out of memory");

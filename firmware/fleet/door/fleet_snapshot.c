@@ -1,11 +1,13 @@
 /* Everything of a zone at once: puts what is new or newer, and removes what the zone no longer
  * grants. */
 #include <errno.h>
+#include <fcntl.h>
 #include <sodium.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "firmware/fleet/door/fleet_state.h"
 #include "firmware/fleet/message/snapshot.h"
@@ -178,22 +180,58 @@ int iso_fleet_snapshot(struct iso_fleet *fleet, const uint8_t *bytes, size_t siz
     return error;
 }
 
+/* Copies a file, because whoever can shorten it while it is mapped ends the process. */
+static int copy_file(int fd, size_t size, uint8_t **out, struct iso_fault *fault)
+{
+    size_t done = 0;
+    uint8_t *bytes = malloc(size);
+    if (!bytes) {
+        return iso_fault_set(fault, -ENOMEM, "fleet: out of memory");
+    }
+    while (done < size) {
+        const ssize_t n = pread(fd, bytes + done, size - done, (off_t)done);
+        if (n <= 0) {
+            free(bytes);
+            return iso_fault_set(fault, -EIO, "the snapshot cannot be read: %s",
+                                 n < 0 ? strerror(errno) : "it is shorter than it was");
+        }
+        done += (size_t)n;
+    }
+    *out = bytes;
+    return 0;
+}
+
 int iso_fleet_snapshot_file(struct iso_fleet *fleet, int fd, enum iso_fleet_outcome *outcome,
                             struct iso_fleet_id *zone, struct iso_fault *fault)
 {
     struct stat status;
+    uint8_t *bytes = NULL;
     if (fstat(fd, &status) || !S_ISREG(status.st_mode)) {
         return iso_fault_set(fault, -EINVAL, "the snapshot is not a file");
+    }
+    if (status.st_size > ISO_FLEET_SNAPSHOT_MAX) {
+        return iso_fault_set(fault, -EFBIG, "the snapshot is larger than %d MiB",
+                             ISO_FLEET_SNAPSHOT_MAX >> 20);
     }
     if (status.st_size == 0) {
         return iso_fleet_snapshot(fleet, (const uint8_t *)"", 0, outcome, zone, fault);
     }
     const size_t size = (size_t)status.st_size;
-    void *bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, fd, 0);
-    if (bytes == MAP_FAILED) {
+    const int seals = fcntl(fd, F_GET_SEALS);
+    if (seals < 0 || !(seals & F_SEAL_SHRINK)) {
+        const int error = copy_file(fd, size, &bytes, fault);
+        if (error) {
+            return error;
+        }
+        const int result = iso_fleet_snapshot(fleet, bytes, size, outcome, zone, fault);
+        free(bytes);
+        return result;
+    }
+    void *mapped = mmap(NULL, size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (mapped == MAP_FAILED) {
         return iso_fault_set(fault, -errno, "the snapshot cannot be read: %m");
     }
-    const int error = iso_fleet_snapshot(fleet, bytes, size, outcome, zone, fault);
-    (void)munmap(bytes, size);
+    const int error = iso_fleet_snapshot(fleet, mapped, size, outcome, zone, fault);
+    (void)munmap(mapped, size);
     return error;
 }

@@ -1,4 +1,5 @@
 #include "tests/firmware/faults/storage_acts.h"
+#include "tests/firmware/faults/storage_fleet.h"
 
 #include <errno.h>
 #include <sqlite3.h>
@@ -69,10 +70,11 @@ void storage_people(struct iso_gallery *gallery, char *text, size_t size)
         assert_true(used < size);
     }
     used += add_access(gallery, 0, text + used, size - used);
+    used += storage_place(gallery, text + used, size - used);
     assert_true(used < size);
 }
 
-static void prepare_two(struct storage_world *w)
+void storage_prepare_two(struct storage_world *w)
 {
     storage_world_start(w);
     rig_enrol(w->rig, "anna", ANNA);
@@ -148,7 +150,7 @@ static int store_policy(struct storage_world *w, struct iso_fault *fault)
 
 static void prepare_policy(struct storage_world *w)
 {
-    prepare_two(w);
+    storage_prepare_two(w);
     assert_int_equal(store_policy(w, NULL), 0);
     assert_int_equal(change_credential(w, NULL), 0);
 }
@@ -163,7 +165,7 @@ static void prepare_import(struct storage_world *w)
 {
     static const char *const people[] = {"carl", "dora", NULL};
     size_t n = 0;
-    prepare_two(w);
+    storage_prepare_two(w);
     rig_enrol(w->rig, "carl", CARL);
     rig_enrol(w->rig, "dora", DORA);
     w->file = memfd_create("people", MFD_CLOEXEC);
@@ -248,7 +250,7 @@ static int begin_lockdown(struct storage_world *w, struct iso_fault *fault)
 
 static void prepare_lockdown(struct storage_world *w)
 {
-    prepare_two(w);
+    storage_prepare_two(w);
     assert_int_equal(iso_appliance_lockdown(w->rig->appliance, true, NULL), 0);
 }
 
@@ -305,7 +307,7 @@ static void prepare_nothing(struct storage_world *w)
 
 static void prepare_stopped(struct storage_world *w)
 {
-    prepare_two(w);
+    storage_prepare_two(w);
     iso_appliance_free(w->rig->appliance);
     iso_audit_close(w->rig->audit);
     iso_gallery_close(w->rig->gallery);
@@ -354,24 +356,27 @@ static void prepare_old(struct storage_world *w)
 }
 
 const struct storage_act storage_acts[] = {
-    {"enrol", prepare_two, enrol, false, false, 1},
-    {"enrol again", prepare_two, enrol_again, false, false, 1},
-    {"remove", prepare_two, remove_person, false, false, 1},
-    {"rename", prepare_two, rename_person, false, false, 1},
-    {"validity", prepare_two, change_validity, false, false, 1},
+    {"enrol", storage_prepare_two, enrol, false, false, 1},
+    {"enrol again", storage_prepare_two, enrol_again, false, false, 1},
+    {"remove", storage_prepare_two, remove_person, false, false, 1},
+    {"rename", storage_prepare_two, rename_person, false, false, 1},
+    {"validity", storage_prepare_two, change_validity, false, false, 1},
     {"import", prepare_import, import_people, false, false, 1},
-    {"credential", prepare_two, change_credential, false, false, 1},
+    {"credential", storage_prepare_two, change_credential, false, false, 1},
     {"credential again", prepare_policy, change_credential_again, false, false, 1},
-    {"policy", prepare_two, store_policy, false, false, 2},
+    {"policy", storage_prepare_two, store_policy, false, false, 2},
     {"policy removed", prepare_policy, store_policy, false, false, 2},
     {"remove with policy", prepare_policy, remove_person, false, false, 1},
+    {"hub put", storage_prepare_put, storage_hear, false, false, 1},
+    {"hub remove", storage_prepare_remove, storage_hear, false, false, 1},
+    {"hub policy", storage_prepare_hub_policy, storage_hear, false, false, 2},
     {"rotate keys with policy", prepare_policy, rotate_keys, false, false, 1},
-    {"rotate keys", prepare_two, rotate_keys, false, false, 1},
-    {"log append", prepare_two, append, false, false, 1},
-    {"log groups", prepare_two, append_groups, false, false, 5},
-    {"visit", prepare_two, visit, false, false, 1},
-    {"lock-out", prepare_two, fail_at_the_door, false, true, 1},
-    {"lockdown on", prepare_two, begin_lockdown, false, true, 1},
+    {"rotate keys", storage_prepare_two, rotate_keys, false, false, 1},
+    {"log append", storage_prepare_two, append, false, false, 1},
+    {"log groups", storage_prepare_two, append_groups, false, false, 5},
+    {"visit", storage_prepare_two, visit, false, false, 1},
+    {"lock-out", storage_prepare_two, fail_at_the_door, false, true, 1},
+    {"lockdown on", storage_prepare_two, begin_lockdown, false, true, 1},
     {"lockdown off", prepare_lockdown, end_lockdown, false, false, 1},
     {"first start", prepare_nothing, open_stores, true, false, 1},
     {"start", prepare_stopped, open_stores, true, false, 1},

@@ -23,6 +23,8 @@ export const REFUSALS = {
     InvalidPIN: N_('Wrong card or PIN'),
     'isotherm:AntipassbackViolation': N_('Inside already'),
     'isotherm:NoPair': N_('Not allowed together'),
+    'isotherm:NoLease': N_('The hub has not answered for too long'),
+    'isotherm:NotApproved': N_('Not approved by the hub yet'),
 };
 
 /* What happens when somebody enters who is inside already. */
