@@ -80,6 +80,17 @@ struct iso_credential_record iso_site_access_credential(const struct iso_gallery
 const struct iso_person *iso_site_access_holder(const struct iso_gallery *gallery,
                                                 const struct iso_card_number *card);
 
+/* Whether somebody with this credential may be admitted at all, for a reason outside of the policy:
+ * ISO_ACCESS_OTHER (yes), ISO_ACCESS_NO_LEASE or ISO_ACCESS_NOT_APPROVED. It is asked at every
+ * decision, because a lease ends by itself. Without such a function nobody of a fleet is
+ * admitted. */
+typedef enum iso_access_reason (*iso_site_admission_fn)(void *context,
+                                                        const struct iso_credential_record *record);
+void iso_site_access_set_admission(struct iso_site_access *access, iso_site_admission_fn admission,
+                                   void *context);
+enum iso_access_reason iso_site_access_admission(const struct iso_site_access *access,
+                                                 const struct iso_gallery *gallery, int64_t person);
+
 struct iso_site_request {
     const char *access_point; /* NULL: this door */
     int64_t person;           /* 0: unknown */
@@ -90,7 +101,8 @@ struct iso_site_request {
     bool time_known; /* false: the clock is not set, or was set back */
 };
 
-/* The answer of iso_access_decide(). Without a policy: ALLOW for a person whose credential is
+/* Nobody whose admission is refused (above) enters. Otherwise the answer of iso_access_decide().
+ * Without a policy: ALLOW for a person whose credential is
  * enabled and who is valid at this time, if the face was shown. A policy that cannot be used, an
  * access point that it does not have, or a policy without a clock: DENY, ISO_ACCESS_OTHER. */
 struct iso_access iso_site_access_decide(struct iso_site_access *access,

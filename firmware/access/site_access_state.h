@@ -17,6 +17,8 @@ struct iso_site_access {
     struct iso_policy_document *document; /* NULL: none, or it cannot be used */
     uint16_t point;                       /* the access point of this door */
     struct iso_fault fault;
+    iso_site_admission_fn admission; /* NULL: nobody of a fleet is admitted */
+    void *admission_context;
     struct iso__site_presence *presences; /* in the order of entering */
     size_t n_presences, presences_capacity;
 };

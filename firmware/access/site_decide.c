@@ -148,11 +148,45 @@ static struct iso_access decide_without_policy(const struct iso_gallery *gallery
                : (struct iso_access){.outcome = ISO_ACCESS_WANT, .wanted = ISO_RECOGNITION_FACE};
 }
 
+/* ---- a fleet ---- */
+
+void iso_site_access_set_admission(struct iso_site_access *access, iso_site_admission_fn admission,
+                                   void *context)
+{
+    access->admission = admission;
+    access->admission_context = context;
+}
+
+enum iso_access_reason iso_site_access_admission(const struct iso_site_access *access,
+                                                 const struct iso_gallery *gallery, int64_t person)
+{
+    if (person == 0) {
+        return ISO_ACCESS_OTHER;
+    }
+    struct iso_credential_record record = iso_site_access_credential(gallery, person);
+    enum iso_access_reason reason = iso_credential_is_of_fleet(&record) ? ISO_ACCESS_NO_LEASE
+                                                                        : ISO_ACCESS_OTHER;
+    if (access->admission) {
+        reason = access->admission(access->admission_context, &record);
+    }
+    iso_credential_record_wipe(&record);
+    return reason;
+}
+
 struct iso_access iso_site_access_decide(struct iso_site_access *access,
                                          const struct iso_gallery *gallery,
                                          const struct iso_site_request *request)
 {
     uint16_t point = access->point;
+    const enum iso_access_reason first = iso_site_access_admission(access, gallery,
+                                                                   request->person);
+    const enum iso_access_reason second = iso_site_access_admission(access, gallery,
+                                                                    request->companion);
+    if (first != ISO_ACCESS_OTHER || second != ISO_ACCESS_OTHER) {
+        struct iso_access answer = refusal(first != ISO_ACCESS_OTHER ? first : second);
+        answer.of_companion = first == ISO_ACCESS_OTHER;
+        return answer;
+    }
     if (!access->has_policy) {
         return decide_without_policy(gallery, request);
     }

@@ -53,6 +53,7 @@ void iso_appliance_free(struct iso_appliance *appliance)
         iso__appliance_close_sensor(appliance);
         iso__appliance_wipe_enrolment(appliance);
         iso__appliance_free_repeats(appliance);
+        iso__appliance_free_fleet(appliance);
         iso__appliance_free_access(appliance);
         explicit_bzero(appliance, sizeof *appliance); /* the frame worked on last */
         free(appliance);
@@ -120,6 +121,7 @@ int iso_appliance_start(struct iso_appliance *appliance, struct iso_fault *fault
     if (error) {
         return iso_fault_set(fault, error, "policy: out of memory");
     }
+    iso__appliance_start_fleet(appliance);
     tell_unusable(appliance);
     tell_same_names(appliance);
     iso__appliance_start_lockout(appliance);
@@ -158,6 +160,7 @@ static int64_t next_step_ns(struct iso_appliance *appliance, int64_t now_ns)
         iso__appliance_action_due_ns(appliance),
         iso__appliance_access_due_ns(appliance),
         iso__appliance_panel_due_ns(appliance),
+        iso__appliance_fleet_due_ns(appliance),
     };
     int64_t next_ns = ISO_NEVER_NS;
     for (size_t i = 0; i < sizeof due_ns / sizeof *due_ns; i++) {
@@ -184,6 +187,7 @@ int64_t iso_appliance_step(struct iso_appliance *appliance)
     iso__appliance_picture_time(appliance, now_ns);
     iso__appliance_access_time(appliance, now_ns);
     iso__appliance_read_cards(appliance);
+    iso__appliance_fleet_time(appliance, now_ns);
     return next_step_ns(appliance, now_ns);
 }
 

@@ -83,7 +83,8 @@ struct iso_seen_frame {
     bool lockdown, locked_out;
 };
 
-/* The events that the appliance reports; all are REQUIRED. Texts are valid during the call. */
+/* The events that the appliance reports; all but the last are REQUIRED. Texts are valid during the
+ * call. */
 struct iso_appliance_events {
     /* `result` is one of the words ISO_CONTRACT_RESULT_... of firmware/contract/contract.h. The
      * word for a retry is followed by a word of capture.h: a hint, given as hint_filter.h says.
@@ -119,6 +120,9 @@ struct iso_appliance_events {
     /* A line for the system's log; priority as in syslog.h. */
     void (*message)(void *context, int priority, const char *text);
     void *context;
+    /* Something waits for isotherm-link: a word ISO_CONTRACT_FLEET_WORK_.... NULL: nobody is told.
+     */
+    void (*fleet_work)(void *context, const char *what);
 };
 
 /* The parts of an appliance. All are borrowed and must outlive it. Nothing else may change
@@ -143,6 +147,7 @@ struct iso_appliance_borrowed {
     const char *lockout_path; /* see lockout_file.h; NULL or "": the state is lost at the end */
     struct iso_gallery *gallery;
     struct iso_audit *audit;
+    uint8_t boot_id[16]; /* of this boot of the machine; random if it is not known */
     struct iso_appliance_events events;
     /* True: the door and the log have threads of their own, and `times` must be the clocks of the
      * machine. False: the caller's thread does everything, for a clock that is injected. */

@@ -106,6 +106,10 @@ static enum iso_reason reason_of(enum iso_access_reason reason)
         return ISO_REASON_ANTIPASSBACK;
     case ISO_ACCESS_NO_PAIR:
         return ISO_REASON_NO_PAIR;
+    case ISO_ACCESS_NO_LEASE:
+        return ISO_REASON_NO_LEASE;
+    case ISO_ACCESS_NOT_APPROVED:
+        return ISO_REASON_NOT_APPROVED;
     default:
         return ISO_REASON_NO_POLICY;
     }

@@ -124,7 +124,7 @@ static int may_log_in(const struct iso_appliance *appliance, const char *name,
     if (person && !iso__appliance_is_valid(appliance, person->id)) {
         return iso_fault_set(fault, -EPERM, "%s: not valid at this time", name);
     }
-    return 0;
+    return person ? iso__appliance_fleet_admits(appliance, person->id, fault) : 0;
 }
 
 int iso_appliance_verify_login(struct iso_appliance *appliance, const char *person,
@@ -232,10 +232,20 @@ static const char *name_found(const struct iso_appliance *appliance,
     return found ? found->name : "";
 }
 
+/* The result of a login: nobody logs in whom the door would not let in, also if the lease ended
+ * while the person was looking. */
+static const char *result_at_end(const struct iso_appliance *appliance,
+                                 const struct iso_verdict *verdict)
+{
+    const bool refused = appliance->claim.login && verdict->reason == ISO_REASON_MATCH &&
+                         iso__appliance_fleet_admits(appliance, verdict->person, NULL);
+    return refused ? ISO_CONTRACT_RESULT_NO_MATCH : result_of(verdict);
+}
+
 void iso__appliance_finish_recognition(struct iso_appliance *appliance,
                                        const struct iso_verdict *verdict)
 {
-    const char *result = result_of(verdict);
+    const char *result = result_at_end(appliance, verdict);
     const char *person = name_found(appliance, verdict);
     struct iso_audit_record record = iso_audit_record_of(iso_appliance_mode_name(appliance->mode));
     record.person = *person ? person : NULL;

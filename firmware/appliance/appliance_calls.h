@@ -276,6 +276,40 @@ void iso__appliance_conclude_change(struct iso_appliance *appliance,
                                     struct iso_audit_record *record, int error,
                                     const struct iso_fault *fault);
 
+/* ---- the fleet (administration/fleet.c) ---- */
+
+/* Reads what is stored of the fleet, and asks it at each decision. If the gallery cannot be read,
+ * this is tried again, and nobody is admitted meanwhile. */
+void iso__appliance_start_fleet(struct iso_appliance *appliance);
+void iso__appliance_free_fleet(struct iso_appliance *appliance);
+
+/* Records the end of a lease, and reports what waits for the link. */
+void iso__appliance_fleet_time(struct iso_appliance *appliance, int64_t now_ns);
+int64_t iso__appliance_fleet_due_ns(const struct iso_appliance *appliance);
+
+/* Returns 0 if an administrator of this door may change this person, else -EINVAL: "ada is managed
+ * by the hub HQ". NULL: a new person. */
+int iso__appliance_may_change(const struct iso_appliance *appliance,
+                              const struct iso_person *person, struct iso_fault *fault);
+
+/* Returns 0 if the fleet admits this person now, else -EPERM with the reason. */
+int iso__appliance_fleet_admits(const struct iso_appliance *appliance, int64_t person,
+                                struct iso_fault *fault);
+
+/* Why there is no lease, "" if there is one: for the record of a refusal. */
+enum { ISO__APPLIANCE_WHY_SIZE = 96 };
+void iso__appliance_why_no_lease(const struct iso_appliance *appliance,
+                                 char text[ISO__APPLIANCE_WHY_SIZE]);
+
+/* Wipes the data in memory of a person of this name, who is not in the gallery any more.
+ * (administration/remove.c) */
+void iso__appliance_forget_person(struct iso_appliance *appliance, const char *name);
+
+/* Stores a policy that comes from the hub, as iso_appliance_set_policy() does.
+ * (administration/policy.c) */
+int iso__appliance_take_policy(struct iso_appliance *appliance, const char *json, const char *who,
+                               struct iso_fault *fault);
+
 /* ---- visits (appliance_visit.c, appliance_learn.c) ---- */
 
 /* The options of the decision for this configuration. */

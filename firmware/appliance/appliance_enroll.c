@@ -27,8 +27,10 @@ static int check_request(const struct iso_appliance *appliance,
     if (!iso_validity_is_fine(&before, &request->validity, now_s, validity_flaw)) {
         return iso_fault_set(fault, -EINVAL, "%s", validity_flaw);
     }
-    return iso_gallery_room(appliance->borrowed.gallery, request->person,
-                            request->poses ? ISO_ENROLL_POSES : 1, fault);
+    const int error = iso__appliance_may_change(appliance, known, fault);
+    return error ? error
+                 : iso_gallery_room(appliance->borrowed.gallery, request->person,
+                                    request->poses ? ISO_ENROLL_POSES : 1, fault);
 }
 
 /* ---- the steps of an enrolment with poses ---- */
@@ -234,6 +236,11 @@ static int keep_enrolment(struct iso_appliance *appliance, struct iso_fault *fau
     appliance->enrolling.person.enrolled_s = iso_times_wall_ns(&appliance->borrowed.times) /
                                              ISO_NS_PER_S;
     int error = iso_gallery_state(appliance->borrowed.gallery, fault);
+    if (!error) { /* the hub may have sent this person meanwhile */
+        error = iso__appliance_may_change(
+            appliance,
+            iso_gallery_find(appliance->borrowed.gallery, appliance->enrolling.person.name), fault);
+    }
     if (!error) {
         error = record_completion(appliance, fault);
     }

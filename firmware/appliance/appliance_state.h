@@ -26,6 +26,8 @@
 #include "firmware/visit/stale_budget.h"
 #include "firmware/visit/suspension.h"
 
+struct iso_fleet;
+
 /* The sensor. (appliance_sensor.c) */
 struct iso_appliance_sensor {
     struct iso_sensor_supervisor supervisor;
@@ -152,6 +154,12 @@ struct iso_appliance_picture {
     int64_t end_ns; /* the end of the wait */
 };
 
+/* The fleet to which the door belongs. (administration/fleet.c) */
+struct iso_appliance_fleet {
+    struct iso_fleet *door; /* NULL: the gallery could not be read yet */
+    int64_t due_ns;         /* when to look at it again, by the clock of the steps */
+};
+
 struct iso_appliance {
     /* The parts of the appliance, set once. (appliance.c; `door`: appliance_door.c;
      * `borrowed.lockout_path`: appliance_refusal.c makes "" of NULL) */
@@ -170,6 +178,7 @@ struct iso_appliance {
     struct iso_appliance_door_news door_news;
     struct iso_appliance_panel panel;
     struct iso_appliance_access access;
+    struct iso_appliance_fleet fleet;
     struct iso_appliance_lockout lockout;
     struct iso_appliance_storage storage;
     struct iso_fault clock_fault; /* the clock was set back; "": it was not (appliance_clock.c) */

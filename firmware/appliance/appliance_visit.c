@@ -69,7 +69,7 @@ static const char *verdict_word(const struct iso_verdict *verdict)
 
 /* The note of a record: what the images showed, the companion, a soft violation of antipassback. */
 struct visit_note {
-    char text[ISO_IMAGE_TALLY_TEXT_SIZE + ISO_PERSON_NAME_SIZE + 48];
+    char text[ISO_IMAGE_TALLY_TEXT_SIZE + ISO_PERSON_NAME_SIZE + 48 + ISO__APPLIANCE_WHY_SIZE];
 };
 
 /* Adds a part to the note, with a comma before all parts but the first. */
@@ -90,6 +90,11 @@ static void write_note(const struct iso_appliance *appliance, const struct iso_v
     }
     if (companion) {
         add_note(note, "with ", companion->name);
+    }
+    if (verdict->reason == ISO_REASON_NO_LEASE) {
+        char why[ISO__APPLIANCE_WHY_SIZE];
+        iso__appliance_why_no_lease(appliance, why);
+        add_note(note, why, "");
     }
     if (verdict->passback) {
         add_note(note, "soft violation of antipassback", "");

@@ -8,6 +8,7 @@
 #include "firmware/bus/bus_state.h"
 #include "firmware/contract/bus_connect.h"
 #include "firmware/contract/contract.h"
+#include "firmware/contract/fleet_words.h"
 
 enum { CALL_TIMEOUT_US = 2 * 1000 * 1000 };
 
@@ -113,7 +114,12 @@ static int limit_calls(sd_bus_message *message, void *context, sd_bus_error *out
     if (!sd_bus_message_is_method_call(message, NULL, NULL)) {
         return 0;
     }
-    if (sender && iso_call_rate_take(&bus->rate, sender, iso_times_now_ns(&bus->borrowed->times))) {
+    const int64_t now_ns = iso_times_now_ns(&bus->borrowed->times);
+    const bool may = sd_bus_message_is_method_call(message, ISO_CONTRACT_INTERFACE,
+                                                   ISO_CONTRACT_FLEET_RECEIVE)
+                         ? iso_call_rate_take_message(&bus->rate, now_ns)
+                         : sender && iso_call_rate_take(&bus->rate, sender, now_ns);
+    if (may) {
         return 0;
     }
     const int r = sd_bus_reply_method_errorf(message, ISO_CONTRACT_ERROR_TOO_MANY_CALLS,

@@ -140,6 +140,7 @@ struct iso_appliance_events iso_bus_events(struct iso_bus *bus,
         .picture = iso__bus_on_picture,
         .door_changed = on_door_changed,
         .claim_lost = on_claim_lost,
+        .fleet_work = iso__bus_on_fleet_work,
         .message = message,
         .context = bus,
     };

@@ -154,6 +154,18 @@ struct iso__bus_progress {
 struct iso_work_listener iso__bus_report_progress(struct iso__bus_progress *progress,
                                                   const struct iso_bus *bus, sd_bus_message *call);
 
+/* The methods of isotherm-link, and the event that something waits for it (bus_fleet.c). */
+int iso__bus_get_fleet(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_fleet_join(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_fleet_leave(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_fleet_question(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_fleet_receive(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_fleet_fetch(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_fleet_snapshot(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_fleet_events(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_fleet_requests(sd_bus_message *call, void *context, sd_bus_error *out);
+void iso__bus_on_fleet_work(void *context, const char *what);
+
 /* The methods of an administrator (bus_admin.c). */
 int iso__bus_export(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_import(sd_bus_message *call, void *context, sd_bus_error *out);

@@ -1,6 +1,7 @@
 /* The table of the methods and signals of the contract. */
 #include "firmware/bus/bus_state.h"
 #include "firmware/contract/contract.h"
+#include "firmware/contract/fleet_words.h"
 
 /* The names of the arguments, each followed by a NUL. The list ends with an empty name. */
 #define NOTHING ""
@@ -72,6 +73,18 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_WATCH, "s", "what\0", "h", "stream\0", iso__bus_watch),
     METHOD(ISO_CONTRACT_WATCH_RELIEF, "", NOTHING, "h", "stream\0", iso__bus_watch_relief),
     METHOD(ISO_CONTRACT_PICTURE, "", NOTHING, "h", "file\0", iso__bus_picture),
+    METHOD(ISO_CONTRACT_GET_FLEET, "", NOTHING, "a{sv}", "fleet\0", iso__bus_get_fleet),
+    METHOD(ISO_CONTRACT_FLEET_JOIN, "ay", "membership\0", "", NOTHING, iso__bus_fleet_join),
+    METHOD(ISO_CONTRACT_FLEET_LEAVE, "", NOTHING, "", NOTHING, iso__bus_fleet_leave),
+    METHOD(ISO_CONTRACT_FLEET_QUESTION, "", NOTHING, "ay", "question\0", iso__bus_fleet_question),
+    METHOD(ISO_CONTRACT_FLEET_RECEIVE, "ay", "message\0", "ss", "outcome\0zone\0",
+           iso__bus_fleet_receive),
+    METHOD(ISO_CONTRACT_FLEET_FETCH, "ss", "zone\0what\0", "ay", "fetch\0", iso__bus_fleet_fetch),
+    METHOD(ISO_CONTRACT_FLEET_SNAPSHOT, "h", "file\0", "ss", "outcome\0zone\0",
+           iso__bus_fleet_snapshot),
+    METHOD(ISO_CONTRACT_FLEET_EVENTS, "tu", "after\0most\0", "ayt", "events\0last\0",
+           iso__bus_fleet_events),
+    METHOD(ISO_CONTRACT_FLEET_REQUESTS, "", NOTHING, "aay", "requests\0", iso__bus_fleet_requests),
     SIGNAL(ISO_CONTRACT_ENROLL_STATUS, "sbuuds", "result\0done\0stage\0stages\0quality\0person\0"),
     SIGNAL(ISO_CONTRACT_ENROLL_STEP, "ssuud", "pose\0state\0step\0steps\0turn_deg\0"),
     SIGNAL(ISO_CONTRACT_VERIFY_STATUS, "sbsdd", "result\0done\0person\0score\0threshold\0"),
@@ -84,5 +97,6 @@ const sd_bus_vtable iso__bus_vtable[] = {
     SIGNAL(ISO_CONTRACT_VIEW, "a{sv}", "view\0"),
     SIGNAL(ISO_CONTRACT_DOOR_CHANGED, "ss", "state\0cause\0"),
     SIGNAL(ISO_CONTRACT_PROGRESS, "tt", "done\0total\0"),
+    SIGNAL(ISO_CONTRACT_FLEET_WORK, "s", "what\0"),
     SD_BUS_VTABLE_END,
 };

@@ -8,7 +8,8 @@
 
 void iso_call_rate_init(struct iso_call_rate *rate, int64_t now_ns)
 {
-    *rate = (struct iso_call_rate){.newcomers = {ISO_CALL_RATE_BURST, now_ns}};
+    *rate = (struct iso_call_rate){.newcomers = {ISO_CALL_RATE_BURST, now_ns},
+                                   .messages = {ISO_CALL_RATE_BURST, now_ns}};
 }
 
 static bool take(struct iso_call_allowance *allowance, double per_s, int64_t now_ns)
@@ -41,4 +42,9 @@ bool iso_call_rate_take(struct iso_call_rate *rate, const char *client, int64_t 
     (void)snprintf(rate->clients[oldest].name, ISO_CALL_RATE_NAME_SIZE, "%s", client);
     rate->clients[oldest].allowance = (struct iso_call_allowance){ISO_CALL_RATE_BURST - 1, now_ns};
     return true;
+}
+
+bool iso_call_rate_take_message(struct iso_call_rate *rate, int64_t now_ns)
+{
+    return take(&rate->messages, ISO_CALL_RATE_MESSAGES_PER_S, now_ns);
 }

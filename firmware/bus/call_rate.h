@@ -23,6 +23,7 @@ struct iso_call_allowance {
 
 struct iso_call_rate {
     struct iso_call_allowance newcomers; /* for the first calls of new clients */
+    struct iso_call_allowance messages;  /* of a hub */
     struct {
         char name[ISO_CALL_RATE_NAME_SIZE]; /* "": the slot is free */
         struct iso_call_allowance allowance;
@@ -35,11 +36,18 @@ struct iso_call_rate {
 #define ISO_CALL_RATE_PER_S          20.0
 #define ISO_CALL_RATE_NEWCOMER_PER_S 10.0
 
+/* Messages of a hub, which isotherm-link alone hands over: 40 at once and 100 a second, so that a
+ * door that was away catches up. */
+#define ISO_CALL_RATE_MESSAGES_PER_S 100.0
+
 /* Begins with no client and a full allowance for new ones. */
 void iso_call_rate_init(struct iso_call_rate *rate, int64_t now_ns);
 
 /* Whether a call of this client is to be answered; such a call is counted. Calls of a new client
  * whose name does not fit into ISO_CALL_RATE_NAME_SIZE are refused. now_ns never decreases. */
 bool iso_call_rate_take(struct iso_call_rate *rate, const char *client, int64_t now_ns);
+
+/* The same for a message of a hub, whoever brings it. */
+bool iso_call_rate_take_message(struct iso_call_rate *rate, int64_t now_ns);
 
 #endif

@@ -181,7 +181,8 @@
  *   DoorChanged(s state, s cause)
  *       words of firmware/door/door.h
  *
- * The keys of GetStatus, GetSite and View are in status_keys.h. */
+ * The keys of GetStatus, GetSite and View are in status_keys.h, the methods and the signal of a fleet in
+ * fleet_words.h. */
 /* clang-format on */
 /* A file of exported people begins with ISO_CONTRACT_PEOPLE_MAGIC. The byte at ..._LOCK_AT is
  * ..._PASSPHRASE or ..._APPLIANCE: what opens the file. The key of a passphrase is 32 bytes of

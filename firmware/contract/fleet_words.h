@@ -1,5 +1,7 @@
 /* The part of the bus (contract.h) by which isotherm-link reaches the daemon of its door, and the
- * words of it. Only the user isotherm-link and root may call these methods. */
+ * words of it. The user isotherm-link may call these methods but
+ * FleetJoin and FleetLeave; root may call all of them. Whoever could do both could let the door
+ * join another fleet, and so choose who is let in. */
 /* clang-format off */
 /*   GetFleet() -> a{sv}             the keys ISO_CONTRACT_FLEET_... below; {} : it belongs to no fleet
  *   FleetJoin(ay membership)        MEMBERSHIP of firmware/fleet/message/envelope.h, which names this
@@ -30,6 +32,14 @@
 #define ISO_CONTRACT_FLEET_EVENTS   "FleetEvents"
 #define ISO_CONTRACT_FLEET_REQUESTS "FleetRequests"
 #define ISO_CONTRACT_FLEET_WORK     "FleetWork"
+
+/* The door belongs to no fleet; of all methods but GetFleet and FleetJoin. */
+#define ISO_CONTRACT_ERROR_NO_FLEET "org.isotherm.Error.NoFleet"
+
+/* What waits for the link, of the signal. */
+#define ISO_CONTRACT_FLEET_WORK_EVENTS   "events"
+#define ISO_CONTRACT_FLEET_WORK_REQUESTS "requests"
+#define ISO_CONTRACT_FLEET_WORK_PLACES   "places"
 
 /* What became of a message of the hub. */
 enum iso_fleet_outcome {
@@ -66,6 +76,13 @@ enum iso_fleet_outcome {
     "zones"                                  /* a(sttsb): zone, epoch, sequence, digest, wants a \
                                               * snapshot */
 #define ISO_CONTRACT_FLEET_PENDING "pending" /* u: people who wait for approval */
+#define ISO_CONTRACT_FLEET_PEOPLE  "people"  /* u: people who came from the hub */
 #define ISO_CONTRACT_FLEET_BEHIND  "hub-behind" /* b: the hub knows less than this door */
+#define ISO_CONTRACT_FLEET_FAULT   "fault" /* s: what of the hub's wishes this door could not do */
+
+/* The words of ISO_CONTRACT_FLEET_LEASE. */
+#define ISO_CONTRACT_FLEET_LEASE_HELD "held"
+#define ISO_CONTRACT_FLEET_LEASE_OVER "over"
+#define ISO_CONTRACT_FLEET_LEASE_NONE "none"
 
 #endif

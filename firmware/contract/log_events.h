@@ -13,7 +13,7 @@
 /* Every "event" of an audit record, in alphabetical order: the values of an array of texts. */
 #define ISO_CONTRACT_EVENTS                                                                       \
     "act", "attack", "clock", "counter", "credential", "delete", "door", "door-test", "duress",   \
-        "enroll", "export", "forget", "gallery", "grant", "identify", "import", "learn",          \
+        "enroll", "export", "fleet", "forget", "gallery", "grant", "identify", "import", "learn", \
         "lockdown", "lockout", "log-recovered", "log-rotated", "log-sealed", "panel", "picture",  \
         "policy", "records-lost", "relief", "rename", "rotate-keys", "sensor", "setting", "site", \
         "start", "state-accepted", "stop", "validity", "verify", "visit"

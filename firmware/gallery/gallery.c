@@ -35,6 +35,7 @@ int iso_gallery_open(const struct iso_gallery_options *options, struct iso_galle
 void iso_gallery_close(struct iso_gallery *gallery)
 {
     if (gallery) {
+        iso_gallery_unstage(gallery);
         iso_gallery_memory_done(&gallery->memory);
         iso_gallery_db_close(gallery->db);
         free(gallery);

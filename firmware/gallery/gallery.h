@@ -185,12 +185,14 @@ int iso_gallery_forget_learned(struct iso_gallery *gallery, size_t *n, struct is
 /* ---- who may enter, where and when ---- */
 
 /* An access record is bytes that the gallery seals and keeps, and does not interpret: of a person
- * (id 1 or more), or of the site (0). It moves with a person who gets another id, and is deleted
- * with the person. An earlier program, which knows no access records, refuses to open a gallery
- * that has ever had one. */
+ * (id 1 or more), of the site (0), or of the fleet to which the door belongs (-1). It moves with a
+ * person who gets another id, and is deleted with the person. An earlier program, which does not
+ * know such a record, refuses to open a gallery that has one; if it knows no access records at all,
+ * it refuses a gallery that has ever had one. */
+enum { ISO_GALLERY_SITE = 0, ISO_GALLERY_FLEET = -1 };
 
-/* The record of a person or of the site, and its size. NULL: there is none, or the gallery is out
- * of service. Valid until the next change. */
+/* The record of a person, of the site or of the fleet, and its size. NULL: there is none, or the
+ * gallery is out of service. Valid until the next change. */
 const void *iso_gallery_access(const struct iso_gallery *gallery, int64_t person, size_t *size);
 
 /* Stores a record in place of the earlier one; size 0 deletes it. -ENOENT there is no such person,
@@ -198,6 +200,38 @@ const void *iso_gallery_access(const struct iso_gallery *gallery, int64_t person
 int iso_gallery_set_access(struct iso_gallery *gallery, int64_t person, const void *bytes,
                            size_t size, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Keeps a copy of an access record, which the next call of iso_gallery_set_access() or
+ * iso_gallery_apply() stores in its own transaction: both are on the disk, or neither is. size 0
+ * deletes the record. A staged record takes the place of one that was staged before. unstage drops
+ * it; the caller does so after the change, because a change that is refused leaves it. -EFBIG,
+ * -ENOMEM. */
+int iso_gallery_stage(struct iso_gallery *gallery, int64_t id, const void *bytes, size_t size,
+                      struct iso_fault *fault) __attribute__((warn_unused_result));
+void iso_gallery_unstage(struct iso_gallery *gallery);
+
+/* ---- changes that a fleet makes ---- */
+
+/* What is to become of one person. */
+struct iso_gallery_change {
+    int64_t person; /* the number of somebody who is here, who is replaced; 0: somebody new */
+    bool remove;    /* removes the person; nothing below matters */
+    bool keep;      /* the templates of the person stay, and so does the number; item.n is 0 */
+    /* Name, dates and templates (0: somebody who is known by a card alone). Templates of another
+     * algorithm are kept and counted, and take no part in searches. `excluded` of a template is
+     * ignored. */
+    struct iso_gallery_item item;
+    const void *access; /* the access record; size 0: none */
+    size_t access_size;
+    int64_t number; /* out: the number of the person from now on; 0: removed */
+};
+
+/* Makes n changes (0 or more) and stores the staged record: all of it or nothing, in one
+ * transaction, without reading the other people again. No person may be changed twice by one call.
+ * -EINVAL a bad name, a bad template, two people with one name; -EEXIST somebody else has the name;
+ * -ENOENT no such person; -EDQUOT the gallery would be too full; else as iso_gallery_import. */
+int iso_gallery_apply(struct iso_gallery *gallery, struct iso_gallery_change *changes, size_t n,
+                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* ---- keys, and which gallery it is ---- */
 

@@ -46,12 +46,12 @@ const struct iso_gallery_access *iso_gallery_access_find(const struct iso_galler
     return at < list->n && list->records[at].person == person ? &list->records[at] : NULL;
 }
 
-int iso_gallery_access_reserve(struct iso_gallery_access_list *list)
+int iso_gallery_access_reserve(struct iso_gallery_access_list *list, size_t n)
 {
-    if (list->n < list->capacity) {
+    if (n <= list->capacity - list->n) {
         return 0;
     }
-    const size_t more = list->capacity ? 2 * list->capacity : 16;
+    const size_t more = 2 * list->capacity + n + 16;
     void *grown = reallocarray(list->records, more, sizeof *list->records);
     if (!grown) {
         return -ENOMEM;
@@ -87,7 +87,7 @@ int iso_gallery_access_load(struct iso_gallery_access_list *list, int64_t person
         if (last && last->person > person) {
             return -EBADMSG;
         }
-        if (iso_gallery_access_reserve(list)) {
+        if (iso_gallery_access_reserve(list, 1)) {
             return -ENOMEM;
         }
         last = &list->records[list->n++];
@@ -139,7 +139,8 @@ const void *iso_gallery_access(const struct iso_gallery *gallery, int64_t person
 static int check(const struct iso_gallery *gallery, int64_t person, size_t size,
                  struct iso_fault *fault)
 {
-    if (person != 0 && !iso_gallery_find_id(gallery, person)) {
+    if (person != ISO_GALLERY_SITE && person != ISO_GALLERY_FLEET &&
+        !iso_gallery_find_id(gallery, person)) {
         return iso_fault_set(fault, -ENOENT, "no such person");
     }
     return size > ISO_GALLERY_ACCESS_MAX
@@ -148,26 +149,83 @@ static int check(const struct iso_gallery *gallery, int64_t person, size_t size,
                : 0;
 }
 
+/* ---- a record that goes with another change ---- */
+
+int iso_gallery_stage(struct iso_gallery *gallery, int64_t id, const void *bytes, size_t size,
+                      struct iso_fault *fault)
+{
+    const int error = check(gallery, id, size, fault);
+    if (error) {
+        return error;
+    }
+    uint8_t *copy = size > 0 ? malloc(size) : NULL;
+    if (size > 0 && !copy) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
+    if (size > 0) {
+        memcpy(copy, bytes, size);
+    }
+    iso_gallery_unstage(gallery);
+    gallery->staged = (struct iso_gallery_staged){true, id, copy, size};
+    return 0;
+}
+
+void iso_gallery_unstage(struct iso_gallery *gallery)
+{
+    wipe(gallery->staged.bytes, gallery->staged.size);
+    gallery->staged = (struct iso_gallery_staged){.on = false};
+}
+
+int iso__gallery_begin(struct iso_gallery *gallery, struct iso_fault *fault)
+{
+    if (gallery->staged.on && iso_gallery_access_reserve(&gallery->memory.access, 1)) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
+    return iso_gallery_db_begin(gallery->db, fault);
+}
+
+/* Gives the bytes of a stored record to the memory. */
+static void keep(struct iso_gallery *gallery, int64_t id, uint8_t *bytes, size_t size)
+{
+    if (size > 0) {
+        iso_gallery_access_put(&gallery->memory.access, id, bytes, size);
+    } else {
+        iso_gallery_access_remove(&gallery->memory.access, id);
+    }
+}
+
+int iso__gallery_end(struct iso_gallery *gallery, int error, struct iso_fault *fault)
+{
+    struct iso_gallery_staged *staged = &gallery->staged;
+    if (!error && staged->on) {
+        error = iso_gallery_db_put_access(gallery->db, staged->id, staged->bytes, staged->size,
+                                          fault);
+    }
+    error = iso_gallery_db_end(gallery->db, error, fault);
+    if (!error && staged->on) {
+        keep(gallery, staged->id, staged->bytes, staged->size);
+        *staged = (struct iso_gallery_staged){.on = false};
+    }
+    return error;
+}
+
+/* ---- storing one ---- */
+
 /* Ends the transaction first, and then changes the memory, which cannot fail. `copy` belongs to the
  * memory after success. */
 static int put(struct iso_gallery *gallery, int64_t person, uint8_t *copy, size_t size,
                struct iso_fault *fault)
 {
-    int error = iso_gallery_db_begin(gallery->db, fault);
+    int error = iso__gallery_begin(gallery, fault);
     if (error) {
         return error;
     }
     error = iso_gallery_db_put_access(gallery->db, person, copy, size, fault);
-    error = iso_gallery_db_end(gallery->db, error, fault);
-    if (error) {
-        return error;
+    error = iso__gallery_end(gallery, error, fault);
+    if (!error) {
+        keep(gallery, person, copy, size);
     }
-    if (size > 0) {
-        iso_gallery_access_put(&gallery->memory.access, person, copy, size);
-    } else {
-        iso_gallery_access_remove(&gallery->memory.access, person);
-    }
-    return 0;
+    return error;
 }
 
 int iso_gallery_set_access(struct iso_gallery *gallery, int64_t person, const void *bytes,
@@ -178,7 +236,8 @@ int iso_gallery_set_access(struct iso_gallery *gallery, int64_t person, const vo
         return error;
     }
     uint8_t *copy = size > 0 ? malloc(size) : NULL;
-    if ((size > 0 && !copy) || iso_gallery_access_reserve(&gallery->memory.access)) {
+    /* One of the two places is for a staged record. */
+    if ((size > 0 && !copy) || iso_gallery_access_reserve(&gallery->memory.access, 2)) {
         free(copy);
         return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
     }

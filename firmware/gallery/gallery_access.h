@@ -30,8 +30,8 @@ const struct iso_gallery_access *iso_gallery_access_find(const struct iso_galler
 int iso_gallery_access_load(struct iso_gallery_access_list *list, int64_t person, uint32_t part,
                             const void *bytes, size_t size) __attribute__((warn_unused_result));
 
-/* Makes room for one more record. -ENOMEM. */
-int iso_gallery_access_reserve(struct iso_gallery_access_list *list)
+/* Makes room for n more records. -ENOMEM. */
+int iso_gallery_access_reserve(struct iso_gallery_access_list *list, size_t n)
     __attribute__((warn_unused_result));
 
 /* Puts a record, whose bytes then belong to the list, in place of the earlier one. The caller has

@@ -313,7 +313,11 @@ int iso_gallery_export(struct iso_gallery *gallery, const char *name,
     exporting->context = context;
     const struct iso_gallery_visitor visitor = {export_person, export_template, export_access,
                                                 exporting};
-    int error = iso_gallery_db_load(gallery->db, &visitor, fault);
+    int error = only ? iso_gallery_db_templates(gallery->db, only->id, &visitor, fault)
+                     : iso_gallery_db_load(gallery->db, &visitor, fault);
+    if (!error && only && exporting->item.n != only->templates) {
+        error = iso_gallery_db_damaged(gallery->db, "records are missing", fault);
+    }
     if (!error) {
         error = hand_on(exporting, fault);
     }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "firmware/gallery/gallery.h"
 #include "firmware/gallery/gallery_seal.h"
 
 _Static_assert((int)ISO_GALLERY_TEMPLATES_MAX <= (int)ISO_INDEX_TEMPLATES_MAX,
@@ -63,11 +64,7 @@ static int reserve_items(void **items, size_t item_size, size_t least, size_t *c
 
 static int reserve_person(struct iso_gallery_memory *memory)
 {
-    void *people = memory->people;
-    const int error = reserve_items(&people, sizeof *memory->people, memory->n_people + 1,
-                                    &memory->people_capacity);
-    memory->people = people;
-    return error;
+    return iso_gallery_memory_reserve_people(memory, 1);
 }
 
 static int reserve_templates(struct iso_gallery_memory *memory, size_t n)
@@ -151,6 +148,15 @@ int iso_gallery_memory_reserve(struct iso_gallery_memory *memory, int n)
     return reserve_templates(memory, (size_t)n);
 }
 
+int iso_gallery_memory_reserve_people(struct iso_gallery_memory *memory, size_t n)
+{
+    void *people = memory->people;
+    const int error = reserve_items(&people, sizeof *memory->people, memory->n_people + n,
+                                    &memory->people_capacity);
+    memory->people = people;
+    return error;
+}
+
 void iso_gallery_memory_discard(struct iso_gallery_kept *kept)
 {
     free_template(kept->tmpl);
@@ -189,16 +195,28 @@ static int insert_vector(struct iso_gallery_memory *memory, int64_t person,
     return error;
 }
 
-void iso_gallery_memory_add(struct iso_gallery_memory *memory, const struct iso_person *row,
-                            struct iso_gallery_kept *kept)
+void iso_gallery_memory_put_person(struct iso_gallery_memory *memory, const struct iso_person *row,
+                                   uint32_t unusable)
 {
     struct iso_person *own = iso_gallery_memory_find(memory, row->id);
     if (!own) {
         /* A new person has the highest number, so the array stays sorted. */
         own = &memory->people[memory->n_people++];
-        *own = *row;
         own->templates = own->usable = 0;
     }
+    const uint32_t templates = own->templates + unusable, usable = own->usable;
+    *own = *row;
+    own->templates = templates;
+    own->usable = usable;
+}
+
+void iso_gallery_memory_add(struct iso_gallery_memory *memory, const struct iso_person *row,
+                            struct iso_gallery_kept *kept)
+{
+    if (!iso_gallery_memory_find(memory, row->id)) {
+        iso_gallery_memory_put_person(memory, row, 0);
+    }
+    struct iso_person *own = iso_gallery_memory_find(memory, row->id);
     own->valid_from_s = row->valid_from_s;
     own->valid_until_s = row->valid_until_s;
     own->templates++;
@@ -320,7 +338,8 @@ static int load_access(void *context, const struct iso_gallery_place *place, con
                        size_t size, struct iso_fault *fault)
 {
     struct loading *loading = context;
-    if (place->person != 0 && !iso_gallery_memory_find(&loading->memory, place->person)) {
+    if (place->person != ISO_GALLERY_SITE && place->person != ISO_GALLERY_FLEET &&
+        !iso_gallery_memory_find(&loading->memory, place->person)) {
         return iso_gallery_db_damaged(loading->db, "an access record belongs to nobody", fault);
     }
     const int error = iso_gallery_access_load(&loading->memory.access, place->person,

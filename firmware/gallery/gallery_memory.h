@@ -57,9 +57,16 @@ int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *by
 /* Wipes and frees what is still in it. */
 void iso_gallery_memory_discard(struct iso_gallery_kept *kept);
 
-/* Makes room for n prepared templates (1 or more) of one person. -ENOMEM. */
+/* Makes room for n prepared templates (1 or more), and for n more people. -ENOMEM. */
 int iso_gallery_memory_reserve(struct iso_gallery_memory *memory, int n)
     __attribute__((warn_unused_result));
+int iso_gallery_memory_reserve_people(struct iso_gallery_memory *memory, size_t n)
+    __attribute__((warn_unused_result));
+
+/* Puts a row in place of that of its person, or adds a person; templates that cannot be searched
+ * are only counted. The caller has made room. */
+void iso_gallery_memory_put_person(struct iso_gallery_memory *memory, const struct iso_person *row,
+                                   uint32_t unusable);
 
 /* Adds the prepared template to this person. A person who is not known yet is added with the values
  * of the row. Limits and counts are updated. */

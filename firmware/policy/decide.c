@@ -17,6 +17,8 @@ const char *iso_access_reason_name(enum iso_access_reason reason)
         [ISO_ACCESS_INVALID_PIN] = "InvalidPIN",
         [ISO_ACCESS_ANTIPASSBACK] = "isotherm:AntipassbackViolation",
         [ISO_ACCESS_NO_PAIR] = "isotherm:NoPair",
+        [ISO_ACCESS_NO_LEASE] = "isotherm:NoLease",
+        [ISO_ACCESS_NOT_APPROVED] = "isotherm:NotApproved",
     };
     return reason < ISO_ACCESS_REASONS ? names[reason] : NULL;
 }

@@ -65,14 +65,17 @@ enum iso_access_reason {
     ISO_ACCESS_INVALID_PIN,
     ISO_ACCESS_ANTIPASSBACK,
     ISO_ACCESS_NO_PAIR, /* these two may not enter together */
+    /* Reasons outside of the policy (firmware/access/site_access.h). */
+    ISO_ACCESS_NO_LEASE,     /* a person of a fleet, whose hub has not answered for too long */
+    ISO_ACCESS_NOT_APPROVED, /* enrolled at this door, and the hub admits no such people */
     ISO_ACCESS_REASONS
 };
 
 /* ONVIF's word for a reason: "Other", "CredentialNotFound" (in ONVIF the topic of an event without
  * a reason), "CredentialNotEnabled", "CredentialNotActive", "CredentialExpired", "Unauthorized",
  * "NotPermittedAtThisTime", "pt:InvalidIdentifierValue", "InvalidPIN". ONVIF has no word for the
- * last two and asks for a prefix of the vendor's: "isotherm:AntipassbackViolation",
- * "isotherm:NoPair". NULL outside. */
+ * others and asks for a prefix of the vendor's: "isotherm:AntipassbackViolation",
+ * "isotherm:NoPair", "isotherm:NoLease", "isotherm:NotApproved". NULL outside. */
 const char *iso_access_reason_name(enum iso_access_reason reason);
 
 /* All-zero is DENY. */

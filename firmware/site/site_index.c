@@ -190,7 +190,7 @@ void iso_site_index_free(struct iso_site_index *site)
 
 int iso_site_index_reserve(struct iso_site_index *site, size_t n)
 {
-    int error = iso_index_reserve(site->index, iso_index_size(site->index) + 1);
+    int error = iso_index_reserve(site->index, iso_index_size(site->index) + n);
     if (!error && site->adapt) {
         (void)pthread_mutex_lock(&site->mutex);
         error = iso_site_rows_reserve(&site->rows, n);

@@ -63,7 +63,7 @@ int iso_site_index_start(struct iso_site_index *site) __attribute__((warn_unused
 /* Ends the thread; wipes and frees everything. NULL is accepted. */
 void iso_site_index_free(struct iso_site_index *site);
 
-/* Makes room for n more templates (1 or more) of one person. -ENOMEM. */
+/* Makes room for n more templates (1 or more), of one person or of several. -ENOMEM. */
 int iso_site_index_reserve(struct iso_site_index *site, size_t n)
     __attribute__((warn_unused_result));
 

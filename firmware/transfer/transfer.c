@@ -64,6 +64,18 @@ int iso__transfer_parse_address(const char *address, uint8_t halves[2][ISO__TRAN
     return 0;
 }
 
+void iso_transfer_get_keys(const struct iso_key_ring *ring, struct iso_transfer_keys *out)
+{
+    struct iso__transfer_pair sign = signing_pair(ring),
+                              receive = iso__transfer_receiving_pair(ring);
+    memcpy(out->signs, sign.public, sizeof out->signs);
+    memcpy(out->sign_secret, sign.secret, sizeof out->sign_secret);
+    memcpy(out->receives, receive.public, sizeof out->receives);
+    memcpy(out->receive_secret, receive.secret, sizeof out->receive_secret);
+    iso__transfer_wipe_pair(&sign);
+    iso__transfer_wipe_pair(&receive);
+}
+
 /* ---- writing ---- */
 
 /* A buffer that grows; its old memory is wiped. It contains n of n_people people. */

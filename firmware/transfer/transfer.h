@@ -43,6 +43,14 @@ struct iso_transfer_lock {
 /* The address of the appliance with this ring. */
 void iso_transfer_address(const struct iso_key_ring *ring, char address[ISO_TRANSFER_ADDRESS_SIZE]);
 
+/* The key pairs of the appliance, whose public halves are its address: the first signs, the second
+ * receives. The caller wipes them. */
+struct iso_transfer_keys {
+    uint8_t signs[32], sign_secret[64], receives[32], receive_secret[32];
+};
+
+void iso_transfer_get_keys(const struct iso_key_ring *ring, struct iso_transfer_keys *out);
+
 /* Writes people (NULL or an empty list: all; else a list that NULL ends) into memory, which
  * iso_transfer_free releases. *n is their number. The listener counts people. -EINVAL the address
  * is not valid, -ENOENT nobody has a name of the list, -EFBIG, -ENOMEM, or an error of the gallery.

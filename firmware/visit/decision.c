@@ -9,10 +9,11 @@
 const char *iso_reason_name(enum iso_reason reason)
 {
     static const char *const names[ISO_REASONS] = {
-        "none",       "match",        "unknown",      "left",       "not-valid",  "unlogged",
-        "attack",     "locked-out",   "lockdown",     "no-gallery", "no-lockout", "not-on-record",
-        "stale",      "open",         "credential",   "disabled",   "not-here",   "not-now",
-        "not-enough", "wrong-factor", "antipassback", "no-pair",    "no-policy",
+        "none",         "match",         "unknown",    "left",       "not-valid",
+        "unlogged",     "attack",        "locked-out", "lockdown",   "no-gallery",
+        "no-lockout",   "not-on-record", "stale",      "open",       "credential",
+        "disabled",     "not-here",      "not-now",    "not-enough", "wrong-factor",
+        "antipassback", "no-pair",       "no-policy",  "no-lease",   "not-approved",
     };
     return (unsigned)reason < ISO_REASONS ? names[reason] : NULL;
 }

@@ -62,13 +62,15 @@ enum iso_reason {
     ISO_REASON_ANTIPASSBACK, /* the person is, as far as is known, inside already */
     ISO_REASON_NO_PAIR,      /* these two people may not enter together */
     ISO_REASON_NO_POLICY,    /* the policy cannot be used, or the date is not known */
+    ISO_REASON_NO_LEASE,     /* a person of a fleet, whose hub has not answered for too long */
+    ISO_REASON_NOT_APPROVED, /* enrolled at this door, and the hub admits no such people */
     ISO_REASONS
 };
 
 /* "none", "match", "unknown", "left", "not-valid", "unlogged", "attack", "locked-out", "lockdown",
  * "no-gallery", "no-lockout", "not-on-record", "stale", "open", "credential", "disabled",
- * "not-here", "not-now", "not-enough", "wrong-factor", "antipassback", "no-pair", "no-policy"; NULL
- * outside. */
+ * "not-here", "not-now", "not-enough", "wrong-factor", "antipassback", "no-pair", "no-policy",
+ * "no-lease", "not-approved"; NULL outside. */
 const char *iso_reason_name(enum iso_reason reason);
 
 /* All-zero is DENY. */

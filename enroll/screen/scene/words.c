@@ -51,6 +51,8 @@ static const struct screen_words refusals[] = {
     {"no-lockout", N_("Out of order"), try_later, SCREEN_WRENCH},
     {"not-on-record", N_("Out of order"), try_later, SCREEN_WRENCH},
     {"no-policy", N_("Out of order"), try_later, SCREEN_WRENCH},
+    {"no-lease", N_("Out of order"), try_later, SCREEN_WRENCH},
+    {"not-approved", N_("Not at this door"), ask, SCREEN_CROSS},
     {"disabled", N_("Access is suspended"), ask, SCREEN_CROSS},
     {"not-here", N_("Not at this door"), ask, SCREEN_CROSS},
     {"not-now", N_("Not at this time"), N_("You may enter at other times"), SCREEN_CLOCK},

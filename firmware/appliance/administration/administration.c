@@ -144,6 +144,19 @@ int iso_appliance_export(struct iso_appliance *appliance, int fd, const char *co
     return 0;
 }
 
+/* An import replaces nobody who came from the fleet. */
+static int may_replace(const struct iso_appliance *appliance, const struct iso_gallery_item *items,
+                       size_t n, struct iso_fault *fault)
+{
+    int error = 0;
+    for (size_t i = 0; !error && i < n; i++) {
+        const struct iso_person *known = iso_gallery_find(appliance->borrowed.gallery,
+                                                          items[i].person.name);
+        error = iso__appliance_may_change(appliance, known, fault);
+    }
+    return error;
+}
+
 static int import_from(struct iso_appliance *appliance, const struct iso_import_request *request,
                        size_t *added, size_t *n, struct iso_fault *fault)
 {
@@ -158,8 +171,11 @@ static int import_from(struct iso_appliance *appliance, const struct iso_import_
     free(bytes);
     if (!error) {
         const struct iso_gallery_item *items = iso_transfer_items(transfer, n);
-        error = iso_gallery_import(appliance->borrowed.gallery, items, *n, request->replace,
-                                   request->listener, added, fault);
+        error = request->replace ? may_replace(appliance, items, *n, fault) : 0;
+        if (!error) {
+            error = iso_gallery_import(appliance->borrowed.gallery, items, *n, request->replace,
+                                       request->listener, added, fault);
+        }
     }
     iso_transfer_done(transfer);
     return error;
@@ -238,6 +254,9 @@ int iso_appliance_rename(struct iso_appliance *appliance, const char *person, co
         return -EIO;
     }
     int error = iso_gallery_may_rename(gallery, person, name, fault);
+    if (!error) {
+        error = iso__appliance_may_change(appliance, iso_gallery_find(gallery, person), fault);
+    }
     if (error) {
         return error;
     }
@@ -283,7 +302,10 @@ int iso_appliance_set_validity(struct iso_appliance *appliance, const char *pers
     record.person = known->name;
     record.before = before_text;
     record.after = after_text;
-    int error = iso__appliance_record_change(appliance, &record, fault);
+    int error = iso__appliance_may_change(appliance, known, fault);
+    if (!error) {
+        error = iso__appliance_record_change(appliance, &record, fault);
+    }
     if (error) {
         return error;
     }

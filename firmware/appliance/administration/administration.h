@@ -12,6 +12,8 @@
 #include "firmware/settings/live_settings.h"
 #include "firmware/transfer/transfer.h"
 
+struct iso_fleet;
+
 /* Errors of all these functions: -EBUSY while an action of a client goes on, or an error of the log
  * if the act could not be recorded; then nothing was done.  */
 
@@ -121,6 +123,10 @@ int iso_appliance_set_credential(struct iso_appliance *appliance, const char *pe
 
 /* The policy and what it would decide. Nothing is recorded. */
 struct iso_site_access *iso_appliance_access(const struct iso_appliance *appliance);
+
+/* The fleet (firmware/fleet/door/fleet.h), of which somebody at the door may change nothing but
+ * that it is joined and left. NULL while the gallery could not be read yet. (fleet.c) */
+struct iso_fleet *iso_appliance_fleet(const struct iso_appliance *appliance);
 
 /* The date by which the policy decides, and whether it is known. */
 int64_t iso_appliance_date_s(const struct iso_appliance *appliance, bool *known);

@@ -10,6 +10,7 @@
 #include "firmware/appliance/administration/administration.h"
 #include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
+#include "firmware/fleet/door/fleet.h"
 #include "firmware/policy/credential/credential_json.h"
 
 struct iso_site_access *iso_appliance_access(const struct iso_appliance *appliance)
@@ -87,12 +88,8 @@ static int record_policy(struct iso_appliance *appliance, const struct iso_site_
     struct recording recording = {.appliance = appliance, .fault = {.text = ""}};
     struct iso_audit_record record = iso_audit_record_of("policy");
     char before[40], after[40];
-    int error = iso__appliance_may_begin(appliance, fault);
-    if (error) {
-        return error;
-    }
-    error = iso_policy_document_compare(iso_site_access_document(site), policy->document,
-                                        record_difference, &recording);
+    const int error = iso_policy_document_compare(iso_site_access_document(site), policy->document,
+                                                  record_difference, &recording);
     if (error) {
         record.reason = "failed"; /* some differences may be on record already */
         (void)iso__appliance_note(appliance, &record);
@@ -141,21 +138,41 @@ static int store_policy(struct iso_appliance *appliance, const struct iso_site_p
     return error ? iso_fault_set_code(fault, own.code, error, "%s", own.text) : 0;
 }
 
+int iso__appliance_take_policy(struct iso_appliance *appliance, const char *json, const char *who,
+                               struct iso_fault *fault)
+{
+    struct iso_site_policy policy = {.document = NULL};
+    int error = iso_site_access_prepare(appliance->access.site, json, &policy, fault);
+    if (!error) {
+        error = store_policy(appliance, &policy, who, fault);
+    }
+    iso_site_policy_free(&policy);
+    return error;
+}
+
+/* A policy that came from the hub is changed there. */
+static int may_set_policy(const struct iso_appliance *appliance, struct iso_fault *fault)
+{
+    const struct iso_fleet *fleet = appliance->fleet.door;
+    return fleet && iso_fleet_has_policy(fleet)
+               ? iso_fault_set(fault, -EINVAL, "the policy is managed by the hub %s",
+                               iso_fleet_hub_name(fleet))
+               : iso__appliance_may_begin(appliance, fault);
+}
+
 int iso_appliance_set_policy(struct iso_appliance *appliance, const char *json, uint64_t based_on,
                              const char *who, uint64_t *revision, struct iso_fault *fault)
 {
-    struct iso_site_policy policy = {.document = NULL};
     if (iso_gallery_state(appliance->borrowed.gallery, fault)) {
         return -EIO;
     }
     int error = check_revision(appliance, based_on, fault);
     if (!error) {
-        error = iso_site_access_prepare(appliance->access.site, json, &policy, fault);
+        error = may_set_policy(appliance, fault);
     }
     if (!error) {
-        error = store_policy(appliance, &policy, who, fault);
+        error = iso__appliance_take_policy(appliance, json, who, fault);
     }
-    iso_site_policy_free(&policy);
     if (!error) {
         *revision = iso_site_access_revision(appliance->access.site);
     }
@@ -227,7 +244,10 @@ int iso_appliance_set_credential(struct iso_appliance *appliance, const char *pe
     struct iso_credential_record record = iso_site_access_credential(gallery, known->id);
     const iso_pin pin = record.pin, duress_pin = record.duress_pin;
     char *before = iso_credential_text(&record);
-    int error = iso_credential_patch(patch, &record, fault);
+    int error = iso__appliance_may_change(appliance, known, fault);
+    if (!error) {
+        error = iso_credential_patch(patch, &record, fault);
+    }
     if (!error) {
         error = check_cards(appliance, known->id, &record, fault);
     }

@@ -6,8 +6,7 @@
 #include "firmware/appliance/appliance_calls.h"
 #include "firmware/appliance/appliance_claim.h"
 
-/* Wipes the data in memory of a person of this name, who is not in the gallery any more. */
-static void forget_person(struct iso_appliance *appliance, const char *name)
+void iso__appliance_forget_person(struct iso_appliance *appliance, const char *name)
 {
     const struct iso_pipeline *pipeline = &appliance->borrowed.pipeline;
     const bool idle = appliance->mode == ISO_APPLIANCE_WATCH ||
@@ -37,7 +36,10 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
     }
     (void)snprintf(name, sizeof name, "%s", known->name);
     record.person = name;
-    int error = iso__appliance_record_first(appliance, &record, fault);
+    int error = iso__appliance_may_change(appliance, known, fault);
+    if (!error) {
+        error = iso__appliance_record_first(appliance, &record, fault);
+    }
     if (error) {
         return error;
     }
@@ -52,6 +54,6 @@ int iso_appliance_remove(struct iso_appliance *appliance, const char *person,
         return iso_fault_set_code(fault, own.code, error, "%s", own.text);
     }
     iso__appliance_record_gallery(appliance, "gallery", NULL);
-    forget_person(appliance, name);
+    iso__appliance_forget_person(appliance, name);
     return 0;
 }

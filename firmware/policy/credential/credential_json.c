@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <jansson.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -212,12 +213,28 @@ static json_t *profile_texts(const struct iso_credential_record *record)
     return array;
 }
 
-char *iso_credential_text(const struct iso_credential_record *record)
+/* The digits of a PIN, which has a 1 before them; null: there is none. */
+static json_t *pin_digits(iso_pin pin)
 {
-    json_t *object = json_pack("{s:b, s:s, s:o, s:b, s:b, s:o, s:b, s:b, s:i}", "enabled",
+    char digits[24];
+    (void)snprintf(digits, sizeof digits, "%llu", (unsigned long long)pin);
+    json_t *text = pin ? json_string(digits + 1) : json_null();
+    explicit_bzero(digits, sizeof digits);
+    return text;
+}
+
+static json_t *flag_of_pin(iso_pin pin)
+{
+    return json_boolean(pin != 0);
+}
+
+/* Writes a record; `pin` makes what is written of a PIN. */
+static char *write_record(const struct iso_credential_record *record, json_t *(*pin)(iso_pin pin))
+{
+    json_t *object = json_pack("{s:b, s:s, s:o, s:o, s:o, s:o, s:b, s:b, s:i}", "enabled",
                                record->enabled, "disabled_reason", record->disabled_reason, "cards",
-                               card_texts(record), "pin", record->pin != 0, "duress_pin",
-                               record->duress_pin != 0, "profiles", profile_texts(record),
+                               card_texts(record), "pin", pin(record->pin), "duress_pin",
+                               pin(record->duress_pin), "profiles", profile_texts(record),
                                "no_antipassback", record->no_antipassback, "needs_escort",
                                record->needs_escort, "two_person_class", record->two_person_class);
     /* json_dumps() of jansson 2.14 leaves out what it has no memory for; json_dumpb() does not. */
@@ -228,4 +245,14 @@ char *iso_credential_text(const struct iso_credential_record *record)
     }
     json_decref(object);
     return text;
+}
+
+char *iso_credential_text(const struct iso_credential_record *record)
+{
+    return write_record(record, flag_of_pin);
+}
+
+char *iso_credential_patch_text(const struct iso_credential_record *record)
+{
+    return write_record(record, pin_digits);
 }

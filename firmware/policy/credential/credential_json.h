@@ -23,4 +23,8 @@ int iso_credential_patch(const char *json, struct iso_credential_record *record,
 /* The JSON text of a record, which the caller frees; NULL without memory. */
 char *iso_credential_text(const struct iso_credential_record *record);
 
+/* A patch that makes a new record this one, with the digits of its PINs: for another store that is
+ * to have the same credential. The caller wipes and frees it; NULL without memory. */
+char *iso_credential_patch_text(const struct iso_credential_record *record);
+
 #endif

@@ -190,7 +190,10 @@ int iso_credential_record_check(const struct iso_credential_record *record, stru
 
 /* ---- bytes ---- */
 
-enum { ENABLED = 1, NO_ANTIPASSBACK = 2, NEEDS_ESCORT = 4 };
+enum { ENABLED = 1, NO_ANTIPASSBACK = 2, NEEDS_ESCORT = 4, OF_FLEET = 8, FLAGS_END = 16 };
+
+/* The part of the fleet: person[16], revision u64, zones u8, offline_ok u8, templates[16]. */
+enum { FLEET_BYTES = 16 + 8 + 1 + 1 + 16 };
 
 static uint8_t *put_text(uint8_t *p, const char *text)
 {
@@ -199,7 +202,16 @@ static uint8_t *put_text(uint8_t *p, const char *text)
     return iso_put_bytes(p, text, n);
 }
 
-_Static_assert(16 + 32 + ISO_CREDENTIAL_CARDS_MAX * 9 +
+static uint8_t *put_fleet(uint8_t *p, const struct iso_credential_fleet *fleet)
+{
+    p = iso_put_bytes(p, fleet->person, sizeof fleet->person);
+    p = iso_put_u64(p, fleet->revision);
+    *p++ = fleet->zones;
+    *p++ = fleet->offline_ok ? 1 : 0;
+    return iso_put_bytes(p, fleet->templates, sizeof fleet->templates);
+}
+
+_Static_assert(16 + 32 + FLEET_BYTES + ISO_CREDENTIAL_CARDS_MAX * 9 +
                        ISO_CREDENTIAL_PROFILES_MAX * ISO_TOKEN_SIZE + BLOCK <=
                    ISO_CREDENTIAL_BYTES_MAX,
                "the longest record fits");
@@ -212,7 +224,8 @@ size_t iso_credential_record_put(const struct iso_credential_record *record,
     *p++ = FORMAT;
     *p++ = (uint8_t)((record->enabled ? ENABLED : 0) |
                      (record->no_antipassback ? NO_ANTIPASSBACK : 0) |
-                     (record->needs_escort ? NEEDS_ESCORT : 0));
+                     (record->needs_escort ? NEEDS_ESCORT : 0) |
+                     (iso_credential_is_of_fleet(record) ? OF_FLEET : 0));
     *p++ = record->two_person_class;
     p = iso_put_u32(p, record->pin);
     p = iso_put_u32(p, record->duress_pin);
@@ -225,6 +238,9 @@ size_t iso_credential_record_put(const struct iso_credential_record *record,
     *p++ = record->n_profiles;
     for (int i = 0; i < record->n_profiles; i++) {
         p = put_text(p, record->profiles[i]);
+    }
+    if (iso_credential_is_of_fleet(record)) {
+        p = put_fleet(p, &record->fleet);
     }
     return ((size_t)(p - bytes) + BLOCK - 1) / BLOCK * BLOCK;
 }
@@ -276,6 +292,23 @@ static void take_lists(struct reading *reading, struct iso_credential_record *re
     }
 }
 
+/* A part without a revision or with another flag is none that put() has written. */
+static void take_fleet(struct reading *reading, struct iso_credential_fleet *fleet)
+{
+    const uint8_t *p = take(reading, FLEET_BYTES);
+    if (!p) {
+        return;
+    }
+    memcpy(fleet->person, p, sizeof fleet->person);
+    fleet->revision = iso_get_u64(p + 16);
+    fleet->zones = p[24];
+    fleet->offline_ok = p[25] == 1;
+    memcpy(fleet->templates, p + 26, sizeof fleet->templates);
+    if (fleet->revision == 0 || p[25] > 1) {
+        reading->at = NULL;
+    }
+}
+
 int iso_credential_record_get(const void *bytes, size_t size, struct iso_credential_record *out)
 {
     struct reading reading = {bytes, (const uint8_t *)bytes + size};
@@ -296,7 +329,10 @@ int iso_credential_record_get(const void *bytes, size_t size, struct iso_credent
     }
     take_text(&reading, record.disabled_reason, sizeof record.disabled_reason);
     take_lists(&reading, &record);
-    const bool sound = reading.at && format == FORMAT && flags < 8 &&
+    if (flags & OF_FLEET) {
+        take_fleet(&reading, &record.fleet);
+    }
+    const bool sound = reading.at && format == FORMAT && flags < FLAGS_END &&
                        iso_credential_record_check(&record, NULL) == 0;
     if (sound) {
         *out = record;

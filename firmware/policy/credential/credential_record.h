@@ -37,6 +37,15 @@ int iso_card_number_read(const char *text, struct iso_card_number *out)
     __attribute__((warn_unused_result));
 bool iso_card_number_is_same(const struct iso_card_number *a, const struct iso_card_number *b);
 
+/* That a person came from a fleet (firmware/fleet). The person then belongs to the hub. */
+struct iso_credential_fleet {
+    uint8_t person[16];    /* the person's id in the fleet */
+    uint64_t revision;     /* of what is stored; 0: the person does not come from a fleet */
+    uint8_t zones;         /* a bit for each zone that grants, in the door's own numbering */
+    bool offline_ok;       /* is admitted without a lease */
+    uint8_t templates[16]; /* the first half of the digest of the templates as they came */
+};
+
 struct iso_credential_record {
     bool enabled;
     char disabled_reason[32];
@@ -47,7 +56,14 @@ struct iso_credential_record {
     struct iso_card_number cards[ISO_CREDENTIAL_CARDS_MAX];
     uint8_t n_profiles; /* 0: the default profile of the policy */
     char profiles[ISO_CREDENTIAL_PROFILES_MAX][ISO_TOKEN_SIZE];
+    struct iso_credential_fleet fleet;
 };
+
+/* Whether the person came from a fleet. */
+static inline bool iso_credential_is_of_fleet(const struct iso_credential_record *record)
+{
+    return record->fleet.revision != 0;
+}
 
 /* Enabled, without cards, PIN and profiles. */
 struct iso_credential_record iso_credential_record_new(void);
@@ -62,7 +78,8 @@ int iso_credential_record_check(const struct iso_credential_record *record,
                                 struct iso_fault *fault);
 
 /* Writes a checked record and returns the size, a multiple of 64, so that the sealed size hides how
- * long the members are. get: -EBADMSG bytes that put() cannot have written; -EPROTONOSUPPORT of a
+ * long the members are. A record of a person of a fleet has a flag that earlier programs refuse.
+ * get: -EBADMSG bytes that put() cannot have written; -EPROTONOSUPPORT of a
  * newer format. */
 size_t iso_credential_record_put(const struct iso_credential_record *record,
                                  uint8_t bytes[ISO_CREDENTIAL_BYTES_MAX]);

@@ -1,7 +1,7 @@
 /* Which client may call which method of the daemon. A private bus reads the installed policies. A
- * stand-in for the daemon answers every call. One client is in each group of the policy, and one is
- * the web server. Groups and users that every Debian has replace those of the policies. The test
- * needs root, because it changes its user. */
+ * stand-in for the daemon answers every call. One client is in each group of the policy, one is the
+ * web server, and one is the link to a hub. Groups and users that every Debian has replace those of
+ * the policies. The test needs root, because it changes its user. */
 #include <errno.h>
 #include <grp.h>
 #include <pwd.h>
@@ -17,13 +17,16 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 
 #include "firmware/contract/contract.h"
+#include "firmware/contract/fleet_words.h"
 #include "tests/support/child_end.h"
 #include "tests/support/programs/private_bus.h"
 #include "tests/support/scratch.h"
 
-#define POLICY     ISOTHERM_SOURCE_DIR "/board/generic/org.isotherm.Isotherm.conf"
-#define WEB_POLICY ISOTHERM_SOURCE_DIR "/board/generic/org.isotherm.Web.conf"
-#define WEB_USER   "www-data" /* takes the place of isotherm-web */
+#define POLICY      ISOTHERM_SOURCE_DIR "/board/generic/org.isotherm.Isotherm.conf"
+#define WEB_POLICY  ISOTHERM_SOURCE_DIR "/board/generic/org.isotherm.Web.conf"
+#define WEB_USER    "www-data" /* takes the place of isotherm-web */
+#define LINK_POLICY ISOTHERM_SOURCE_DIR "/board/generic/org.isotherm.Link.conf"
+#define LINK_USER   "uucp" /* takes the place of isotherm-link */
 
 enum { NOBODY_UID = 65534, ALLOWED = 0, DENIED = 1, CONFUSED = 2 };
 
@@ -37,64 +40,73 @@ static const char *const groups[][2] = {
 /* The one method of another interface; libsystemd answers it in the daemon. */
 #define INTROSPECT "Introspect"
 
-enum rank { OBSERVE = 0, IDENTIFY, ENROLL, ADMINISTER, NO_GROUP, WEB_SERVER, RANKS };
+enum rank { OBSERVE = 0, IDENTIFY, ENROLL, ADMINISTER, NO_GROUP, WEB_SERVER, LINK, RANKS };
 
 static const char *const ranks[RANKS] = {
     "isotherm-observe", "isotherm-identify", "isotherm-enroll", "isotherm",
-    "nobody",           "isotherm-web",
+    "nobody",           "isotherm-web",      "isotherm-link",
 };
 
 static const struct {
     const char *method;
     bool may[RANKS];
 } rules[] = {
-    {INTROSPECT, {true, true, true, true, false, false}},
-    {ISO_CONTRACT_GET_STATUS, {true, true, true, true, false, true}},
-    {ISO_CONTRACT_GET_SITE, {true, true, true, true, false, true}},
-    {ISO_CONTRACT_LIST_LOOK_ALIKES, {false, false, true, true, false, false}},
-    {ISO_CONTRACT_LIST_OTHER, {false, false, true, true, false, false}},
-    {ISO_CONTRACT_RESET_SITE, {false, false, false, true, false, false}},
-    {ISO_CONTRACT_ROLL_BACK_SITE, {false, false, false, true, false, false}},
-    {ISO_CONTRACT_GET_POLICY, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_SET_POLICY, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_CHECK_POLICY, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_TEST_ACCESS, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_GET_CREDENTIAL, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_SET_CREDENTIAL, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_LIST_CREDENTIALS, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_RECORD_ACT, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_AIM_START, {true, false, false, true, false, false}},
-    {ISO_CONTRACT_AIM_STOP, {true, false, false, true, false, false}},
-    {ISO_CONTRACT_CLAIM, {false, true, true, true, false, true}},
-    {ISO_CONTRACT_RELEASE, {false, true, true, true, false, true}},
-    {ISO_CONTRACT_IDENTIFY_START, {false, true, false, true, false, false}},
-    {ISO_CONTRACT_IDENTIFY_STOP, {false, true, false, true, false, false}},
-    {ISO_CONTRACT_VERIFY_START, {false, true, false, true, false, false}},
-    {ISO_CONTRACT_VERIFY_STOP, {false, true, false, true, false, false}},
-    {ISO_CONTRACT_ENROLL_START, {false, false, true, true, false, true}},
-    {ISO_CONTRACT_ENROLL_STOP, {false, false, true, true, false, true}},
-    {ISO_CONTRACT_VERIFY_SELF, {true, true, true, true, true, true}},
-    {ISO_CONTRACT_VERIFY_LOGIN, {false, false, false, true, false, false}},
-    {ISO_CONTRACT_LIST_PEOPLE, {false, false, true, true, false, true}},
-    {ISO_CONTRACT_DELETE_PERSON, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_SET_VALIDITY, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_RENAME_PERSON, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_READ_LOG, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_CLEAR_LOCKOUT, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_PICTURE, {false, false, false, true, false, false}},
-    {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_TEST_DOOR, {false, false, false, true, false, false}},
-    {ISO_CONTRACT_INSTALL_PANEL, {false, false, false, true, false, false}},
-    {ISO_CONTRACT_WATCH, {true, false, false, true, false, true}},
-    {ISO_CONTRACT_WATCH_RELIEF, {false, false, true, true, false, true}},
-    {ISO_CONTRACT_VERIFY_LOG, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_EXPORT_PEOPLE, {false, false, false, true, false, false}},
-    {ISO_CONTRACT_IMPORT_PEOPLE, {false, false, false, true, false, false}},
-    {ISO_CONTRACT_ROTATE_KEYS, {false, false, false, true, false, false}},
-    {ISO_CONTRACT_GET_ADDRESS, {false, false, false, true, false, false}},
-    {ISO_CONTRACT_GET_SETTINGS, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_SET_SETTING, {false, false, false, true, false, true}},
-    {ISO_CONTRACT_RESET_SETTING, {false, false, false, true, false, true}},
+    {INTROSPECT, {true, true, true, true, false, false, false}},
+    {ISO_CONTRACT_GET_STATUS, {true, true, true, true, false, true, false}},
+    {ISO_CONTRACT_GET_SITE, {true, true, true, true, false, true, false}},
+    {ISO_CONTRACT_LIST_LOOK_ALIKES, {false, false, true, true, false, false, false}},
+    {ISO_CONTRACT_LIST_OTHER, {false, false, true, true, false, false, false}},
+    {ISO_CONTRACT_RESET_SITE, {false, false, false, true, false, false, false}},
+    {ISO_CONTRACT_ROLL_BACK_SITE, {false, false, false, true, false, false, false}},
+    {ISO_CONTRACT_GET_POLICY, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_SET_POLICY, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_CHECK_POLICY, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_TEST_ACCESS, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_GET_CREDENTIAL, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_SET_CREDENTIAL, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_LIST_CREDENTIALS, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_RECORD_ACT, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_AIM_START, {true, false, false, true, false, false, false}},
+    {ISO_CONTRACT_AIM_STOP, {true, false, false, true, false, false, false}},
+    {ISO_CONTRACT_CLAIM, {false, true, true, true, false, true, false}},
+    {ISO_CONTRACT_RELEASE, {false, true, true, true, false, true, false}},
+    {ISO_CONTRACT_IDENTIFY_START, {false, true, false, true, false, false, false}},
+    {ISO_CONTRACT_IDENTIFY_STOP, {false, true, false, true, false, false, false}},
+    {ISO_CONTRACT_VERIFY_START, {false, true, false, true, false, false, false}},
+    {ISO_CONTRACT_VERIFY_STOP, {false, true, false, true, false, false, false}},
+    {ISO_CONTRACT_ENROLL_START, {false, false, true, true, false, true, false}},
+    {ISO_CONTRACT_ENROLL_STOP, {false, false, true, true, false, true, false}},
+    {ISO_CONTRACT_VERIFY_SELF, {true, true, true, true, true, true, true}},
+    {ISO_CONTRACT_VERIFY_LOGIN, {false, false, false, true, false, false, false}},
+    {ISO_CONTRACT_LIST_PEOPLE, {false, false, true, true, false, true, false}},
+    {ISO_CONTRACT_DELETE_PERSON, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_SET_VALIDITY, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_RENAME_PERSON, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_READ_LOG, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_CLEAR_LOCKOUT, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_PICTURE, {false, false, false, true, false, false, false}},
+    {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_TEST_DOOR, {false, false, false, true, false, false, false}},
+    {ISO_CONTRACT_INSTALL_PANEL, {false, false, false, true, false, false, false}},
+    {ISO_CONTRACT_WATCH, {true, false, false, true, false, true, false}},
+    {ISO_CONTRACT_WATCH_RELIEF, {false, false, true, true, false, true, false}},
+    {ISO_CONTRACT_VERIFY_LOG, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_EXPORT_PEOPLE, {false, false, false, true, false, false, false}},
+    {ISO_CONTRACT_IMPORT_PEOPLE, {false, false, false, true, false, false, false}},
+    {ISO_CONTRACT_ROTATE_KEYS, {false, false, false, true, false, false, false}},
+    {ISO_CONTRACT_GET_ADDRESS, {false, false, false, true, false, false, false}},
+    {ISO_CONTRACT_GET_SETTINGS, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_SET_SETTING, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_RESET_SETTING, {false, false, false, true, false, true, false}},
+    {ISO_CONTRACT_GET_FLEET, {false, false, false, false, false, false, true}},
+    {ISO_CONTRACT_FLEET_JOIN, {false, false, false, false, false, false, false}},
+    {ISO_CONTRACT_FLEET_LEAVE, {false, false, false, false, false, false, false}},
+    {ISO_CONTRACT_FLEET_QUESTION, {false, false, false, false, false, false, true}},
+    {ISO_CONTRACT_FLEET_RECEIVE, {false, false, false, false, false, false, true}},
+    {ISO_CONTRACT_FLEET_FETCH, {false, false, false, false, false, false, true}},
+    {ISO_CONTRACT_FLEET_SNAPSHOT, {false, false, false, false, false, false, true}},
+    {ISO_CONTRACT_FLEET_EVENTS, {false, false, false, false, false, false, true}},
+    {ISO_CONTRACT_FLEET_REQUESTS, {false, false, false, false, false, false, true}},
 };
 
 enum { RULES = sizeof rules / sizeof *rules };
@@ -141,11 +153,13 @@ static void write_policy(const char *path)
     free(text);
 }
 
-static void write_web_policy(const char *path)
+/* A policy of one user, whose name is replaced by that of a user that every Debian has. */
+static void write_user_policy(const char *from, const char *user, const char *other,
+                              const char *path)
 {
     size_t size;
-    char *text = read_policy(WEB_POLICY, &size);
-    replace(text, size, "<policy user=\"isotherm-web\">", "<policy user=\"" WEB_USER "\">");
+    char *text = read_policy(from, &size);
+    replace(text, size, user, other);
     scratch_write_text(path, text);
     free(text);
 }
@@ -192,14 +206,19 @@ static int group_setup(void **state)
     if (geteuid() != 0 || !private_bus_start(&private)) {
         return 0;
     }
-    char policy[128], web_policy[128];
+    char policy[128], web_policy[128], link_policy[128];
     (void)snprintf(policy, sizeof policy, "%s/policy.conf", private.directory);
     (void)snprintf(web_policy, sizeof web_policy, "%s/web_policy.conf", private.directory);
+    (void)snprintf(link_policy, sizeof link_policy, "%s/link_policy.conf", private.directory);
     private_bus_kill(&private);
     write_policy(policy);
-    write_web_policy(web_policy);
+    write_user_policy(WEB_POLICY, "<policy user=\"isotherm-web\">",
+                      "<policy user=\"" WEB_USER "\">", web_policy);
+    write_user_policy(LINK_POLICY, "<policy user=\"isotherm-link\">",
+                      "<policy user=\"" LINK_USER "\">", link_policy);
     private_bus_include(&private, policy);
     private_bus_include(&private, web_policy);
+    private_bus_include(&private, link_policy);
     assert_int_equal(chmod(private.directory, 0755), 0);
     assert_true(private_bus_revive(&private));
     assert_int_equal(pipe(ready), 0);
@@ -213,6 +232,7 @@ static int group_setup(void **state)
     close(ready[0]);
     (void)unlink(policy);
     (void)unlink(web_policy);
+    (void)unlink(link_policy);
     return 0;
 }
 
@@ -227,13 +247,14 @@ static int group_teardown(void **state)
     return 0;
 }
 
-/* Becomes a user with no group but that of the rank; the web server is a user of its own. */
+/* Becomes a user with no group but that of the rank; the web server and the link are users of their
+ * own. */
 static bool become(enum rank rank)
 {
     uid_t uid = NOBODY_UID;
     gid_t gid = NOBODY_UID;
-    if (rank == WEB_SERVER) {
-        const struct passwd *user = getpwnam(WEB_USER);
+    if (rank == WEB_SERVER || rank == LINK) {
+        const struct passwd *user = getpwnam(rank == LINK ? LINK_USER : WEB_USER);
         uid = user ? user->pw_uid : 0;
     } else if (rank < NO_GROUP) {
         const struct group *group = getgrnam(groups[rank][1]);

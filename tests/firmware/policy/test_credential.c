@@ -147,6 +147,52 @@ static void bytes_come_back(void **state)
     }
 }
 
+/* The part of a fleet is after everything else, so the bytes of others are as they were before
+ * there were fleets. */
+static void a_person_of_a_fleet_is_marked(void **state)
+{
+    struct iso_credential_record record = patched("{\"pin\": \"1234\", \"cards\": [\"17/4711\"]}"),
+                                 back;
+    uint8_t without[ISO_CREDENTIAL_BYTES_MAX], bytes[ISO_CREDENTIAL_BYTES_MAX];
+    (void)state;
+    assert_int_equal(iso_credential_record_put(&record, without), 64);
+    assert_true(without[1] < 8);
+    assert_int_equal(iso_credential_record_get(without, 64, &back), 0);
+    assert_false(iso_credential_is_of_fleet(&back));
+    record.fleet = (struct iso_credential_fleet){
+        .person = {1, 2, 16}, .revision = 77, .zones = 0x81, .offline_ok = true, .templates = {9}};
+    const size_t size = iso_credential_record_put(&record, bytes);
+    assert_int_equal(bytes[1], without[1] | 8);
+    assert_int_equal(iso_credential_record_get(bytes, size, &back), 0);
+    assert_true(iso_credential_is_of_fleet(&back));
+    assert_memory_equal(&back.fleet, &record.fleet, sizeof back.fleet);
+    bytes[1] &= (uint8_t)~8;
+    assert_int_equal(iso_credential_record_get(bytes, size, &back), 0);
+    assert_false(iso_credential_is_of_fleet(&back));
+    bytes[1] |= 16 | 8;
+    assert_int_equal(iso_credential_record_get(bytes, size, &back), -EBADMSG);
+    without[1] |= 8; /* a part of zeros has no revision */
+    assert_int_equal(iso_credential_record_get(without, 64, &back), -EBADMSG);
+}
+
+static void a_patch_text_makes_the_same_record(void **state)
+{
+    struct iso_credential_record record = patched(
+        "{\"pin\": \"0042\", \"duress_pin\": \"123456789\", \"cards\": [\"17/4711\"], "
+        "\"profiles\": [\"staff\"], \"enabled\": false, \"disabled_reason\": \"lost\"}");
+    char *text = iso_credential_patch_text(&record);
+    (void)state;
+    assert_non_null(strstr(text, "\"pin\":\"0042\""));
+    const struct iso_credential_record same = patched(text);
+    assert_memory_equal(&same, &record, sizeof same);
+    free(text);
+    record = iso_credential_record_new();
+    text = iso_credential_patch_text(&record);
+    const struct iso_credential_record none = patched(text);
+    assert_memory_equal(&none, &record, sizeof none);
+    free(text);
+}
+
 static void a_newer_format_is_named(void **state)
 {
     const struct iso_credential_record record = iso_credential_record_new();
@@ -166,6 +212,8 @@ int main(void)
         cmocka_unit_test(a_patch_changes_what_it_names),
         cmocka_unit_test(a_wrong_patch_changes_nothing),
         cmocka_unit_test(bytes_come_back),
+        cmocka_unit_test(a_person_of_a_fleet_is_marked),
+        cmocka_unit_test(a_patch_text_makes_the_same_record),
         cmocka_unit_test(a_newer_format_is_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -66,6 +66,8 @@ export const REASONS = {
     antipassback: N_('Inside already'),
     'no-pair': N_('Not allowed together'),
     'no-policy': N_('The policy could not be used'),
+    'no-lease': N_('The hub has not answered for too long'),
+    'not-approved': N_('Not approved by the hub yet'),
 };
 
 /* What the policy wants besides of the person at the door, and what this person does for it: the

@@ -15,6 +15,7 @@ export const EVENTS = {
     duress: N_('Duress PIN entered'),
     enroll: N_('Enrolment'),
     export: N_('People exported'),
+    fleet: N_('Change by the hub'),
     forget: N_('Learned template dropped'),
     gallery: N_('List of people'),
     grant: N_('Admission granted'),

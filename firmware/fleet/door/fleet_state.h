@@ -1,0 +1,113 @@
+/* The state of the door's side of a fleet, and what its files call in each other. Internal to
+ * firmware/fleet/door. */
+#ifndef ISO_FIRMWARE_FLEET_DOOR_FLEET_STATE_H
+#define ISO_FIRMWARE_FLEET_DOOR_FLEET_STATE_H
+
+#include "firmware/fleet/door/fleet.h"
+#include "firmware/fleet/door/fleet_index.h"
+#include "firmware/fleet/door/fleet_record.h"
+
+enum { ISO__FLEET_WORDS = 3 }; /* bits of enum iso_fleet_work */
+
+struct iso_fleet {
+    struct iso_fleet_options options;
+    bool unreadable; /* the stored record is of a newer program */
+    bool reload;     /* the store may have another record than this one (fleet.c) */
+    struct iso__fleet_record record;
+    struct iso__fleet_index index;
+    struct iso_fleet_term stored_term; /* that of the stored record */
+    /* The question that waits for its answer. (fleet_ask.c) */
+    bool asked;
+    uint8_t nonce[ISO_FLEET_NONCE_BYTES];
+    struct iso_fleet_clocks asked_at;
+    /* What was told and handed out. (fleet_time.c, fleet_mail.c) */
+    bool lease_held;
+    uint64_t events_given, events_told;
+    int64_t requests_after; /* the number of the last person who was handed out */
+    unsigned work;
+    int64_t told_ns[ISO__FLEET_WORDS]; /* by the clock of the boot */
+    uint32_t snapshots;                /* counts them */
+    struct iso_fault fault;            /* of a wish of the hub that could not be done */
+};
+
+/* ---- fleet.c ---- */
+
+/* Makes the fleet ready for a call: -ENOENT it belongs to none, -EPROTONOSUPPORT the record is of a
+ * newer version, -EIO the store is out of service, -ENOMEM. */
+int iso__fleet_ready(struct iso_fleet *fleet, struct iso_fault *fault);
+
+/* Stores changes of people together with a record, which then is the fleet's. The index is not
+ * changed, but counts as up to date afterwards. */
+int iso__fleet_store(struct iso_fleet *fleet, const struct iso__fleet_record *draft,
+                     struct iso_gallery_change *changes, size_t n, struct iso_fault *fault);
+
+struct iso_fleet_clocks iso__fleet_now(const struct iso_fleet *fleet);
+
+/* A change of the hub that is to be recorded. Texts may be NULL. */
+struct iso__fleet_note {
+    const char *reason, *person, *before, *after;
+    const struct iso_fleet_id *zone;
+    uint64_t sequence; /* 0: none */
+};
+
+/* Records it. (fleet.c) */
+int iso__fleet_note(struct iso_fleet *fleet, const struct iso__fleet_note *note, bool wait,
+                    struct iso_fault *fault);
+
+/* Keeps why a wish of the hub was not done, for the status. (fleet.c) */
+void iso__fleet_complain(struct iso_fleet *fleet, const struct iso_fault *fault);
+
+__attribute__((format(printf, 3, 4))) void iso__fleet_say(const struct iso_fleet *fleet,
+                                                          int priority, const char *format, ...);
+
+/* ---- people (fleet_people.c) ---- */
+
+enum { ISO__FLEET_BATCH = 32 };
+
+/* Changes of people that are stored together. */
+struct iso__fleet_batch;
+
+/* Begins changes that a zone of the fleet's record makes; `seen` is the number of a snapshot whose
+ * people are put, or 0. -ENOMEM. */
+int iso__fleet_batch_new(struct iso_fleet *fleet, const struct iso_fleet_id *zone, uint8_t bit,
+                         uint64_t sequence, uint32_t seen, struct iso__fleet_batch **out);
+void iso__fleet_batch_free(struct iso__fleet_batch *batch);
+
+/* Adds what becomes of a person: by a PUT; by a REMOVE, or because the zone is gone. A full batch
+ * is stored first, with the fleet's present record. */
+int iso__fleet_put(struct iso__fleet_batch *batch, const struct iso_fleet_person *person,
+                   struct iso_fault *fault);
+int iso__fleet_withdraw(struct iso__fleet_batch *batch, const struct iso_fleet_id *person,
+                        struct iso_fault *fault);
+
+/* Stores the rest together with a record. */
+int iso__fleet_batch_end(struct iso__fleet_batch *batch, const struct iso__fleet_record *draft,
+                         struct iso_fault *fault);
+
+/* Removes the grants of the batch's zones from everybody whom its snapshot did not have, if it is
+ * one. Then as batch_end. */
+int iso__fleet_withdraw_all(struct iso__fleet_batch *batch, const struct iso__fleet_record *draft,
+                            struct iso_fault *fault);
+
+/* ---- policy and lockdown (fleet_rules.c) ---- */
+
+/* The zone of the draft brings a policy or a lockdown; the draft is stored with it. */
+int iso__fleet_take_policy(struct iso_fleet *fleet, struct iso__fleet_record *draft,
+                           const struct iso__fleet_zone *zone, const char *text, size_t length,
+                           struct iso_fault *fault);
+int iso__fleet_take_lockdown(struct iso_fleet *fleet, struct iso__fleet_record *draft,
+                             struct iso__fleet_zone *zone, bool on, struct iso_fault *fault);
+
+/* ---- the answer to a question (fleet_lease.c) ---- */
+
+int iso__fleet_take_lease(struct iso_fleet *fleet, const void *bytes, size_t size,
+                          enum iso_fleet_outcome *outcome, struct iso_fault *fault);
+
+/* Says that the hub has lost something of a zone; `sequence` is the one at the hub. */
+void iso__fleet_say_behind(const struct iso_fleet *fleet, const struct iso__fleet_zone *zone,
+                           uint64_t sequence);
+
+/* Goes to the next epoch of a zone of a draft if its place is the base of it. */
+void iso__fleet_advance(struct iso__fleet_zone *zone);
+
+#endif
