@@ -50,6 +50,17 @@ int link_daemon_result(struct link_door *door, int r, const struct iso_fault *fa
     return r;
 }
 
+int link_daemon_minor_result(struct link_door *door, int r, const struct iso_fault *fault)
+{
+    if (r == -ENOTCONN || r == -ENOENT) {
+        return link_daemon_result(door, r, fault);
+    }
+    if (r < 0) {
+        link_note(door, "the daemon: %s", fault->text[0] ? fault->text : strerror(-r));
+    }
+    return r;
+}
+
 /* ---- the broker ---- */
 
 static void on_connected(void *context)
@@ -305,11 +316,11 @@ void link_door_wake(struct link_door *door)
 
 void link_door_work(struct link_door *door, const char *what)
 {
-    if (strcmp(what, "events") == 0) {
+    if (strcmp(what, ISO_CONTRACT_FLEET_WORK_EVENTS) == 0) {
         link_in(door, LINK_DUE_EVENTS, 0);
-    } else if (strcmp(what, "requests") == 0) {
+    } else if (strcmp(what, ISO_CONTRACT_FLEET_WORK_REQUESTS) == 0) {
         link_requests_start(door);
-    } else if (strcmp(what, "places") == 0) {
+    } else if (strcmp(what, ISO_CONTRACT_FLEET_WORK_PLACES) == 0) {
         link_ask(door);
     }
 }

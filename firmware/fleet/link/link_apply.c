@@ -113,12 +113,15 @@ static void apply_snapshot(struct link_door *door)
 
     if (!has_failed) {
         const int r = door->daemon.snapshot(door->daemon.context, door->fetch.fd, &outcome, &fault);
-        if (link_daemon_result(door, r, &fault) < 0) {
+        if (link_daemon_minor_result(door, r, &fault) == 0) {
+            door->fetch.has_news = outcome.outcome == ISO_FLEET_APPLIED;
+            has_failed = outcome.outcome != ISO_FLEET_APPLIED && outcome.outcome != ISO_FLEET_KNOWN;
+            link_act(door, ISO_FLEET_SNAPSHOT, &outcome);
+        } else if (door->has_daemon) {
+            has_failed = true; /* the disk is full, for example; the file is long */
+        } else {
             return;
         }
-        door->fetch.has_news = outcome.outcome == ISO_FLEET_APPLIED;
-        has_failed = outcome.outcome != ISO_FLEET_APPLIED && outcome.outcome != ISO_FLEET_KNOWN;
-        link_act(door, ISO_FLEET_SNAPSHOT, &outcome);
     }
     link_fetch_end(door, has_failed, 0);
 }

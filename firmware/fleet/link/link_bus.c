@@ -113,7 +113,10 @@ int link__bus_send(struct link_bus *bus, sd_bus_message *call, uint64_t limit_us
     int r = sd_bus_call(bus->bus, call, limit_us, &error, reply);
 
     if (r < 0) {
-        r = iso_fault_set(fault, is_away(&error, r) ? -ENOTCONN : -EIO, "%s: %s", method,
+        const int result = sd_bus_error_has_name(&error, ISO_CONTRACT_ERROR_NO_FLEET) ? -ENOENT
+                           : is_away(&error, r)                                       ? -ENOTCONN
+                                                                                      : -EIO;
+        r = iso_fault_set(fault, result, "%s: %s", method,
                           error.message ? error.message : strerror(-r));
     }
     sd_bus_message_unref(call);

@@ -33,7 +33,7 @@ static bool send_batch(struct link_door *door)
     int r = door->daemon.events(door->daemon.context, events->sent, LINK_EVENTS_BATCH, &batch,
                                 &last, &fault);
 
-    if (link_daemon_result(door, r, &fault) < 0 || last <= events->sent) {
+    if (link_daemon_minor_result(door, r, &fault) < 0 || last <= events->sent) {
         iso_fleet_bytes_free(&batch);
         return false;
     }

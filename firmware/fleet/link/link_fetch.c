@@ -28,7 +28,7 @@ static struct link_zone *next_zone(struct link_door *door)
 {
     for (size_t i = 0; i < door->zone_count; i++) {
         struct link_zone *zone = &door->zones[(door->fetch.turn + i) % door->zone_count];
-        if (zone->wants_snapshot || zone->target > zone->mine.sequence) {
+        if (link_zone_lacks(zone)) {
             return zone;
         }
     }
@@ -74,11 +74,8 @@ void link_fetch_end(struct link_door *door, bool has_failed, uint32_t least_s)
         return;
     }
     struct link_zone *zone = link_zone_of(door, &fetch->zone);
-    const bool still_wants = zone && (zone->wants_snapshot || zone->target > zone->mine.sequence);
-    if (zone && has_failed && fetch->what == ISO_FLEET_WANT_SNAPSHOT) {
-        zone->wants_snapshot = true;
-    }
-    if (has_failed || (still_wants && !fetch->has_news)) {
+    const bool still_lacks = zone && link_zone_lacks(zone);
+    if (has_failed || (still_lacks && !fetch->has_news)) {
         wait_longer(door, least_s);
         link_ask(door);
     } else {
@@ -117,7 +114,7 @@ static void on_reply(void *context, const struct link_http_reply *reply)
     }
     struct link_zone *zone = link_zone_of(door, &fetch->zone);
     if (reply->error == 0 && zone && is_gone(fetch, reply->status)) {
-        zone->wants_snapshot = true;
+        zone->is_whole_due = true;
         fetch->has_news = true;
         link_fetch_end(door, false, 0);
         return;
@@ -164,17 +161,18 @@ void link_fetch_next(struct link_door *door)
         return;
     }
     fetch->zone = zone->mine.zone;
-    fetch->what = zone->wants_snapshot ? ISO_FLEET_WANT_SNAPSHOT : ISO_FLEET_WANT_DELTAS;
+    fetch->what = link_zone_lacks_all(zone) ? ISO_FLEET_WANT_SNAPSHOT : ISO_FLEET_WANT_DELTAS;
     fetch->has_news = false;
-    zone->wants_snapshot = false;
     int r = door->daemon.fetch(door->daemon.context, &fetch->zone, fetch->what, &body, &fault);
-    if (link_daemon_result(door, r, &fault) < 0) {
-        return;
+    r = link_daemon_minor_result(door, r, &fault);
+    if (r == 0) {
+        r = post(door, &body, &fault);
+        iso_fleet_bytes_free(&body);
+        if (r < 0) {
+            link_note(door, "%s", fault.text);
+        }
     }
-    r = post(door, &body, &fault);
-    iso_fleet_bytes_free(&body);
-    if (r < 0) {
-        link_note(door, "%s", fault.text);
+    if (r < 0 && door->has_daemon) {
         link_fetch_end(door, true, 0);
     }
 }

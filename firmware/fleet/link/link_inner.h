@@ -29,8 +29,9 @@ enum link_due {
 /* A zone of the door. */
 struct link_zone {
     struct iso_fleet_place mine;
-    uint64_t target; /* the sequence that the hub has named */
-    bool wants_deltas, wants_snapshot;
+    uint64_t target;      /* the sequence that the hub has named */
+    bool is_whole_wanted; /* by the daemon, when it was last asked */
+    bool is_whole_due;    /* a message or a reply has shown it since the last snapshot */
 };
 
 struct link_fetch {
@@ -122,12 +123,20 @@ void link_note(const struct link_door *door, const char *format, ...)
  */
 int link_daemon_result(struct link_door *door, int r, const struct iso_fault *fault);
 
+/* The same for a call that can wait: only if the daemon is gone, the link is AWAY; another error is
+ * noted. Returns r. */
+int link_daemon_minor_result(struct link_door *door, int r, const struct iso_fault *fault);
+
 /* ---- link_zones.c ---- */
 
 /* Reads the state of the daemon: its zones, and what they want. Returns 0 or the error. */
 int link_zones_read(struct link_door *door);
 
 struct link_zone *link_zone_of(struct link_door *door, const struct iso_fleet_id *id);
+
+/* Whether a zone lacks something, and whether that is a snapshot. */
+bool link_zone_lacks(const struct link_zone *zone);
+bool link_zone_lacks_all(const struct link_zone *zone);
 
 /* The hub has named this sequence of a zone: what the door lacks is fetched. */
 void link_zone_aim(struct link_door *door, struct link_zone *zone, uint64_t target);

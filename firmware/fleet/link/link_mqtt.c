@@ -101,7 +101,7 @@ void link__mqtt_break(struct link_mqtt *mqtt, const char *why)
 /* After each call of the library: it may have closed the socket, and it may have to write. */
 static int settle(struct link_mqtt *mqtt, int result)
 {
-    uint32_t events = EPOLLIN;
+    uint32_t events = EPOLLIN | EPOLLRDHUP;
 
     if (result != MOSQ_ERR_SUCCESS || mosquitto_socket(mqtt->client) < 0) {
         link__mqtt_break(mqtt, result == MOSQ_ERR_SUCCESS ? "the broker has ended the connection"
@@ -132,7 +132,7 @@ static void try_to_connect(struct link_mqtt *mqtt)
         return;
     }
     r = sd_event_add_io(mqtt->event, &mqtt->socket, mosquitto_socket(mqtt->client),
-                        EPOLLIN | EPOLLOUT, on_socket, mqtt);
+                        EPOLLIN | EPOLLRDHUP | EPOLLOUT, on_socket, mqtt);
     if (r < 0) {
         link__mqtt_break(mqtt, strerror(-r));
         return;
@@ -155,17 +155,23 @@ static void accept_connection(struct link_mqtt *mqtt)
 
 /* ---- the event loop ---- */
 
-static bool has_connect_failed(struct link_mqtt *mqtt, int fd)
+/* Over TLS the library takes the error of a refused connection for one that is not there yet, and
+ * takes it away from the socket; so a socket that has hung up has failed, whatever it says. */
+static bool has_connect_failed(struct link_mqtt *mqtt, int fd, uint32_t revents)
 {
     int error = 0;
     socklen_t size = sizeof error;
 
-    if (!mqtt->has_socket_opened) {
-        (void)getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
-        mqtt->has_socket_opened = true;
-        if (error) {
-            link__mqtt_break(mqtt, strerror(error));
-        }
+    if (mqtt->has_socket_opened) {
+        return false;
+    }
+    mqtt->has_socket_opened = true;
+    (void)getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
+    if (error == 0 && (revents & (EPOLLHUP | EPOLLERR))) {
+        error = ECONNREFUSED;
+    }
+    if (error) {
+        link__mqtt_break(mqtt, strerror(error));
     }
     return error != 0;
 }
@@ -176,11 +182,18 @@ static int on_socket(sd_event_source *source, int fd, uint32_t revents, void *co
     int r = 0;
 
     (void)source;
-    if (has_connect_failed(mqtt, fd)) {
+    if (has_connect_failed(mqtt, fd, revents)) {
         return 0;
     }
-    if (revents & (EPOLLIN | EPOLLHUP | EPOLLERR)) {
+    if (revents & (EPOLLIN | EPOLLRDHUP | EPOLLHUP | EPOLLERR)) {
         r = settle(mqtt, mosquitto_loop_read(mqtt->client, 1));
+    }
+    if (r == 0 && (revents & (EPOLLHUP | EPOLLRDHUP)) && mqtt->state == LINK_MQTT_CONNECTING &&
+        !mqtt->has_acceptance) {
+        /* During the beginning of TLS the library does not notice it, and would be called again
+         * and again. */
+        link__mqtt_break(mqtt, "the broker has hung up");
+        return 0;
     }
     if (r == 0 && (revents & EPOLLOUT)) {
         r = settle(mqtt, mosquitto_loop_write(mqtt->client, 1));

@@ -148,6 +148,10 @@ void link_act(struct link_door *door, enum iso_fleet_kind kind,
 {
     struct link_zone *zone = link_zone_of(door, &outcome->zone);
 
+    if (kind == ISO_FLEET_SNAPSHOT && zone &&
+        (outcome->outcome == ISO_FLEET_APPLIED || outcome->outcome == ISO_FLEET_KNOWN)) {
+        zone->is_whole_due = false;
+    }
     switch (outcome->outcome) {
     case ISO_FLEET_APPLIED:
         take_applied(door, kind);
@@ -160,7 +164,7 @@ void link_act(struct link_door *door, enum iso_fleet_kind kind,
         break;
     case ISO_FLEET_WHOLE:
         if (zone) {
-            zone->wants_snapshot = true;
+            zone->is_whole_due = true;
             link_in(door, LINK_DUE_FETCH, 0);
         }
         break;

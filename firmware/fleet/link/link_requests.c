@@ -85,7 +85,7 @@ void link_requests_send(struct link_door *door)
     }
     door->requests.round_bytes = 0;
     door->requests.is_cut = false;
-    (void)link_daemon_result(
+    (void)link_daemon_minor_result(
         door, door->daemon.requests(door->daemon.context, send_one, door, &fault), &fault);
 }
 

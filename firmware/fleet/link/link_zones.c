@@ -13,11 +13,20 @@ struct link_zone *link_zone_of(struct link_door *door, const struct iso_fleet_id
     return NULL;
 }
 
+bool link_zone_lacks_all(const struct link_zone *zone)
+{
+    return zone->is_whole_wanted || zone->is_whole_due;
+}
+
+bool link_zone_lacks(const struct link_zone *zone)
+{
+    return link_zone_lacks_all(zone) || zone->target > zone->mine.sequence;
+}
+
 void link_zone_aim(struct link_door *door, struct link_zone *zone, uint64_t target)
 {
     zone->target = target;
-    zone->wants_deltas = zone->target > zone->mine.sequence;
-    if (zone->wants_deltas || zone->wants_snapshot) {
+    if (link_zone_lacks(zone)) {
         link_in(door, LINK_DUE_FETCH, 0);
     }
 }
@@ -33,7 +42,7 @@ static void take_zones(struct link_door *door, const struct iso_link_status *sta
             zones[i] = *known;
         }
         zones[i].mine = status->places[i];
-        zones[i].wants_snapshot = zones[i].wants_snapshot || status->wants_snapshot[i];
+        zones[i].is_whole_wanted = status->wants_snapshot[i];
     }
     memcpy(door->zones, zones, sizeof zones);
     door->zone_count = status->n;

@@ -250,6 +250,9 @@ static int snapshot(void *context, int fd, struct iso_link_outcome *out, struct 
     if (away(daemon, fault) < 0) {
         return -ENOTCONN;
     }
+    if (daemon->is_full) {
+        return iso_fault_set(fault, -EIO, "the disk is full");
+    }
     assert_int_equal(fstat(fd, &file), 0);
     const size_t size = (size_t)file.st_size;
     uint8_t *bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, fd, 0);
@@ -298,6 +301,9 @@ static int requests(void *context, void (*each)(void *context, const void *bytes
 
     if (away(daemon, fault) < 0) {
         return -ENOTCONN;
+    }
+    if (daemon->is_full) {
+        return iso_fault_set(fault, -EIO, "the list is too long");
     }
     uint8_t *template = calloc(1, daemon->request_bytes + 1);
     assert_non_null(template);

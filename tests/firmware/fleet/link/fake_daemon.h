@@ -15,6 +15,7 @@ struct fake_zone {
 
 struct fake_daemon {
     bool is_away; /* it does not answer */
+    bool is_full; /* it can store no snapshot, and list no requests */
     struct iso_fleet_id door;
     struct iso_fleet_signer signer;
     struct iso_fleet_receiver receiver;

@@ -31,6 +31,23 @@ static void everything_works_over_tls(void **state)
     assert_int_equal(rig->daemon.applied, 2);
 }
 
+/* A refused connection fails at once, and not after the time in which a broker must answer. */
+static void a_broker_that_is_down_is_tried_again_soon(void **state)
+{
+    struct link_rig *rig = *state;
+
+    mosquitto_rig_kill(&rig->broker);
+    (void)fake_hub_zone(&rig->hub, 0);
+    link_rig_start(rig);
+    link_rig_run(rig, 2000);
+    assert_non_null(strstr(rig->notes, "Connection refused"));
+    mosquitto_rig_revive(&rig->broker);
+    const int64_t since_ms = link_rig_now_ms();
+    link_rig_until(rig, link_rig_report(rig).connections == 1);
+    assert_true(link_rig_now_ms() - since_ms < 8000);
+    link_rig_until_level(rig);
+}
+
 /* Writes a client and an authority of a stranger. */
 static void write_stranger(struct link_rig *rig)
 {
@@ -161,6 +178,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         RIG_TEST(everything_works_over_tls),
+        RIG_TEST(a_broker_that_is_down_is_tried_again_soon),
         RIG_TEST(a_broker_of_another_authority_is_not_trusted),
         RIG_TEST(a_certificate_of_another_authority_is_refused),
         RIG_TEST(a_missing_certificate_is_said),
