@@ -94,7 +94,7 @@ static void the_broker_may_go_away_for_a_while(void **state)
     broker_rig_stop(&rig.broker);
     served_ok(hub_zone_lockdown(&rig.store, &rig.zone, true, &fault), &fault);
     broker_rig_start(&rig.broker, scratch_path(rig.broker_folder, "mosquitto.conf"),
-                     rig.broker_port, scratch_path(rig.folder, "broker.log"));
+                     rig.hub_broker_port, scratch_path(rig.folder, "broker.log"));
     assert_true(door_rig_connect(&door, &rig.zone));
     (void)iso_fleet_topic_head(&rig.zone, topic);
     /* The broker has forgotten what it retained; the head comes again, with the change. */
