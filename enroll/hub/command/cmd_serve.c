@@ -1,8 +1,10 @@
 /* run, broker-config. */
 #include <errno.h>
+#include <sodium.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "enroll/hub/api/hub_api.h"
 #include "enroll/hub/broker/broker_config.h"
 #include "enroll/hub/command/hub_command.h"
 #include "enroll/hub/serve/hub_serve.h"
@@ -61,7 +63,8 @@ static int configure_broker(struct hub_run *run)
         .persistence = c->broker_persistence,
         .hub_address = c->broker_hub_host,
         .port = (uint16_t)c->broker_port,
-        .hub_port = (uint16_t)c->broker_hub_port};
+        .hub_port = (uint16_t)c->broker_hub_port,
+        .home_assistant = c->home_assistant};
     struct hub_ca *ca = NULL;
     bool changed = false;
     if (!*places.folder) {
@@ -76,9 +79,24 @@ static int configure_broker(struct hub_run *run)
                   : broker_config_write(&run->store, ca, &places, hosts, n, &changed, &run->fault);
     if (!error) {
         printf("%s: %s\n", places.folder,
-               changed ? "written; let mosquitto read it again" : "nothing has changed");
+               changed
+                   ? "written; let mosquitto read it again: systemctl reload mosquitto, or SIGHUP"
+                   : "nothing has changed");
     }
     hub_ca_free(ca);
+    return error;
+}
+
+static int make_code(struct hub_run *run)
+{
+    char code[HUB_API_CODE_SIZE];
+    const int error = hub_api_make_code(run->config.folder, code, &run->fault);
+    if (!error) {
+        puts(code);
+        fprintf(stderr,
+                "The code makes one account of an administrator at the API, within a day.\n");
+        sodium_memzero(code, sizeof code);
+    }
     return error;
 }
 
@@ -86,5 +104,7 @@ const struct hub_command hub_serve_commands[] = {
     {"run", "", "serve the doors until the service manager ends it", 0, 0, 0, true, serve},
     {"broker-config", "[FOLDER]", "write the configuration of mosquitto", 0, 0, 1, false,
      configure_broker},
+    {"setup-code", "", "print a code for an administrator's account at the API", 0, 0, 0, true,
+     make_code},
     {.words = NULL},
 };

@@ -172,5 +172,5 @@ int main(void)
         cmocka_unit_test_setup_teardown(an_administrator_sees_doors_and_closes_them, setup,
                                         teardown),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, hub_rig_end);
 }

@@ -388,5 +388,5 @@ int main(void)
         SERVED_TEST(an_expelled_door_gets_nothing_more),
         SERVED_TEST(joining_is_tried_so_often_and_not_more),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, hub_rig_end);
 }
