@@ -107,6 +107,19 @@ static int put_revoked(struct hub_store *store, const struct hub_ca *ca, const c
     return r;
 }
 
+int broker_config_mark(struct hub_store *store, int64_t *mark, struct iso_fault *fault)
+{
+    PGresult *rows = NULL;
+    const int r = hub_db_run(store->db, "SELECT coalesce(max(number), 0)::bigint FROM act", NULL,
+                             &rows, fault);
+
+    if (r == 0) {
+        *mark = hub_row_integer(rows, 0, 0);
+        PQclear(rows);
+    }
+    return r;
+}
+
 int broker_config_follow(struct hub_store *store, const struct hub_ca *ca, const char *folder,
                          bool *changed, struct iso_fault *fault)
 {

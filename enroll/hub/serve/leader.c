@@ -11,11 +11,7 @@
 #include "enroll/hub/serve/service.h"
 #include "enroll/hub/store/hub_door.h"
 
-enum {
-    DELTAS_AT_ONCE = 200,
-    FLUSH_MS = 5000,
-    FOLLOW_S = 5, /* between two comparisons of the broker's folder with the doors */
-};
+enum { DELTAS_AT_ONCE = 200, FLUSH_MS = 5000 };
 
 /* The broker gives each message to one process of the hub. */
 static const char shared_mail[] = "$share/hub/" ISO_FLEET_TOPIC_ALL_OUT;
@@ -218,21 +214,29 @@ static void become(struct hub_service *service, bool is_leader)
     }
 }
 
+/* Rights and list follow the doors when somebody has changed something. */
 static void follow_broker(struct hub_service *service)
 {
     const struct hub_serve_options *options = service->options;
-    const int64_t now_s = (int64_t)hub__clock_s();
     struct iso_fault fault = {.text = ""};
     bool changed = false;
+    int64_t mark = 0;
 
-    if (!options->broker_folder || now_s - service->followed_s < FOLLOW_S) {
+    if (!options->broker_folder) {
         return;
     }
-    service->followed_s = now_s;
-    if (broker_config_follow(&service->store, service->ca, options->broker_folder, &changed,
-                             &fault)) {
+    int r = broker_config_mark(&service->store, &mark, &fault);
+    if (r || mark == service->followed) {
+        return;
+    }
+    r = broker_config_follow(&service->store, service->ca, options->broker_folder, &changed,
+                             &fault);
+    if (r) {
         fprintf(stderr, SD_WARNING "isotherm-hub: %s\n", fault.text);
-    } else if (changed) {
+        return;
+    }
+    service->followed = mark;
+    if (changed) {
         fprintf(stderr, SD_INFO "isotherm-hub: %s follows the doors\n", options->broker_folder);
     }
 }

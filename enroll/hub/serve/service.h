@@ -60,7 +60,7 @@ struct hub_service {
     int64_t homed_s;
 
     sd_event_source *hourly;
-    int64_t followed_s; /* when the broker's folder was compared last */
+    int64_t followed;   /* the mark of the doors that the broker's folder follows; -1: none */
     int64_t measured_s; /* when the file of metrics was written last */
     struct hub_totals totals;
 };
