@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include <errno.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -174,7 +175,7 @@ static void a_fleet_is_run_by_commands(void **state)
     expect(0, "zone list", "lease 60 s  local people yes  approve auto");
 
     char *address = hub(0, "door add front --zone office --zone lab");
-    assert_int_equal(strncmp(address, "isotherm://hub.example:8444/?ca=", 32), 0);
+    assert_int_equal(strncmp(address, "isotherm://hub.example:8443/?ca=", 32), 0);
     assert_int_equal(strlen(address), 32 + 64 + strlen("&code=") + 32 + 1);
     expect(0, "door list", "not joined");
     join(&door, &store, address);
@@ -207,6 +208,20 @@ static void a_fleet_is_run_by_commands(void **state)
     hub_store_close(&store);
 }
 
+static void the_broker_is_configured(void **state)
+{
+    char words[200];
+    (void)snprintf(words, sizeof words, "broker-config --output %s",
+                   scratch_path(*state, "broker"));
+    scratch_mkdir(scratch_path(*state, "broker"));
+    free(hub(0, words));
+    char *text = scratch_read_text(scratch_path(*state, "broker/mosquitto.conf"));
+    assert_non_null(strstr(text, "8884"));
+    free(text);
+    expect(0, "serve --help", "--door-broker");
+    free(hub(2, "serve --sing"));
+}
+
 static void wrong_words_are_one_line(void **state)
 {
     (void)state;
@@ -236,12 +251,14 @@ static void a_wrong_configuration_is_one_line(void **state)
     const char *path = scratch_path(*state, "wrong.conf");
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         scratch_write_text(path, texts[i]);
-        assert_true(hub_config_read(path, &read, &fault) < 0);
+        assert_true(hub_config_read(path, false, &read, &fault) < 0);
         assert_null(strchr(fault.text, '\n'));
         assert_non_null(strstr(fault.text, "wrong.conf"));
     }
+    assert_int_equal(hub_config_read("/nowhere/hub.conf", false, &read, &fault), -ENOENT);
+    store_rig_fine(hub_config_read("/nowhere/hub.conf", true, &read, &fault), &fault);
     scratch_write_text(path, "");
-    store_rig_fine(hub_config_read(path, &read, &fault), &fault);
+    store_rig_fine(hub_config_read(path, false, &read, &fault), &fault);
     assert_string_equal(read.key_file, "/var/lib/isotherm-hub/hub.keys");
 }
 
@@ -250,6 +267,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(init_makes_keys_and_tables_once),
         cmocka_unit_test(a_fleet_is_run_by_commands),
+        cmocka_unit_test(the_broker_is_configured),
         cmocka_unit_test(wrong_words_are_one_line),
         cmocka_unit_test(a_wrong_configuration_is_one_line),
     };
