@@ -113,7 +113,6 @@ int hub_serve_run(const struct hub_serve_options *options, struct iso_fault *fau
     }
     service->options = options;
     service->listen_fd = -1;
-    service->followed = -1;
     int r = open_all(service, fault);
     if (r == 0) {
         (void)sd_notify(0, "READY=1");

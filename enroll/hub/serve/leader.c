@@ -11,7 +11,11 @@
 #include "enroll/hub/serve/service.h"
 #include "enroll/hub/store/hub_door.h"
 
-enum { DELTAS_AT_ONCE = 200, FLUSH_MS = 5000 };
+enum {
+    DELTAS_AT_ONCE = 200,
+    FLUSH_MS = 5000,
+    FOLLOW_S = 60, /* the broker's folder is compared with the doors at least so often */
+};
 
 /* The broker gives each message to one process of the hub. */
 static const char shared_mail[] = "$share/hub/" ISO_FLEET_TOPIC_ALL_OUT;
@@ -214,29 +218,27 @@ static void become(struct hub_service *service, bool is_leader)
     }
 }
 
-/* Rights and list follow the doors when somebody has changed something. */
+/* Rights and list follow the doors when a door has changed, and now and then in any case. */
 static void follow_broker(struct hub_service *service)
 {
     const struct hub_serve_options *options = service->options;
+    const int64_t now_s = (int64_t)hub__clock_s();
     struct iso_fault fault = {.text = ""};
     bool changed = false;
-    int64_t mark = 0;
 
     if (!options->broker_folder) {
         return;
     }
-    int r = broker_config_mark(&service->store, &mark, &fault);
-    if (r || mark == service->followed) {
+    int r = broker_config_look(&service->store, &service->followed, &changed, &fault);
+    if (r || (!changed && now_s < service->follow_s)) {
         return;
     }
     r = broker_config_follow(&service->store, service->ca, options->broker_folder, &changed,
                              &fault);
+    service->follow_s = now_s + (r ? 0 : FOLLOW_S);
     if (r) {
         fprintf(stderr, SD_WARNING "isotherm-hub: %s\n", fault.text);
-        return;
-    }
-    service->followed = mark;
-    if (changed) {
+    } else if (changed) {
         fprintf(stderr, SD_INFO "isotherm-hub: %s follows the doors\n", options->broker_folder);
     }
 }

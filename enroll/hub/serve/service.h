@@ -60,7 +60,8 @@ struct hub_service {
     int64_t homed_s;
 
     sd_event_source *hourly;
-    int64_t followed;   /* the mark of the doors that the broker's folder follows; -1: none */
+    int64_t followed;   /* the newest act that the broker's folder follows */
+    int64_t follow_s;   /* when the folder is compared in any case */
     int64_t measured_s; /* when the file of metrics was written last */
     struct hub_totals totals;
 };
