@@ -128,7 +128,7 @@ CONF
 }
 
 start_hub() {
-    "$build/enroll/hub/command/isotherm-hub" run --config "$work/hub$1.conf" >>"$work/log/hub$1" 2>&1 &
+    "$build/enroll/hub/command/isotherm-hub" serve --config "$work/hub$1.conf" >>"$work/log/hub$1" 2>&1 &
     eval "pid_of_hub$1=$!"
 }
 

@@ -77,6 +77,9 @@ int iso_fleet_events(struct iso_fleet *fleet, uint64_t after, uint32_t most,
         error = 0;
     }
     if (!error && lines.last > 0) {
+        /* Records that the log has deleted since are in none of the messages. The hub learns by
+         * this number that they will not come. */
+        lines.first = after + 1;
         error = seal_lines(fleet, &lines, out);
     }
     if (!error) {
