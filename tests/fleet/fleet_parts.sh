@@ -167,6 +167,13 @@ clean_up() {
     if [ "${FLEET_KEEP:-}" ]; then echo "kept: $work"; else rm -rf "$work"; fi
 }
 
+# Ends the check if what follows would mean nothing.
+give_up() {
+    echo "fleet_check: $*" >&2
+    tail -n 4 "$work"/log/hub* >&2
+    exit 1
+}
+
 finish() {
     echo "fleet_check: $checks checks, $wrong wrong"
     [ "$wrong" -eq 0 ]

@@ -81,7 +81,8 @@ unlevel_doors() { # ZONE
 step_join() {
     local first door zones address begin=$(now_ms) failed=0
     for ((first = 0; first < DOORS; first += A_PROCESS)); do start_doors "$first"; done
-    wait_for 20 curl -sS -o "$work/log/curl" --cacert "$work/broker/ca.pem" "https://localhost:${https_port[1]}/" 2>/dev/null || true
+    wait_for 20 curl -sS -o "$work/log/curl" --cacert "$work/broker/ca.pem" "https://localhost:${https_port[1]}/" 2>"$work/log/curl.error" ||
+        give_up "the hub does not answer"
     for ((door = 0; door < DOORS; door++)); do
         zones="--zone hq"
         [ "$door" -le "$HQ_LAST" ] || zones="--zone lab"
@@ -90,8 +91,10 @@ step_join() {
         join_door "$door" "$address" || failed=$((failed + 1))
     done
     expect "join: $DOORS doors join by one-time codes, $failed failed ($((($(now_ms) - begin) / 1000)) s)" [ "$failed" -eq 0 ]
+    [ "$failed" -eq 0 ] || give_up "the doors cannot join"
     expect "join: a code that was used is refused" refuses_code "$address"
-    expect "join: all are connected, have the keys of their zones, and a lease" wait_for 30 all_online
+    expect "join: all are connected and have a lease" wait_for 60 all_online
+    all_online || give_up "the doors are not online"
 }
 
 refuses_code() { ! join_door 0 "$1" 2>/dev/null; }
@@ -164,7 +167,7 @@ step_revoke() {
 
 publish() { # TOPIC FILE
     mosquitto_pub -V mqttv5 -h localhost -p "$hub_broker_port" --cafile "$work/broker/ca.pem" \
-        --cert "$work/hub/hub-broker.pem" --key "$work/hub/hub-broker-key.pem" -q 1 -t "$1" -f "$2"
+        --cert "$work/hub/hub-client.pem" --key "$work/hub/hub-client-key.pem" -q 1 -t "$1" -f "$2"
 }
 
 delta_to_file() { # ZONE SEQUENCE FILE

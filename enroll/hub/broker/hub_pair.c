@@ -2,11 +2,14 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <sodium.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "drivers/file/file.h"
 #include "enroll/hub/broker/ca_inner.h"
@@ -176,6 +179,34 @@ static int read_pair(const char *key_path, const char *path, struct hub_pair *pa
     return r < 0 ? r : iso_file_read(key_path, HUB_PEM_MOST, &pair->key, &size, fault);
 }
 
+/* Reads the pair, and makes a new one if it is missing or no longer good. */
+static int read_or_make(const struct hub_ca *ca, const struct wanted *wanted, const char *key_path,
+                        const char *path, struct hub_pair *pair, struct iso_fault *fault)
+{
+    int r = read_pair(key_path, path, pair, fault);
+    if (r != -ENOENT && (r < 0 || is_good(ca, wanted, pair))) {
+        return r;
+    }
+    hub_pair_free(pair);
+    pair->is_new = true;
+    r = make(ca, wanted, key_path, path, fault);
+    r = r < 0 ? r : read_pair(key_path, path, pair, fault);
+    pair->ends_s = 0;
+    return r == 0 && !is_good(ca, wanted, pair) && pair->ends_s == 0
+               ? iso_fault_set(fault, -EBADMSG, "%s: cannot be read back", path)
+               : r;
+}
+
+/* Locks the folder against other hubs that use it, until the descriptor is closed. */
+static int lock_folder(const char *folder, int *fd, struct iso_fault *fault)
+{
+    *fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (*fd < 0 || flock(*fd, LOCK_EX)) {
+        return iso_file_fault(folder, -errno, fault);
+    }
+    return 0;
+}
+
 int hub_pair_open(const struct hub_ca *ca, const char *folder, enum hub_pair_use use,
                   const char *const *hosts, size_t n, int64_t now_s, struct hub_pair *out,
                   struct iso_fault *fault)
@@ -183,26 +214,17 @@ int hub_pair_open(const struct hub_ca *ca, const char *folder, enum hub_pair_use
     const struct wanted wanted = {.use = use, .hosts = hosts, .n = n, .now_s = now_s};
     struct hub_pair pair = {.key = NULL};
     char key_path[PATH_MAX], path[PATH_MAX];
-
+    int lock = -1;
     if (n > HUB_PAIR_HOSTS_MOST) {
         return iso_fault_set(fault, -EINVAL, "%s: more than %d names", names[use].chain,
                              HUB_PAIR_HOSTS_MOST);
     }
     int r = hub__path(key_path, sizeof key_path, folder, names[use].key, fault);
     r = r < 0 ? r : hub__path(path, sizeof path, folder, names[use].chain, fault);
-    if (r < 0) {
-        return r;
-    }
-    r = read_pair(key_path, path, &pair, fault);
-    if (r == -ENOENT || (r == 0 && !is_good(ca, &wanted, &pair))) {
-        hub_pair_free(&pair);
-        pair.is_new = true;
-        r = make(ca, &wanted, key_path, path, fault);
-        r = r < 0 ? r : read_pair(key_path, path, &pair, fault);
-        pair.ends_s = 0;
-        if (r == 0 && !is_good(ca, &wanted, &pair) && pair.ends_s == 0) {
-            r = iso_fault_set(fault, -EBADMSG, "%s: cannot be read back", path);
-        }
+    r = r < 0 ? r : lock_folder(folder, &lock, fault);
+    r = r < 0 ? r : read_or_make(ca, &wanted, key_path, path, &pair, fault);
+    if (lock >= 0) {
+        (void)close(lock);
     }
     if (r < 0) {
         hub_pair_free(&pair);
