@@ -20,11 +20,11 @@ struct lines {
     uint64_t first, last;
 };
 
+/* A record of the log begins with its number (firmware/audit/audit.h). */
 static uint64_t number_of(const char *line)
 {
-    static const char key[] = "\"sequence\":";
-    const char *at = strstr(line, key);
-    return at ? strtoull(at + strlen(key), NULL, 10) : 0;
+    static const char key[] = "{\"sequence\":";
+    return strncmp(line, key, strlen(key)) == 0 ? strtoull(line + strlen(key), NULL, 10) : 0;
 }
 
 /* Returns 1 when the message is full. */
