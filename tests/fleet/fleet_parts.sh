@@ -122,7 +122,7 @@ persistence = $work/broker
 CONF
     done
     hub init >"$work/log/init"
-    hub broker-config "$work/broker" >>"$work/log/init"
+    hub broker-config >>"$work/log/init"
     hub zone add hq >>"$work/log/init"
     hub zone add lab >>"$work/log/init"
 }

@@ -25,8 +25,8 @@ int hub_take(struct hub_store *store, const struct iso_fleet_id *door, const voi
              size_t size, const struct hub_emit *emit, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Stores the report. Emits a KEY for each zone of the door of which it has another epoch, then the
- * LEASE. A place that is ahead of the zone's own, or of another history, marks the zone as behind
+/* Stores the report. Emits the LEASE, then a KEY for each zone of the door of which it has another
+ * epoch. A place that is ahead of the zone's own, or of another history, marks the zone as behind
  * its doors (hub_zone.h). */
 int hub_take_question(struct hub_store *store, const void *bytes, size_t size,
                       const struct hub_emit *emit, struct iso_fault *fault)

@@ -1,4 +1,4 @@
-/* QUESTION of a door: its report is stored, and KEY and LEASE answer it. */
+/* QUESTION of a door: its report is stored, and LEASE and KEY answer it. */
 #include <errno.h>
 #include <jansson.h>
 #include <stdlib.h>
@@ -228,6 +228,16 @@ static int take_report(void *context, struct iso_fault *fault)
     return error;
 }
 
+/* A door has one lease for the people of all its zones: the strictest. */
+static uint32_t shortest_lease(const struct hub__door_zones *zones)
+{
+    uint32_t shortest = zones->zones[0].lease_s;
+    for (size_t i = 1; i < zones->n; i++) {
+        shortest = zones->zones[i].lease_s < shortest ? zones->zones[i].lease_s : shortest;
+    }
+    return shortest; /* 0, never without the hub, is the strictest of all */
+}
+
 static int emit_lease(const struct work *w, const struct hub_emit *emit, struct iso_fault *fault)
 {
     struct iso_fleet_lease lease = {
@@ -239,7 +249,7 @@ static int emit_lease(const struct work *w, const struct hub_emit *emit, struct 
         lease.places[i] = w->zones->zones[i].place;
     }
     if (lease.n > 0) {
-        lease.lease_s = w->zones->zones[0].lease_s;
+        lease.lease_s = shortest_lease(w->zones);
         lease.local_people = w->zones->zones[0].local_people;
     }
     int error = iso_fleet_make_lease(&lease, &w->store->keys.signs, &bytes);
@@ -253,15 +263,16 @@ static int emit_lease(const struct work *w, const struct hub_emit *emit, struct 
                  : 0;
 }
 
+/* The LEASE comes first, because a door takes a KEY only for a zone that a LEASE has listed. */
 static int answer(const struct work *w, const struct hub_emit *emit, struct iso_fault *fault)
 {
-    int error = 0;
+    int error = emit_lease(w, emit, fault);
     for (size_t i = 0; !error && i < w->zones->n; i++) {
         if (hub__wants_key(&w->zones->zones[i])) {
             error = hub__emit_key(w->store, w->door, &w->zones->zones[i], emit, fault);
         }
     }
-    return error ? error : emit_lease(w, emit, fault);
+    return error;
 }
 
 /* The health as the database stores it: a JSON object, or nothing. */
