@@ -18,7 +18,8 @@
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/fleet/check_files.h"
 
-enum { PEOPLE_MOST = 20000, VISIT_MS = 3000, FRAMES = 5 };
+/* LEFT_MS: after this time without a frame a visit is over. */
+enum { PEOPLE_MOST = 20000, VISIT_MS = 3000, LEFT_MS = 2500, FRAMES = 5 };
 
 struct check_door {
     struct check_door_setup setup;
@@ -37,7 +38,8 @@ struct check_door {
     struct iso_appliance *appliance;
     struct check_files files;
     struct link_door *link;
-    char visit[300]; /* the last one, in words */
+    int64_t shown_ns; /* when a face was shown last; 0: never */
+    char visit[300];  /* the last one, in words */
 };
 
 static const struct iso_zone_source zones = {iso_zone_file_read, ISO_ZONE_FOLDER};
@@ -318,18 +320,44 @@ void check_door_join(struct check_door *door, const char *path, char *answer, si
     (void)snprintf(answer, size, "%s", error ? fault.text : "ok");
 }
 
-void check_door_show(struct check_door *door, int face, char *answer, size_t size)
+/* Steps doors for some time, or until all have a verdict. */
+static void step_for(struct check_door *const doors[], int n, int64_t ms, bool for_verdicts)
 {
-    const int64_t begin_ns = iso_monotonic_ns();
-    door->visit[0] = '\0';
-    for (int i = 1; i <= FRAMES; i++) {
-        puppet_sensor_add(&door->sensor, begin_ns + 33 * i * ISO_NS_PER_MS, face, ISO_CAPTURE_OK);
-    }
-    while (!door->visit[0] && iso_monotonic_ns() - begin_ns < VISIT_MS * ISO_NS_PER_MS) {
-        check_door_step(door);
+    const int64_t end_ns = iso_monotonic_ns() + ms * ISO_NS_PER_MS;
+    for (int waiting = 1; waiting > 0 && iso_monotonic_ns() < end_ns;) {
+        waiting = 0;
+        for (int i = 0; i < n; i++) {
+            check_door_step(doors[i]);
+            waiting += !for_verdicts || !doors[i]->visit[0];
+        }
         (void)usleep(2000);
     }
-    (void)snprintf(answer, size, "%s", door->visit[0] ? door->visit : "nothing");
+}
+
+void check_doors_show(struct check_door *const doors[], int n, int face)
+{
+    const int64_t now_ns = iso_monotonic_ns();
+    int64_t wait_ns = 0;
+    for (int i = 0; i < n; i++) {
+        const int64_t left_ns = doors[i]->shown_ns + LEFT_MS * ISO_NS_PER_MS - now_ns;
+        wait_ns = doors[i]->shown_ns && left_ns > wait_ns ? left_ns : wait_ns;
+    }
+    step_for(doors, n, wait_ns / ISO_NS_PER_MS, false);
+    const int64_t begin_ns = iso_monotonic_ns();
+    for (int i = 0; i < n; i++) {
+        doors[i]->visit[0] = '\0';
+        doors[i]->shown_ns = begin_ns;
+        for (int k = 1; k <= FRAMES; k++) {
+            puppet_sensor_add(&doors[i]->sensor, begin_ns + 33 * k * ISO_NS_PER_MS, face,
+                              ISO_CAPTURE_OK);
+        }
+    }
+    step_for(doors, n, VISIT_MS, true);
+}
+
+const char *check_door_answer(const struct check_door *door)
+{
+    return door->visit[0] ? door->visit : "nothing";
 }
 
 void check_door_enrol(struct check_door *door, const char *name, int face, char *answer,

@@ -35,9 +35,11 @@ void check_door_address(const struct check_door *door, char address[ISO_TRANSFER
 /* Joins the fleet with the membership in a file, and starts the link. Writes "ok" or a fault. */
 void check_door_join(struct check_door *door, const char *path, char *answer, size_t size);
 
-/* Shows usable frames of a face and steps until the visit has a verdict, at most three seconds.
- * Writes "allow NAME", "deny REASON" or "nothing". */
-void check_door_show(struct check_door *door, int face, char *answer, size_t size);
+/* Shows usable frames of a face at n doors, one after the other person has left, and steps the
+ * doors until each visit has a verdict, at most three seconds. check_door_answer() then is "allow
+ * NAME", "deny REASON" or "nothing". */
+void check_doors_show(struct check_door *const doors[], int n, int face);
+const char *check_door_answer(const struct check_door *door);
 
 /* Enrols somebody at the door, as an enrolment there would. Writes "" or a fault. */
 void check_door_enrol(struct check_door *door, const char *name, int face, char *answer,

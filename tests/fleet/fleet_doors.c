@@ -58,7 +58,7 @@ static void answer_for(struct check_door *door, char *const words[], int n, char
 {
     char text[ISO_TRANSFER_ADDRESS_SIZE] = "";
     if (strcmp(words[0], "show") == 0 && n == 3) {
-        check_door_show(door, atoi(words[2]), answer, size);
+        (void)snprintf(answer, size, "%s", check_door_answer(door));
     } else if (strcmp(words[0], "enrol") == 0 && n == 4) {
         check_door_enrol(door, words[2], atoi(words[3]), answer, size);
     } else if (strcmp(words[0], "address") == 0) {
@@ -93,7 +93,11 @@ static void obey(struct program *program, char *line, FILE *out)
         (void)fprintf(out, "no such door\n");
         return;
     }
-    for (int i = only < 0 ? 0 : only; i < (only < 0 ? program->n : only + 1); i++) {
+    const int begin = only < 0 ? 0 : only, end = only < 0 ? program->n : only + 1;
+    if (strcmp(words[0], "show") == 0 && n == 3) {
+        check_doors_show(program->doors + begin, end - begin, atoi(words[2]));
+    }
+    for (int i = begin; i < end; i++) {
         answer[0] = '\0';
         answer_for(program->doors[i], words, n, answer, sizeof answer);
         (void)fprintf(out, "%d %s\n", program->first + i, answer);

@@ -106,13 +106,17 @@ all_online() {
 
 # ---- people ----
 
-# Prints the doors of a list at which a face is answered by these words.
+# Shows a face at all doors, and prints the doors of a list that answer with these words.
 doors_that_say() { # WORDS FACE DOOR...
-    local words=$1 face=$2 door
+    local words=$1 face=$2 first pids=()
     shift 2
-    for door in "$@"; do
-        [ "$(ask show "$door" "$face" | cut -d' ' -f2-)" != "$words" ] || echo "$door"
+    for ((first = 0; first < DOORS; first += A_PROCESS)); do
+        "$build/tests/fleet/fleet_doors" ask "$work/doors/$first.socket" show all "$face" >"$work/shown$first" 2>/dev/null &
+        pids+=($!)
     done
+    wait "${pids[@]}" || true
+    cat "$work"/shown* | awk -v words="$words" -v doors=" $* " '
+        { number = $1; sub(/^[0-9]+ /, ""); if ($0 == words && index(doors, " " number " ")) print number }' | sort -n
 }
 
 # Somebody is enrolled at a door; the hub approves the request. Prints the milliseconds until all doors of the zone have the person.
@@ -132,7 +136,7 @@ step_enrol() {
     local ms hq lab
     ms=$(enrol_everywhere ada 100 3 hq) || bad "enrol: ada does not arrive at the doors of hq"
     ok "enrol: enrolled at one door, approved, at all doors of the zone after ${ms:-?} ms"
-    hq=$(doors_that_say "allow ada" 100 $(doors_of hq) | wc -l)
+    hq=$(doors_that_say "allow ada" 100 $(echo $(doors_of hq)) | wc -l)
     expect "enrol: $hq of 41 doors of hq let ada in" [ "$hq" -eq 41 ]
     lab=$(doors_that_say "allow ada" 100 $(doors_of lab | grep -vx "$BOTH") | wc -l)
     expect "enrol: $lab of 9 doors of lab alone let ada in" [ "$lab" -eq 0 ]
@@ -158,7 +162,7 @@ step_revoke() {
         wait_for 20 is_level hq || bad "revoke: the doors are not level after 20 s"
         ms=$(($(now_ms) - begin))
         all+=("$ms")
-        door=$(doors_that_say "allow $name" "$face" $(doors_of hq) | wc -l)
+        door=$(doors_that_say "allow $name" "$face" $(echo $(doors_of hq)) | wc -l)
         expect "revoke: $name, $ms ms until all 41 doors have it; $door let $name in" [ "$door" -eq 0 -a "$ms" -le 5000 ]
     done
 }
@@ -198,7 +202,8 @@ step_forged() {
     states | sed 's/ lease [0-9]*//; s/ event [0-9]* acked [0-9]*//; s/ refused .* forged [0-9]*//' >"$work/after"
     expect "forged: repeated, reordered, foreign and changed deltas leave $(wc -l <"$work/after") doors as they are" cmp -s "$work/before" "$work/after"
     n=$(states | sed 's/.* refused \([0-9]*\) forged \([0-9]*\).*/\1 \2/' | awk '{ n += $1 + $2 } END { print n }')
-    expect "forged: the doors counted $n of them" [ "$n" -ge 400 ]
+    # Seven that were changed or are no message, at the 41 doors of hq; one of another zone, at the 10 doors of lab.
+    expect "forged: the doors counted $n of them" [ "$n" -ge $((7 * 41 + 10)) ]
 }
 
 # ---- lockdown ----
