@@ -5,8 +5,7 @@
 #include <string.h>
 
 /* Which records a list of names ($N) lets through. */
-#define PASSES(n)                                                                                  \
-    "(" n " = '' OR e.record->>'event' = ANY (string_to_array(" n ", ','))) "
+#define PASSES(n) "(" n " = '' OR e.record->>'event' = ANY (string_to_array(" n ", ','))) "
 
 struct work {
     struct hub_store *store;
@@ -47,12 +46,12 @@ static int measure(struct work *w, const struct iso_fleet_id *door, int64_t afte
     hub_value_integer(&values, acked);
     hub_value_text(&values, w->outlet->events);
     hub_value_integer(&values, (int64_t)w->room);
-    const int error =
-        hub_db_run(w->store->db,
-                   "SELECT count(*), max(number) FROM (SELECT e.number FROM event e "
-                   "WHERE e.door = $1 AND e.number > $2 AND e.number <= $3 AND " PASSES("$4")
-                   "ORDER BY e.number LIMIT $5) next",
-                   &values, &rows, fault);
+    const int error = hub_db_run(
+        w->store->db,
+        "SELECT count(*), max(number) FROM (SELECT e.number FROM event e "
+        "WHERE e.door = $1 AND e.number > $2 AND e.number <= $3 AND " PASSES(
+            "$4") "ORDER BY e.number LIMIT $5) next",
+        &values, &rows, fault);
     if (error) {
         return error;
     }
@@ -163,8 +162,8 @@ static int load(const struct work *w, struct hub__batch *out, struct iso_fault *
         "SELECT e.door, d.name, e.number, e.time, e.record->>'event', e.record::text "
         "FROM outlet_cursor c JOIN event e ON e.door = c.door AND e.number > c.number "
         "AND e.number <= c.batch_number LEFT JOIN door d ON d.id = e.door "
-        "WHERE c.outlet = $1 AND c.batch_number > c.number AND " PASSES("$2")
-        "ORDER BY e.door, e.number",
+        "WHERE c.outlet = $1 AND c.batch_number > c.number AND " PASSES(
+            "$2") "ORDER BY e.door, e.number",
         &values, &rows, fault);
     if (!error) {
         *out = (struct hub__batch){.key = w->key, .n = (size_t)PQntuples(rows), .rows = rows};
@@ -196,12 +195,11 @@ static int confirm(void *context, struct iso_fault *fault)
     hub_value_id(&values, &w->batch->key);
     hub_value_integer(&values, (int64_t)w->batch->n);
     hub_value_integer(&values, w->store->now_s());
-    const int error =
-        hub_db_run(w->store->db,
-                   "UPDATE outlet SET batch = NULL, batches = batches + 1, "
-                   "delivered = delivered + $3, delivered_s = $4, failures = 0, "
-                   "next_attempt_ms = 0, trouble = '' WHERE id = $1 AND batch = $2",
-                   &values, &result, fault);
+    const int error = hub_db_run(w->store->db,
+                                 "UPDATE outlet SET batch = NULL, batches = batches + 1, "
+                                 "delivered = delivered + $3, delivered_s = $4, failures = 0, "
+                                 "next_attempt_ms = 0, trouble = '' WHERE id = $1 AND batch = $2",
+                                 &values, &result, fault);
     if (error) {
         return error;
     }
@@ -217,8 +215,8 @@ int hub__batch_done(struct hub_store *store, const struct iso_fleet_id *outlet,
     return hub_db_transaction(store->db, HUB_READ_COMMITTED, confirm, &w, fault);
 }
 
-int hub__batch_failed(struct hub_store *store, const struct iso_fleet_id *outlet,
-                      uint64_t failures, int64_t next_attempt_ms, bool stop, const char *trouble,
+int hub__batch_failed(struct hub_store *store, const struct iso_fleet_id *outlet, uint64_t failures,
+                      int64_t next_attempt_ms, bool stop, const char *trouble,
                       struct iso_fault *fault)
 {
     struct hub_values values = {.n = 0};

@@ -52,8 +52,8 @@ int hub__batch_done(struct hub_store *store, const struct iso_fleet_id *outlet,
     __attribute__((warn_unused_result));
 
 /* It does not have it: what is stored of the failure. */
-int hub__batch_failed(struct hub_store *store, const struct iso_fleet_id *outlet,
-                      uint64_t failures, int64_t next_attempt_ms, bool stop, const char *trouble,
+int hub__batch_failed(struct hub_store *store, const struct iso_fleet_id *outlet, uint64_t failures,
+                      int64_t next_attempt_ms, bool stop, const char *trouble,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

@@ -1,5 +1,5 @@
-/* How events get from an outlet to its receiver: a carrier for each kind, whose calls wait. Internal
- * to the outlets. */
+/* How events get from an outlet to its receiver: a carrier for each kind, whose calls wait.
+ * Internal to the outlets. */
 #ifndef ISO_ENROLL_HUB_OUTLET_CARRIER_H
 #define ISO_ENROLL_HUB_OUTLET_CARRIER_H
 

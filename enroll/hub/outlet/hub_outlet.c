@@ -77,8 +77,8 @@ static int check_ca(const char *pem, struct iso_fault *fault)
     if (gnutls_x509_trust_list_init(&list, 0) < 0) {
         return iso_fault_set(fault, -ENOMEM, "certificates: no memory");
     }
-    const int n =
-        gnutls_x509_trust_list_add_trust_mem(list, &text, NULL, GNUTLS_X509_FMT_PEM, 0, 0);
+    const int n = gnutls_x509_trust_list_add_trust_mem(list, &text, NULL, GNUTLS_X509_FMT_PEM, 0,
+                                                       0);
     gnutls_x509_trust_list_deinit(list, 1);
     return n > 0 ? 0 : iso_fault_set(fault, -EINVAL, "the file contains no certificates in PEM");
 }

@@ -7,14 +7,14 @@
 
 #include "enroll/hub/outlet/batch.h"
 
-#define COLUMNS                                                                                    \
-    "o.id, o.name, o.kind, o.address, o.events, o.ca IS NOT NULL, o.stopped, "                     \
+#define COLUMNS                                                                \
+    "o.id, o.name, o.kind, o.address, o.events, o.ca IS NOT NULL, o.stopped, " \
     "o.batch IS NOT NULL, o.delivered, o.failures, o.next_attempt_ms, o.delivered_s, o.trouble "
 
 /* What follows the columns in a statement. */
 enum { NEXT_ATTEMPT = 10, FIRST_FURTHER = 13 };
 
-#define COPY(member, column)                                                                       \
+#define COPY(member, column) \
     (void)snprintf(out->member, sizeof out->member, "%s", hub_row_text(rows, row, column))
 
 static void take(const PGresult *rows, int row, struct hub_outlet *out)
@@ -67,8 +67,7 @@ static int open_secret(struct hub_store *store, const PGresult *rows, struct hub
     if (!sealed) {
         return 0;
     }
-    int error =
-        hub_keys_open(&store->keys, "outlet-secret", &out->outlet.id, sealed, size, &plain);
+    int error = hub_keys_open(&store->keys, "outlet-secret", &out->outlet.id, sealed, size, &plain);
     if (!error && plain.size >= sizeof out->secret) {
         error = -EBADMSG;
     }

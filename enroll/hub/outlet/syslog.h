@@ -1,7 +1,7 @@
 /* The carriers of syslog. Internal to the outlets.
  *
- * TLS (RFC 5425) and TCP (RFC 6587) count the bytes of each message. Neither protocol has an answer:
- * a batch counts as taken when the receiver's system has acknowledged all its bytes and the
+ * TLS (RFC 5425) and TCP (RFC 6587) count the bytes of each message. Neither protocol has an
+ * answer: a batch counts as taken when the receiver's system has acknowledged all its bytes and the
  * connection is still there. What the receiver loses after that is lost. UDP (RFC 5426) and the
  * local socket have not even this: what was sent counts as taken. */
 #ifndef ISO_ENROLL_HUB_OUTLET_SYSLOG_H

@@ -22,8 +22,7 @@ static struct hub__delivery open_udp(struct hub__syslog *syslog)
     (void)snprintf(port, sizeof port, "%u", syslog->address.port);
     const int code = getaddrinfo(syslog->address.host, port, &hints, &list);
     if (code) {
-        return hub__delivery_failed(HUB__LATER, "%s: %s", syslog->address.host,
-                                    gai_strerror(code));
+        return hub__delivery_failed(HUB__LATER, "%s: %s", syslog->address.host, gai_strerror(code));
     }
     for (const struct addrinfo *a = list; a && syslog->fd < 0; a = a->ai_next) {
         syslog->fd = socket(a->ai_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -33,9 +32,9 @@ static struct hub__delivery open_udp(struct hub__syslog *syslog)
         }
     }
     freeaddrinfo(list);
-    return syslog->fd < 0 ? hub__delivery_failed(HUB__LATER, "%s: no way to it",
-                                                 syslog->address.host)
-                          : (struct hub__delivery){.outcome = HUB__TAKEN};
+    return syslog->fd < 0
+               ? hub__delivery_failed(HUB__LATER, "%s: no way to it", syslog->address.host)
+               : (struct hub__delivery){.outcome = HUB__TAKEN};
 }
 
 static struct hub__delivery open_local(struct hub__syslog *syslog)
@@ -43,8 +42,7 @@ static struct hub__delivery open_local(struct hub__syslog *syslog)
     struct sockaddr_un name = {.sun_family = AF_UNIX};
     (void)snprintf(name.sun_path, sizeof name.sun_path, "%s", syslog->address.path);
     syslog->fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (syslog->fd >= 0 &&
-        connect(syslog->fd, (const struct sockaddr *)&name, sizeof name) == 0) {
+    if (syslog->fd >= 0 && connect(syslog->fd, (const struct sockaddr *)&name, sizeof name) == 0) {
         return (struct hub__delivery){.outcome = HUB__TAKEN};
     }
     return hub__delivery_failed(HUB__LATER, "%s: %s", syslog->address.path, strerror(errno));
@@ -54,8 +52,8 @@ static struct hub__delivery open_socket(struct hub__syslog *syslog)
 {
     /* A receiver that hangs is given up after some time. */
     const struct timeval timeout = {.tv_sec = SEND_S};
-    const struct hub__delivery delivery =
-        syslog->address.scheme == HUB__UDP ? open_udp(syslog) : open_local(syslog);
+    const struct hub__delivery delivery = syslog->address.scheme == HUB__UDP ? open_udp(syslog)
+                                                                             : open_local(syslog);
     if (syslog->fd >= 0) {
         (void)setsockopt(syslog->fd, SOL_SOCKET, SO_SNDTIMEO, &timeout, sizeof timeout);
     }
@@ -65,16 +63,15 @@ static struct hub__delivery open_socket(struct hub__syslog *syslog)
 static struct hub__delivery send_one(const struct hub__syslog *syslog, int64_t now_s,
                                      const struct hub__batch_event *event)
 {
-    char *text = hub__syslog_text(event,
-                                  syslog->address.scheme == HUB__LOCAL ? HUB__SYSLOG_LOCAL
-                                                                       : HUB__SYSLOG_NETWORK,
-                                  now_s);
+    char *text = hub__syslog_text(
+        event, syslog->address.scheme == HUB__LOCAL ? HUB__SYSLOG_LOCAL : HUB__SYSLOG_NETWORK,
+        now_s);
     if (!text) {
         return hub__delivery_failed(HUB__LATER, "no memory");
     }
     const size_t length = strlen(text);
-    const ssize_t sent =
-        send(syslog->fd, text, length < DATAGRAM_MOST ? length : DATAGRAM_MOST, MSG_NOSIGNAL);
+    const ssize_t sent = send(syslog->fd, text, length < DATAGRAM_MOST ? length : DATAGRAM_MOST,
+                              MSG_NOSIGNAL);
     const int error = errno;
     free(text);
     return sent < 0 ? hub__delivery_failed(HUB__LATER, "%s", strerror(error))

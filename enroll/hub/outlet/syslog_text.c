@@ -12,8 +12,8 @@ enum { AUTHPRIV = 10, ALERT = 1, WARNING = 4, INFO = 6, HOST_MOST = 255 };
 
 static int severity(const char *event)
 {
-    static const char *const warnings[] = {"attack",       "lockdown", "lockout", "log-recovered",
-                                           "records-lost", "sensor"};
+    static const char *const warnings[] = {"attack",        "lockdown",     "lockout",
+                                           "log-recovered", "records-lost", "sensor"};
     if (strcmp(event, "duress") == 0) {
         return ALERT;
     }

@@ -45,6 +45,9 @@ int hub__transfer_begin(struct hub__transfer *transfer, const char *ca, int stop
 
 void hub__transfer_end(struct hub__transfer *transfer)
 {
+    if (transfer->multi && transfer->easy) {
+        (void)curl_multi_remove_handle(transfer->multi, transfer->easy);
+    }
     curl_easy_cleanup(transfer->easy);
     (void)curl_multi_cleanup(transfer->multi);
     if (transfer->ca_fd >= 0) {
@@ -56,6 +59,9 @@ void hub__transfer_end(struct hub__transfer *transfer)
 void hub__transfer_prepare(struct hub__transfer *transfer, const char *url)
 {
     CURL *easy = transfer->easy;
+    /* A handle that has left its multi handle loses a connection that CURLOPT_CONNECT_ONLY has
+     * made, so it leaves only now. */
+    (void)curl_multi_remove_handle(transfer->multi, easy);
     curl_easy_reset(easy);
     (void)curl_easy_setopt(easy, CURLOPT_URL, url);
     (void)curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "https,http");
@@ -79,10 +85,9 @@ static struct hub__delivery result_of(struct hub__transfer *transfer)
     int left = 0;
     while ((message = curl_multi_info_read(transfer->multi, &left))) {
         if (message->msg == CURLMSG_DONE && message->data.result != CURLE_OK) {
-            return hub__delivery_failed(HUB__LATER, "%s",
-                                        *transfer->error
-                                            ? transfer->error
-                                            : curl_easy_strerror(message->data.result));
+            return hub__delivery_failed(
+                HUB__LATER, "%s",
+                *transfer->error ? transfer->error : curl_easy_strerror(message->data.result));
         }
     }
     return taken;
@@ -109,6 +114,5 @@ struct hub__delivery hub__transfer_run(struct hub__transfer *transfer)
     } else {
         delivery = result_of(transfer);
     }
-    (void)curl_multi_remove_handle(transfer->multi, transfer->easy);
     return delivery;
 }

@@ -24,8 +24,7 @@ static bool add_header(struct curl_slist **list, const char *name, const char *v
 }
 
 static bool make_headers(const struct hub__outlet_row *row, int64_t now_s,
-                         const struct hub__batch *batch, const char *body,
-                         struct curl_slist **out)
+                         const struct hub__batch *batch, const char *body, struct curl_slist **out)
 {
     char key[ISO_FLEET_ID_TEXT_SIZE], signature[HUB__SIGNATURE_SIZE];
     hub__webhook_sign(row->secret, now_s, body, signature);

@@ -3,15 +3,23 @@
 #define ISO_ENROLL_HUB_PEOPLE_HUB_REQUEST_H
 
 #include "enroll/hub/store/hub_store.h"
+#include "firmware/fleet/message/change.h"
 
 enum hub_request_state { HUB_REQUEST_PENDING, HUB_REQUEST_APPROVED, HUB_REQUEST_REJECTED };
 
 struct hub_request {
     struct iso_fleet_id person, door;
-    char name[257], door_name[HUB_NAME_SIZE];
+    char name[ISO_FLEET_NAME_MAX + 1], door_name[HUB_NAME_SIZE];
     int64_t time_s;
     enum hub_request_state state;
 };
+
+/* Stores a request that a door has sent. A request that is known changes nothing; with other
+ * templates it waits again. The door of a request that was rejected, or of a person who was revoked
+ * since, is told again to remove the person. */
+int hub_request_add(struct hub_store *store, const struct iso_fleet_id *door,
+                    const struct iso_fleet_person *person, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 /* Requests, oldest first; `all`: also those that are decided. */
 int hub_request_each(struct hub_store *store, bool all,
