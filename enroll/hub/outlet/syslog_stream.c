@@ -92,15 +92,18 @@ static struct hub__delivery wait_acknowledged(struct hub__transfer *transfer, in
 {
     const curl_socket_t fd = socket_of(transfer);
     int waiting = 0;
-    while (ioctl(fd, SIOCOUTQ, &waiting) == 0 && waiting > 0) {
+    bool closed = is_closed(transfer);
+    while (!closed && ioctl(fd, SIOCOUTQ, &waiting) == 0 && waiting > 0) {
         if (clock_ms() >= until_ms) {
             return hub__delivery_failed(HUB__LATER, "the receiver does not acknowledge");
         }
         if (!wait_for(transfer, -1, 0, ACKNOWLEDGED_MS)) {
             return hub__delivery_failed(HUB__ENDED, "it was given up");
         }
+        closed = is_closed(transfer);
     }
-    return is_closed(transfer)
+    /* A connection that was reset has nothing left to acknowledge, so it is asked last. */
+    return closed || is_closed(transfer)
                ? hub__delivery_failed(HUB__LATER, "the receiver has closed the connection")
                : (struct hub__delivery){.outcome = HUB__TAKEN};
 }

@@ -1,4 +1,3 @@
-#define _GNU_SOURCE /* strptime, timegm */
 #include "enroll/hub/outlet/syslog_text.h"
 
 #include <inttypes.h>
