@@ -65,7 +65,11 @@ void broker_text_hub(FILE *out)
                 "topic write isotherm/door/+/state\n"
                 "topic write isotherm/zone/+/delta\n"
                 "topic write isotherm/zone/+/head\n"
-                "topic write homeassistant/#\n",
+                "topic write homeassistant/#\n"
+                "\nuser " HUB_PAIR_HOME_NAME "\n"
+                "topic read homeassistant/#\n"
+                "topic read isotherm/door/+/state\n"
+                "topic read " ISO_FLEET_TOPIC_ALL_ONLINE "\n",
                 out);
 }
 

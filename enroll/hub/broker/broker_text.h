@@ -17,7 +17,8 @@ struct broker_places {
 /* Writes mosquitto.conf. */
 void broker_text_config(FILE *out, const struct broker_places *places);
 
-/* Writes the beginning of the list of rights: what the hub may do. Who is not in the list may do
+/* Writes the beginning of the list of rights: what the hub and Home
+ * Assistant may do. Who is not in the list may do
  * nothing, and mosquitto refuses everything else. */
 void broker_text_hub(FILE *out);
 

@@ -8,8 +8,10 @@
 
 /* Takes the key of a request that was signed by the same key. Nothing else of it is used. The
  * caller frees *out. */
-static int read_key(const char *csr, size_t size, gnutls_pubkey_t *out, struct iso_fault *fault)
+static int read_key(const char *csr, size_t size, gnutls_pubkey_t *out,
+                    uint8_t digest[HUB_CA_DIGEST_BYTES], struct iso_fault *fault)
 {
+    size_t digest_size = HUB_CA_DIGEST_BYTES;
     const gnutls_datum_t pem = {(unsigned char *)(uintptr_t)csr, (unsigned)size};
     gnutls_ecc_curve_t curve = GNUTLS_ECC_CURVE_INVALID;
     gnutls_x509_crq_t request = NULL;
@@ -23,6 +25,7 @@ static int read_key(const char *csr, size_t size, gnutls_pubkey_t *out, struct i
     r = r < 0 ? r : gnutls_x509_crq_verify(request, 0);
     r = r < 0 ? r : gnutls_pubkey_init(&key);
     r = r < 0 ? r : gnutls_pubkey_import_x509_crq(key, request, 0);
+    r = r < 0 ? r : gnutls_pubkey_get_key_id(key, GNUTLS_KEYID_USE_SHA256, digest, &digest_size);
     gnutls_x509_crq_deinit(request);
     if (r < 0) {
         gnutls_pubkey_deinit(key);
@@ -62,7 +65,7 @@ int hub_ca_sign_door(const struct hub_ca *ca, const char *csr, size_t size,
     struct hub_door_certificate made = {.ends_s = ends_s < ca->ends_s ? ends_s : ca->ends_s};
     char name[ISO_FLEET_ID_TEXT_SIZE];
     gnutls_pubkey_t key = NULL;
-    int r = read_key(csr, size, &key, fault);
+    int r = read_key(csr, size, &key, made.key, fault);
 
     if (r < 0) {
         return r;
@@ -76,13 +79,16 @@ int hub_ca_sign_door(const struct hub_ca *ca, const char *csr, size_t size,
     return 0;
 }
 
-int hub_ca_check_request(const char *csr, size_t size, struct iso_fault *fault)
+int hub_ca_check_request(const char *csr, size_t size, uint8_t key[HUB_CA_DIGEST_BYTES],
+                         struct iso_fault *fault)
 {
-    gnutls_pubkey_t key = NULL;
-    const int r = read_key(csr, size, &key, fault);
+    uint8_t digest[HUB_CA_DIGEST_BYTES];
+    gnutls_pubkey_t read = NULL;
+    const int r = read_key(csr, size, &read, digest, fault);
 
     if (r == 0) {
-        gnutls_pubkey_deinit(key);
+        gnutls_pubkey_deinit(read);
+        memcpy(key, digest, sizeof digest);
     }
     return r;
 }

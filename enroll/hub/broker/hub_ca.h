@@ -38,7 +38,8 @@ const uint8_t *hub_ca_digest(const struct hub_ca *ca);
 struct hub_door_certificate {
     char *pem;
     uint8_t serial[HUB_CA_SERIAL_BYTES];
-    int64_t ends_s; /* since 1970 */
+    uint8_t key[HUB_CA_DIGEST_BYTES]; /* SHA-256 of the public key (SubjectPublicKeyInfo) */
+    int64_t ends_s;                   /* since 1970 */
 };
 
 /* Signs the key of a request (PKCS #10, PEM). Everything else that the request says is ignored: the
@@ -49,10 +50,10 @@ int hub_ca_sign_door(const struct hub_ca *ca, const char *csr, size_t size,
                      struct hub_door_certificate *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* The checks of hub_ca_sign_door alone, for a caller who learns the door's id by something that
- * cannot be repeated. */
-int hub_ca_check_request(const char *csr, size_t size, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+/* The checks of hub_ca_sign_door alone, for a caller who has still to find out whose request it is.
+ * `key` receives the digest of the key, which its owner has proven to have. */
+int hub_ca_check_request(const char *csr, size_t size, uint8_t key[HUB_CA_DIGEST_BYTES],
+                         struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* The list of the certificates that are not accepted any more, as PEM. It has no end, since a
  * broker with an expired list refuses every door. The caller frees *pem with free(). */

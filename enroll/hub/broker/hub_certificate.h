@@ -12,6 +12,12 @@ int hub_certificate_add(struct hub_store *store, const struct iso_fleet_id *door
                         const struct hub_door_certificate *certificate, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* The door that has had a certificate for this key; a door that is expelled has none. -ENOENT there
+ * is none. */
+int hub_certificate_owner(struct hub_store *store, const uint8_t key[HUB_CA_DIGEST_BYTES],
+                          struct iso_fleet_id *door, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* The serial numbers of the certificates of expelled doors that have not ended. The caller frees
  * *serials with free(). */
 int hub_certificate_revoked(struct hub_store *store, uint8_t (**serials)[HUB_CA_SERIAL_BYTES],

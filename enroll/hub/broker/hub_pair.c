@@ -17,6 +17,7 @@ static const struct {
     [HUB_PAIR_HTTPS] = {"https-key.pem", "https.pem"},
     [HUB_PAIR_BROKER] = {"broker-key.pem", "broker.pem"},
     [HUB_PAIR_CLIENT] = {"hub-client-key.pem", "hub-client.pem"},
+    [HUB_PAIR_HOME] = {"home-assistant-key.pem", "home-assistant.pem"},
 };
 
 struct wanted {
@@ -34,6 +35,11 @@ const char *hub_pair_key_name(enum hub_pair_use use)
 const char *hub_pair_chain_name(enum hub_pair_use use)
 {
     return names[use].chain;
+}
+
+static bool is_client_use(enum hub_pair_use use)
+{
+    return use == HUB_PAIR_CLIENT || use == HUB_PAIR_HOME;
 }
 
 /* ---- making ---- */
@@ -58,11 +64,12 @@ static int add_host(gnutls_x509_crt_t certificate, const char *host)
 static int sign(const struct hub_ca *ca, const struct wanted *wanted, gnutls_x509_privkey_t key,
                 gnutls_x509_crt_t certificate)
 {
-    const bool is_client = wanted->use == HUB_PAIR_CLIENT;
+    const bool is_client = is_client_use(wanted->use);
     const int64_t ends_s = wanted->now_s + HUB_PAIR_DAYS * INT64_C(86400);
-    const char *name = is_client       ? HUB_PAIR_CLIENT_NAME
-                       : wanted->n > 0 ? wanted->hosts[0]
-                                       : "isotherm-hub";
+    const char *name = wanted->use == HUB_PAIR_CLIENT ? HUB_PAIR_CLIENT_NAME
+                       : wanted->use == HUB_PAIR_HOME ? HUB_PAIR_HOME_NAME
+                       : wanted->n > 0                ? wanted->hosts[0]
+                                                      : "isotherm-hub";
     uint8_t serial[HUB_CA_SERIAL_BYTES];
     char cut[64]; /* the longest common name; the whole name is an alternative name */
     cut[0] = '\0';
@@ -153,7 +160,7 @@ static bool is_good(const struct hub_ca *ca, const struct wanted *wanted, struct
         pair->ends_s = gnutls_x509_crt_get_expiration_time(certificate);
         good = pair->ends_s - wanted->now_s > HUB_PAIR_RENEW_DAYS * INT64_C(86400);
     }
-    for (size_t i = 0; good && wanted->use != HUB_PAIR_CLIENT && i < wanted->n; i++) {
+    for (size_t i = 0; good && !is_client_use(wanted->use) && i < wanted->n; i++) {
         good = gnutls_x509_crt_check_hostname(certificate, wanted->hosts[i]) != 0;
     }
     gnutls_x509_crt_deinit(certificate);

@@ -20,10 +20,12 @@ enum hub_pair_use {
     HUB_PAIR_HTTPS,  /* TLS server */
     HUB_PAIR_BROKER, /* TLS server */
     HUB_PAIR_CLIENT, /* TLS client; its name, and the broker's user, is HUB_PAIR_CLIENT_NAME */
+    HUB_PAIR_HOME,   /* TLS client: Home Assistant, HUB_PAIR_HOME_NAME */
 };
 
 /* No door has this name, because doors are named by a UUID. */
 #define HUB_PAIR_CLIENT_NAME "hub"
+#define HUB_PAIR_HOME_NAME   "home-assistant"
 
 struct hub_pair {
     char *key, *chain; /* PEM; the chain ends with the authority */

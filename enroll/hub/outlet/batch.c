@@ -11,6 +11,7 @@ struct work {
     struct hub_store *store;
     const struct hub_outlet *outlet;
     struct iso_fleet_id id, key;
+    struct hub__batch *out;
     const struct hub__batch *batch;
     size_t room; /* for how many events there is room */
 };
@@ -129,28 +130,6 @@ static int settle(struct work *w, struct iso_fault *fault)
                       fault);
 }
 
-static int prepare(void *context, struct iso_fault *fault)
-{
-    struct work *w = context;
-    struct hub_values values = {.n = 0};
-    PGresult *rows = NULL;
-    hub_value_id(&values, &w->id);
-    w->room = HUB__BATCH_EVENTS_MOST;
-    int error = hub_db_run(w->store->db, "SELECT batch FROM outlet WHERE id = $1 FOR UPDATE",
-                           &values, &rows, fault);
-    if (error) {
-        return error;
-    }
-    const bool exists = PQntuples(rows) > 0;
-    w->key = exists ? hub_row_id(rows, 0, 0) : (struct iso_fleet_id){.bytes = {0}};
-    PQclear(rows);
-    if (!exists || !iso_fleet_id_is_zero(&w->key)) {
-        return 0;
-    }
-    error = fill(w, fault);
-    return error ? error : settle(w, fault);
-}
-
 static int load(const struct work *w, struct hub__batch *out, struct iso_fault *fault)
 {
     struct hub_values values = {.n = 0};
@@ -171,19 +150,43 @@ static int load(const struct work *w, struct hub__batch *out, struct iso_fault *
     return error;
 }
 
-int hub__batch_take(struct hub_store *store, const struct hub_outlet *outlet,
-                    struct hub__batch *out, struct iso_fault *fault)
+/* Everything within one transaction, which holds the row of the outlet: else another process could
+ * confirm the batch between its key and its events. */
+static int prepare(void *context, struct iso_fault *fault)
 {
-    struct work w = {.store = store, .outlet = outlet, .id = outlet->id};
-    const int error = hub_db_transaction(store->db, HUB_READ_COMMITTED, prepare, &w, fault);
+    struct work *w = context;
+    struct hub_values values = {.n = 0};
+    PGresult *rows = NULL;
+    hub_value_id(&values, &w->id);
+    w->room = HUB__BATCH_EVENTS_MOST;
+    int error = hub_db_run(w->store->db, "SELECT batch FROM outlet WHERE id = $1 FOR UPDATE",
+                           &values, &rows, fault);
     if (error) {
         return error;
     }
-    if (iso_fleet_id_is_zero(&w.key)) {
-        *out = (struct hub__batch){.n = 0};
-        return 0;
+    const bool exists = PQntuples(rows) > 0;
+    w->key = exists ? hub_row_id(rows, 0, 0) : (struct iso_fleet_id){.bytes = {0}};
+    PQclear(rows);
+    hub__batch_clear(w->out);
+    if (exists && iso_fleet_id_is_zero(&w->key)) {
+        error = fill(w, fault);
+        error = error ? error : settle(w, fault);
     }
-    return load(&w, out, fault);
+    return error || iso_fleet_id_is_zero(&w->key) ? error : load(w, w->out, fault);
+}
+
+int hub__batch_take(struct hub_store *store, const struct hub_outlet *outlet,
+                    struct hub__batch *out, struct iso_fault *fault)
+{
+    struct hub__batch batch = {.n = 0};
+    struct work w = {.store = store, .outlet = outlet, .id = outlet->id, .out = &batch};
+    const int error = hub_db_transaction(store->db, HUB_READ_COMMITTED, prepare, &w, fault);
+    if (error) {
+        hub__batch_clear(&batch);
+        return error;
+    }
+    *out = batch;
+    return 0;
 }
 
 static int confirm(void *context, struct iso_fault *fault)

@@ -1,0 +1,292 @@
+/* The leader publishes. Whether this process is the leader is asked once a second, because the
+ * lock ends with the connection to the database. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <systemd/sd-daemon.h>
+
+#include "enroll/hub/broker/broker_config.h"
+#include "enroll/hub/serve/service.h"
+#include "enroll/hub/store/hub_door.h"
+
+enum {
+    DELTAS_AT_ONCE = 200,
+    FLUSH_MS = 5000,
+    FOLLOW_S = 5, /* between two comparisons of the broker's folder with the doors */
+};
+
+/* The broker gives each message to one process of the hub. */
+static const char shared_mail[] = "$share/hub/" ISO_FLEET_TOPIC_ALL_OUT;
+
+void hub__database_state(struct hub_service *service, int error, const struct iso_fault *fault)
+{
+    const bool is_lost = error == -ENOTCONN;
+
+    if (is_lost != service->database_lost && (is_lost || error == 0)) {
+        service->database_lost = is_lost;
+        fprintf(stderr, SD_WARNING "isotherm-hub: database: %s\n",
+                is_lost ? fault->text : "it is there again");
+    }
+}
+
+int hub__emit(void *context, const char *topic, const void *bytes, size_t size, bool retain)
+{
+    struct hub_service *service = context;
+    const int r = hub_mqtt_publish(service->mqtt, topic, bytes, size, retain);
+
+    service->emit_failed = r < 0;
+    service->totals.emitted += r == 0;
+    return r;
+}
+
+/* What one call of the outbox has emitted. */
+struct outbox {
+    struct hub_service *service;
+    unsigned deltas;
+};
+
+static bool is_delta(const char *topic)
+{
+    static const char end[] = "/delta";
+    const size_t n = strlen(topic);
+
+    return n >= sizeof end && strcmp(topic + n - (sizeof end - 1), end) == 0;
+}
+
+/* Emits for the outbox. Deltas may count as published only when the broker has them. So the last
+ * message of a zone is waited for: its HEAD, which alone is retained, or the last delta that the
+ * outbox may emit at once. */
+static int emit_and_wait(void *context, const char *topic, const void *bytes, size_t size,
+                         bool retain)
+{
+    struct outbox *outbox = context;
+    struct hub_service *service = outbox->service;
+    int r = hub__emit(service, topic, bytes, size, retain);
+
+    outbox->deltas += is_delta(topic);
+    if (r == 0 && (retain || outbox->deltas == DELTAS_AT_ONCE)) {
+        r = hub_mqtt_flush(service->mqtt, FLUSH_MS);
+        service->emit_failed = r < 0;
+    }
+    return r;
+}
+
+static void failed(struct hub_service *service, int error, const struct iso_fault *fault)
+{
+    service->totals.publish_failures++;
+    if (error != -ENOTCONN) {
+        fprintf(stderr, SD_WARNING "isotherm-hub: cannot publish: %s\n",
+                *fault->text ? fault->text : "the broker does not acknowledge");
+    }
+}
+
+/* Publishes what the broker does not have. */
+static void publish(struct hub_service *service)
+{
+    struct outbox outbox = {.service = service};
+    const struct hub_emit emit = {.emit = emit_and_wait, .context = &outbox};
+    const double begun_s = hub__clock_s();
+    struct iso_fault fault = {.text = ""};
+    bool done = true;
+    int r = 0;
+
+    if (!service->is_leader || !hub_mqtt_is_connected(service->mqtt)) {
+        return;
+    }
+    service->emit_failed = false;
+    if (service->heads_wanted) {
+        r = hub_outbox_heads(&service->store, &emit, &fault);
+        service->heads_wanted = r != 0;
+    }
+    r = r ? r : hub_outbox_each(&service->store, DELTAS_AT_ONCE, &emit, &done, &fault);
+    hub__measured(service, "publishing", begun_s);
+    hub__database_state(service, service->emit_failed ? 0 : r, &fault);
+    if (r) {
+        failed(service, r, &fault);
+    } else if (!done) {
+        (void)sd_event_source_set_enabled(service->publish, SD_EVENT_ONESHOT);
+    }
+}
+
+static int on_publish(sd_event_source *source, void *context)
+{
+    (void)source;
+    publish(context);
+    return 0;
+}
+
+/* ---- notifications of the database ---- */
+
+static int on_notified(sd_event_source *source, int fd, uint32_t events, void *context)
+{
+    struct hub_service *service = context;
+    struct iso_fault fault = {.text = ""};
+    bool changed = false;
+    const int r = hub_listen_take(&service->store, &changed, &fault);
+
+    (void)source;
+    (void)fd;
+    (void)events;
+    hub__database_state(service, r, &fault);
+    if (r) {
+        /* The socket stays readable; the next tick connects anew. */
+        service->notified = sd_event_source_disable_unref(service->notified);
+        service->notify_fd = -1;
+    } else if (changed) {
+        publish(service);
+    }
+    return 0;
+}
+
+static int listen_to_database(struct hub_service *service, struct iso_fault *fault)
+{
+    int fd = -1;
+    int r = hub_listen(&service->store, &fd, fault);
+
+    if (r == 0 && fd != service->notify_fd) {
+        service->notified = sd_event_source_disable_unref(service->notified);
+        service->notify_fd = -1;
+        r = sd_event_add_io(service->event, &service->notified, fd, EPOLLIN, on_notified, service);
+        service->notify_fd = r < 0 ? -1 : fd;
+    }
+    return r < 0 ? r : 0;
+}
+
+/* ---- the broker ---- */
+
+static void subscribe_as_leader(struct hub_service *service)
+{
+    struct iso_fault fault = {.text = ""};
+    /* The broker tells the retained states of all doors after the subscription. */
+    const int r = hub_door_all_offline(&service->store, &fault);
+
+    hub__database_state(service, r, &fault);
+    (void)!hub_mqtt_unsubscribe(service->mqtt, ISO_FLEET_TOPIC_ALL_ONLINE);
+    (void)!hub_mqtt_subscribe(service->mqtt, ISO_FLEET_TOPIC_ALL_ONLINE);
+    service->heads_wanted = true;
+    hub__home_publish(service, true);
+}
+
+void hub__broker_state(void *context, bool is_connected)
+{
+    struct hub_service *service = context;
+
+    if (!is_connected) {
+        return;
+    }
+    fprintf(stderr, SD_INFO "isotherm-hub: connected to the broker %s:%u\n",
+            service->options->broker_host, service->options->broker_port);
+    if (hub_mqtt_subscribe(service->mqtt, shared_mail)) {
+        fprintf(stderr, SD_ERR "isotherm-hub: cannot subscribe to the mail of doors\n");
+    }
+    if (service->is_leader) {
+        subscribe_as_leader(service);
+        (void)sd_event_source_set_enabled(service->publish, SD_EVENT_ONESHOT);
+    }
+}
+
+/* ---- once a second ---- */
+
+/* The outlets of the leader. What could not be started is tried again with the next tick. */
+static void start_outlets(struct hub_service *service)
+{
+    struct iso_fault fault = {.text = ""};
+
+    if (service->is_leader && !service->outlets &&
+        hub_outlets_new(service->event, &service->store, &service->options->store,
+                        &service->outlets, &fault)) {
+        fprintf(stderr, SD_ERR "isotherm-hub: %s\n", fault.text);
+    }
+}
+
+static void end_outlets(struct hub_service *service)
+{
+    hub_outlets_free(service->outlets);
+    service->outlets = NULL;
+}
+
+static void become(struct hub_service *service, bool is_leader)
+{
+    if (is_leader == service->is_leader) {
+        return;
+    }
+    service->is_leader = is_leader;
+    fprintf(stderr, SD_NOTICE "isotherm-hub: this process is %s\n",
+            is_leader ? "the leader now" : "not the leader any more");
+    if (is_leader) {
+        service->totals.takeovers++;
+        if (hub_mqtt_is_connected(service->mqtt)) {
+            subscribe_as_leader(service);
+        }
+    } else {
+        end_outlets(service);
+        (void)!hub_mqtt_unsubscribe(service->mqtt, ISO_FLEET_TOPIC_ALL_ONLINE);
+    }
+}
+
+static void follow_broker(struct hub_service *service)
+{
+    const struct hub_serve_options *options = service->options;
+    const int64_t now_s = (int64_t)hub__clock_s();
+    struct iso_fault fault = {.text = ""};
+    bool changed = false;
+
+    if (!options->broker_folder || now_s - service->followed_s < FOLLOW_S) {
+        return;
+    }
+    service->followed_s = now_s;
+    if (broker_config_follow(&service->store, service->ca, options->broker_folder, &changed,
+                             &fault)) {
+        fprintf(stderr, SD_WARNING "isotherm-hub: %s\n", fault.text);
+    } else if (changed) {
+        fprintf(stderr, SD_INFO "isotherm-hub: %s follows the doors\n", options->broker_folder);
+    }
+}
+
+static int on_tick(sd_event_source *source, uint64_t usec, void *context)
+{
+    struct hub_service *service = context;
+    const double begun_s = hub__clock_s();
+    struct iso_fault fault = {.text = ""};
+    bool is_leader = false;
+    int r = hub_leader_try(&service->store, &is_leader, &fault);
+
+    (void)usec;
+    r = r ? r : listen_to_database(service, &fault);
+    hub__measured(service, "the question who leads", begun_s);
+    hub__database_state(service, r, &fault);
+    become(service, r == 0 && is_leader);
+    start_outlets(service);
+    publish(service);
+    follow_broker(service);
+    hub__home_publish(service, false);
+    hub__metrics_write(service);
+    return sd_event_source_set_time_relative(source, HUB_TICK_MS * 1000ULL);
+}
+
+int hub__leader_start(struct hub_service *service)
+{
+    sd_event *event = service->event;
+    int r = sd_event_add_defer(event, &service->publish, on_publish, service);
+
+    service->notify_fd = -1;
+    r = r < 0 ? r : sd_event_source_set_enabled(service->publish, SD_EVENT_OFF);
+    r = r < 0 ? r
+              : sd_event_add_time_relative(event, &service->tick, CLOCK_MONOTONIC, 0, 10000,
+                                           on_tick, service);
+    return r < 0 ? r : sd_event_source_set_enabled(service->tick, SD_EVENT_ON);
+}
+
+void hub__leader_stop(struct hub_service *service)
+{
+    service->tick = sd_event_source_disable_unref(service->tick);
+    service->publish = sd_event_source_disable_unref(service->publish);
+    service->notified = sd_event_source_disable_unref(service->notified);
+    if (service->is_leader) {
+        end_outlets(service);
+        (void)!hub_leader_leave(&service->store, NULL);
+    }
+    free(service->home);
+}

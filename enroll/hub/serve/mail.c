@@ -1,0 +1,142 @@
+/* Answers the mail of doors, one message at a time. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <systemd/sd-daemon.h>
+#include <time.h>
+
+#include "enroll/hub/serve/service.h"
+#include "enroll/hub/store/hub_door.h"
+
+enum { RETRY_US = 1000000 };
+
+double hub__clock_s(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+void hub__measured(struct hub_service *service, const char *what, double begun_s)
+{
+    const double took_s = hub__clock_s() - begun_s;
+
+    if (took_s > service->totals.longest_s) {
+        service->totals.longest_s = took_s;
+    }
+    if (took_s > 1) {
+        fprintf(stderr, SD_WARNING "isotherm-hub: %s has taken %.1f s\n", what, took_s);
+    }
+}
+
+static void count(struct hub_service *service, const struct hub_mail *mail)
+{
+    enum iso_fleet_kind kind;
+
+    if (mail->is_presence) {
+        service->totals.presences++;
+    } else if (iso_fleet_kind_of(mail->bytes, mail->size, &kind) == 0) {
+        service->totals.questions += kind == ISO_FLEET_QUESTION;
+        service->totals.events += kind == ISO_FLEET_EVENTS;
+        service->totals.requests += kind == ISO_FLEET_REQUEST;
+    }
+}
+
+/* Returns the error of the database; a message that is refused is none. */
+static int answer(struct hub_service *service, const struct hub_mail *mail)
+{
+    const struct hub_emit emit = {.emit = hub__emit, .context = service};
+    const double begun_s = hub__clock_s();
+    struct iso_fault fault = {.text = ""};
+    char id[ISO_FLEET_ID_TEXT_SIZE];
+    int r;
+
+    service->emit_failed = false;
+    if (mail->is_presence) {
+        r = service->is_leader
+                ? hub_door_set_online(&service->store, &mail->door,
+                                      mail->size == 1 && mail->bytes[0] == '1', &fault)
+                : 0;
+    } else {
+        r = hub_take(&service->store, &mail->door, mail->bytes, mail->size, &emit, &fault);
+    }
+    hub__measured(service, "the answer to a door", begun_s);
+    hub__database_state(service, service->emit_failed ? 0 : r, &fault);
+    switch (r) {
+    case 0:
+        count(service, mail);
+        return 0;
+    case -ENOTCONN:
+    case -EAGAIN:
+        return r;
+    default:
+        service->totals.refused++;
+        fprintf(stderr, SD_NOTICE "isotherm-hub: door %s: %s\n", iso_fleet_id_text(&mail->door, id),
+                fault.text);
+        return 0;
+    }
+}
+
+static int on_mail(sd_event_source *source, void *context)
+{
+    struct hub_service *service = context;
+
+    /* Without the broker there is nobody to answer to. */
+    if (!service->mail.first || !hub_mqtt_is_connected(service->mqtt)) {
+        hub_mail_clear(&service->mail);
+        return sd_event_source_set_enabled(source, SD_EVENT_OFF);
+    }
+    if (answer(service, service->mail.first)) {
+        (void)sd_event_source_set_time_relative(service->mail_retry, RETRY_US);
+        (void)sd_event_source_set_enabled(service->mail_retry, SD_EVENT_ONESHOT);
+        return sd_event_source_set_enabled(source, SD_EVENT_OFF);
+    }
+    hub_mail_drop_first(&service->mail);
+    return 0;
+}
+
+static int on_retry(sd_event_source *source, uint64_t usec, void *context)
+{
+    struct hub_service *service = context;
+
+    (void)source;
+    (void)usec;
+    return sd_event_source_set_enabled(service->mail_source, SD_EVENT_ON);
+}
+
+void hub__mail_arrived(void *context, const char *topic, const void *bytes, size_t size)
+{
+    struct hub_service *service = context;
+    struct iso_fleet_id door;
+    bool is_presence;
+
+    if (size > ISO_FLEET_MESSAGE_MAX || !hub_mail_topic(topic, &door, &is_presence)) {
+        service->totals.refused++;
+        return;
+    }
+    if (hub_mail_put(&service->mail, &door, is_presence, bytes, size) &&
+        sd_event_source_get_enabled(service->mail_retry, NULL) <= 0) {
+        (void)sd_event_source_set_enabled(service->mail_source, SD_EVENT_ON);
+    }
+}
+
+int hub__mail_start(struct hub_service *service)
+{
+    sd_event *event = service->event;
+    int r = sd_event_add_defer(event, &service->mail_source, on_mail, service);
+
+    r = r < 0 ? r : sd_event_source_set_enabled(service->mail_source, SD_EVENT_OFF);
+    /* New mail is taken from the socket and timers are kept before old mail is answered. */
+    r = r < 0 ? r : sd_event_source_set_priority(service->mail_source, SD_EVENT_PRIORITY_IDLE);
+    r = r < 0 ? r
+              : sd_event_add_time_relative(event, &service->mail_retry, CLOCK_MONOTONIC, 0, 10000,
+                                           on_retry, service);
+    return r < 0 ? r : sd_event_source_set_enabled(service->mail_retry, SD_EVENT_OFF);
+}
+
+void hub__mail_stop(struct hub_service *service)
+{
+    service->mail_source = sd_event_source_disable_unref(service->mail_source);
+    service->mail_retry = sd_event_source_disable_unref(service->mail_retry);
+    hub_mail_clear(&service->mail);
+}
