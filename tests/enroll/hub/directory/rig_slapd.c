@@ -140,7 +140,7 @@ bool rig_slapd_start(struct rig_slapd *rig)
     strcpy(rig->directory, "/tmp/isotherm-slapd-XXXXXX");
     assert_non_null(mkdtemp(rig->directory));
     (void)snprintf(rig->uri, sizeof rig->uri, "ldap://127.0.0.1:%u", free_port());
-    (void)snprintf(rig->tls_uri, sizeof rig->tls_uri, "ldaps://localhost:%u", free_port());
+    (void)snprintf(rig->tls_uri, sizeof rig->tls_uri, "ldaps://127.0.0.1:%u", free_port());
     (void)snprintf(rig->certificate, sizeof rig->certificate, "%s/certificate.pem", rig->directory);
     (void)snprintf(listen, sizeof listen, "%s %s", rig->uri, rig->tls_uri);
     write_config(rig);

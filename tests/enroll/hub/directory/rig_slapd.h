@@ -12,7 +12,7 @@
 
 struct rig_slapd {
     char directory[64], uri[64]; /* uri: ldap://127.0.0.1:PORT */
-    char tls_uri[64];            /* ldaps://localhost:PORT */
+    char tls_uri[64];            /* ldaps://127.0.0.1:PORT */
     char certificate[96];        /* of the server, which has signed it itself: a file */
     pid_t pid;
 };
