@@ -94,16 +94,17 @@ static int expel(struct hub_run *run)
 }
 
 const struct hub_command hub_door_commands[] = {
-    {"door add", "NAME --zone ZONE...", "add a door, and print the address with which it joins",
-     HUB_OPTION_ZONE, 1, 1, false, add},
-    {"door code", "DOOR", "print a new address for a door that has not joined", 0, 1, 1, false,
-     new_code},
-    {"door list", "[--all]", "list the doors; --all: also expelled ones", HUB_OPTION_ALL, 0, 0,
-     false, list},
-    {"door show", "DOOR", "show what a door has reported", 0, 1, 1, false, show},
-    {"door move", "DOOR --zone ZONE...", "move a door to other zones; the first is its home",
-     HUB_OPTION_ZONE, 1, 1, false, move},
-    {"door expel", "DOOR", "take a door out of the fleet; its zones get new keys", 0, 1, 1, false,
-     expel},
+    HUB_COMMAND("door add", "NAME --zone ZONE...",
+                "add a door, and print the address with which it joins", HUB_OPTION_ZONE, 1, 1,
+                add),
+    HUB_COMMAND("door code", "DOOR", "print a new address for a door that has not joined", 0, 1, 1,
+                new_code),
+    HUB_COMMAND("door list", "[--all]", "list the doors; --all: also expelled ones", HUB_OPTION_ALL,
+                0, 0, list),
+    HUB_COMMAND("door show", "DOOR", "show what a door has reported", 0, 1, 1, show),
+    HUB_COMMAND("door move", "DOOR --zone ZONE...",
+                "move a door to other zones; the first is its home", HUB_OPTION_ZONE, 1, 1, move),
+    HUB_COMMAND("door expel", "DOOR", "take a door out of the fleet; its zones get new keys", 0, 1,
+                1, expel),
     {.words = NULL},
 };

@@ -87,6 +87,11 @@ static int migrate(struct hub_run *run)
     int error = hub_db_open(run->config.conninfo, &db, &run->fault);
     error = error ? error : hub_schema_version(db, &version, &run->fault);
     error = error ? error : goal(run, version, &to);
+    if (!error && to == 0 && version > 0 && !(run->arguments.given & HUB_OPTION_ALL)) {
+        error = iso_fault_set(&run->fault, -EACCES,
+                              "version 0 has no tables: all people, doors and events would be "
+                              "deleted; --all does it");
+    }
     error = error ? error : hub_schema_migrate(db, to, &run->fault);
     if (!error) {
         printf("the database is of version %lld\n", (long long)to);
@@ -102,8 +107,9 @@ const struct hub_command hub_setup_commands[] = {
      .without_store = true,
      .run = init},
     {.words = "migrate",
-     .synopsis = "up|down [VERSION]",
-     .help = "bring the tables to another version",
+     .synopsis = "up|down [VERSION] [--all]",
+     .help = "bring the tables to another version; --all: also to none",
+     .options = HUB_OPTION_ALL,
      .least = 1,
      .most = 2,
      .without_store = true,

@@ -35,11 +35,6 @@ int hub_print_address(struct hub_run *run, const char *secret)
 {
     char digest[2 * HUB_CA_DIGEST_BYTES + 1], address[512];
     struct hub_ca *ca = NULL;
-    if (!*run->config.host) {
-        return iso_fault_set(&run->fault, -ENODATA,
-                             "%s: [hub] host is missing: where do the doors reach the hub?",
-                             run->arguments.config);
-    }
     const int error = hub_ca_open(run->config.folder, &ca, &run->fault);
     if (error) {
         return error;

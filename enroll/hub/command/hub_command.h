@@ -47,8 +47,8 @@ enum hub_option {
 enum { HUB_WORDS_MAX = 4 };
 
 struct hub_arguments {
-    const char *config;
-    unsigned given; /* bits of enum hub_option */
+    const char *config; /* NULL: HUB_CONFIG_PATH, which may be missing */
+    unsigned given;     /* bits of enum hub_option */
     size_t n_words, n_zones;
     const char *words[HUB_WORDS_MAX]; /* behind the words of the command */
     const char *zones[HUB_PERSON_ZONES_MAX];
@@ -77,7 +77,17 @@ struct hub_command {
     uint8_t least, most;  /* words behind its own */
     bool without_store;
     int (*run)(struct hub_run *run); /* 0, or a negative errno with run->fault */
+    /* In its place, for a command that reads its own options: argv[0] is its word. It opens the
+     * store itself; *status is the exit code. */
+    int (*run_whole)(struct hub_run *run, int argc, char **argv, int *status);
 };
+
+/* An entry of a table, for a command with an open store. */
+#define HUB_COMMAND(WORDS, SYNOPSIS, HELP, OPTIONS, LEAST, MOST, RUN)                   \
+    {                                                                                   \
+        .words = (WORDS), .synopsis = (SYNOPSIS), .help = (HELP), .options = (OPTIONS), \
+        .least = (LEAST), .most = (MOST), .run = (RUN)                                  \
+    }
 
 /* The tables of the files cmd_*.c; each ends with an entry without words. */
 extern const struct hub_command hub_setup_commands[], hub_zone_commands[], hub_door_commands[],
