@@ -122,17 +122,18 @@ static int link_by_hand(struct hub_run *run)
 }
 
 const struct hub_command hub_directory_commands[] = {
-    {"import ldap",
-     "--uri URI --base DN [--filter FILTER] [--map NAME=ATTRIBUTE,...] [--zone GROUP=ZONE]... "
-     "[--bind DN --secret-file FILE] [--ca FILE] [--dry-run] [--force]",
-     "take names, zones and validity of people from an LDAP directory",
-     HUB_OPTION_URI | HUB_OPTION_BASE | HUB_OPTION_FILTER | HUB_OPTION_MAP | HUB_OPTION_ZONE |
-         HUB_OPTION_BIND | HUB_OPTION_SECRET_FILE | HUB_OPTION_CA | HUB_OPTION_DRY_RUN |
-         HUB_OPTION_FORCE,
-     0, 0, false, import},
-    {"directory list", "", "list the people whom a directory names, and who must be enrolled", 0, 0,
-     0, false, list},
-    {"directory link", "ID PERSON", "say that a person of the fleet is one of the directory", 0, 2,
-     2, false, link_by_hand},
+    HUB_COMMAND(
+        "import ldap",
+        "--uri URI --base DN [--filter FILTER] [--map NAME=ATTRIBUTE,...] [--zone GROUP=ZONE]... "
+        "[--bind DN --secret-file FILE] [--ca FILE] [--dry-run] [--force]",
+        "take names, zones and validity of people from an LDAP directory",
+        HUB_OPTION_URI | HUB_OPTION_BASE | HUB_OPTION_FILTER | HUB_OPTION_MAP | HUB_OPTION_ZONE |
+            HUB_OPTION_BIND | HUB_OPTION_SECRET_FILE | HUB_OPTION_CA | HUB_OPTION_DRY_RUN |
+            HUB_OPTION_FORCE,
+        0, 0, import),
+    HUB_COMMAND("directory list", "",
+                "list the people whom a directory names, and who must be enrolled", 0, 0, 0, list),
+    HUB_COMMAND("directory link", "ID PERSON",
+                "say that a person of the fleet is one of the directory", 0, 2, 2, link_by_hand),
     {.words = NULL},
 };

@@ -102,16 +102,16 @@ static int test(struct hub_run *run)
 }
 
 const struct hub_command hub_outlet_commands[] = {
-    {"outlet add",
-     "NAME webhook|syslog ADDRESS [--event EVENT,...] [--secret-file FILE] [--ca FILE] "
-     "[--from-beginning]",
-     "hand the events of the doors over to another system",
-     HUB_OPTION_EVENT | HUB_OPTION_SECRET_FILE | HUB_OPTION_CA | HUB_OPTION_BEGINNING, 3, 3, false,
-     add},
-    {"outlet list", "", "list the outlets, and how far they have come", 0, 0, 0, false, list},
-    {"outlet test", "NAME", "hand over an event that says it is a test", 0, 1, 1, false, test},
-    {"outlet resume", "NAME", "let an outlet go on that was stopped or waits", 0, 1, 1, false,
-     resume},
-    {"outlet remove", "NAME", "remove an outlet", 0, 1, 1, false, remove_outlet},
+    HUB_COMMAND("outlet add",
+                "NAME webhook|syslog ADDRESS [--event EVENT,...] [--secret-file FILE] [--ca FILE] "
+                "[--from-beginning]",
+                "hand the events of the doors over to another system",
+                HUB_OPTION_EVENT | HUB_OPTION_SECRET_FILE | HUB_OPTION_CA | HUB_OPTION_BEGINNING, 3,
+                3, add),
+    HUB_COMMAND("outlet list", "", "list the outlets, and how far they have come", 0, 0, 0, list),
+    HUB_COMMAND("outlet test", "NAME", "hand over an event that says it is a test", 0, 1, 1, test),
+    HUB_COMMAND("outlet resume", "NAME", "let an outlet go on that was stopped or waits", 0, 1, 1,
+                resume),
+    HUB_COMMAND("outlet remove", "NAME", "remove an outlet", 0, 1, 1, remove_outlet),
     {.words = NULL},
 };

@@ -15,7 +15,7 @@
 #include "enroll/hub/directory/ldap_map.h"
 #include "enroll/hub/people/hub_request.h"
 #include "tests/enroll/hub/directory/rig_slapd.h"
-#include "tests/enroll/hub/rigs/hub_rig.h"
+#include "tests/enroll/hub/rigs/store_rig.h"
 
 enum { SKIPPED = 77 };
 
@@ -29,29 +29,29 @@ static int start(void **state)
     if (!rig_slapd_start(&slapd)) {
         exit(SKIPPED);
     }
-    return hub_rig_start(state);
+    return store_rig_start(state);
 }
 
 static int stop(void **state)
 {
     rig_slapd_stop(&slapd);
-    return hub_rig_stop(state);
+    return store_rig_stop(state);
 }
 
 static int setup(void **state)
 {
-    const int error = hub_rig_setup(state);
-    struct hub_rig *rig = *state;
+    const int error = store_rig_setup(state);
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
     struct hub_values values = {.n = 0};
-    day = hub_rig_zone(rig, "day");
-    night = hub_rig_zone(rig, "night=shift");
+    day = store_rig_zone(rig, "day");
+    night = store_rig_zone(rig, "night=shift");
     door = iso_fleet_id_random();
     hub_value_id(&values, &door);
-    hub_rig_fine(hub_db_run(rig->store.db,
-                            "INSERT INTO door (id, name, added_s) VALUES ($1, 'Gate', 1)", &values,
-                            NULL, &fault),
-                 &fault);
+    store_rig_fine(hub_db_run(rig->store.db,
+                              "INSERT INTO door (id, name, added_s) VALUES ($1, 'Gate', 1)",
+                              &values, NULL, &fault),
+                   &fault);
     return error;
 }
 
@@ -71,7 +71,7 @@ static struct hub_ldap_options options_of(void)
 }
 
 /* One run, as the command does it. */
-static int run(struct hub_rig *rig, bool dry_run, bool force, struct hub_directory_counts *counts,
+static int run(struct store_rig *rig, bool dry_run, bool force, struct hub_directory_counts *counts,
                struct iso_fault *fault)
 {
     const struct hub_ldap_options options = options_of();
@@ -84,36 +84,36 @@ static int run(struct hub_rig *rig, bool dry_run, bool force, struct hub_directo
     return error;
 }
 
-static struct hub_directory_counts import(struct hub_rig *rig)
+static struct hub_directory_counts import(struct store_rig *rig)
 {
     struct iso_fault fault = {.text = ""};
     struct hub_directory_counts counts = {.named = 0};
-    hub_rig_fine(run(rig, false, false, &counts, &fault), &fault);
+    store_rig_fine(run(rig, false, false, &counts, &fault), &fault);
     return counts;
 }
 
 /* Somebody is enrolled at the door and approved. */
-static struct iso_fleet_id enrol(struct hub_rig *rig, const char *name,
+static struct iso_fleet_id enrol(struct store_rig *rig, const char *name,
                                  const struct iso_fleet_id *zone)
 {
     struct iso_fault fault = {.text = ""};
-    const struct iso_fleet_person person = hub_rig_person(name, 3, 2, 7);
-    hub_rig_fine(hub_request_add(&rig->store, &door, &person, &fault), &fault);
-    hub_rig_fine(hub_request_approve(&rig->store, &person.id, zone, 1, &fault), &fault);
+    const struct iso_fleet_person person = store_rig_person(name, 3, 2, 7);
+    store_rig_fine(hub_request_add(&rig->store, &door, &person, &fault), &fault);
+    store_rig_fine(hub_request_approve(&rig->store, &person.id, zone, 1, &fault), &fault);
     return person.id;
 }
 
-static struct hub_person person_of(struct hub_rig *rig, const struct iso_fleet_id *id)
+static struct hub_person person_of(struct store_rig *rig, const struct iso_fleet_id *id)
 {
     struct iso_fault fault = {.text = ""};
     struct hub_person person;
     char text[ISO_FLEET_ID_TEXT_SIZE];
-    hub_rig_fine(hub_person_find(&rig->store, iso_fleet_id_text(id, text), &person, &fault),
-                 &fault);
+    store_rig_fine(hub_person_find(&rig->store, iso_fleet_id_text(id, text), &person, &fault),
+                   &fault);
     return person;
 }
 
-static void expect_zones(struct hub_rig *rig, const struct iso_fleet_id *id, size_t n,
+static void expect_zones(struct store_rig *rig, const struct iso_fleet_id *id, size_t n,
                          const char *const names[])
 {
     const struct hub_person person = person_of(rig, id);
@@ -192,8 +192,8 @@ static void times_are_understood(void **state)
 
 static void a_person_is_named_enrolled_changed_and_removed(void **state)
 {
-    struct hub_rig *rig = *state;
-    const struct iso_fleet_id other = hub_rig_put(rig, "Other", &day, 1);
+    struct store_rig *rig = *state;
+    const struct iso_fleet_id other = store_rig_put(rig, "Other", &day, 1);
     const uint64_t other_revision = person_of(rig, &other).revision;
     rig_slapd_add(&slapd, "ada", "Ada Byron");
     rig_slapd_join(&slapd, "staff", "ada");
@@ -202,9 +202,9 @@ static void a_person_is_named_enrolled_changed_and_removed(void **state)
     assert_int_equal(counts.named, 1);
     assert_int_equal(counts.added, 1);
     /* She has no face yet: no door gets anything. */
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM person"), 1);
-    assert_int_equal(hub_rig_number(rig, "SELECT sum(sequence)::bigint FROM zone"), 1);
-    hub_rig_now_s += 60;
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM person"), 1);
+    assert_int_equal(store_rig_number(rig, "SELECT sum(sequence)::bigint FROM zone"), 1);
+    store_rig_now_s += 60;
     const struct iso_fleet_id ada = enrol(rig, "ada BYRON", &day);
     counts = import(rig);
     assert_int_equal(counts.linked, 1);
@@ -226,7 +226,7 @@ static void a_person_is_named_enrolled_changed_and_removed(void **state)
     assert_int_equal(person_of(rig, &ada).valid_until_s, 1798761599);
     rig_slapd_delete(&slapd, "ada");
     struct iso_fault fault = {.text = ""};
-    hub_rig_fine(run(rig, false, true, &counts, &fault), &fault);
+    store_rig_fine(run(rig, false, true, &counts, &fault), &fault);
     assert_int_equal(counts.removed, 1);
     expect_zones(rig, &ada, 0, NULL);
     assert_int_equal(person_of(rig, &ada).templates, 2);
@@ -236,7 +236,7 @@ static void a_person_is_named_enrolled_changed_and_removed(void **state)
 
 static void who_is_disabled_loses_every_zone_and_gets_the_own_ones_back(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
     struct hub_directory_counts counts;
     rig_slapd_add(&slapd, "ben", "Ben");
@@ -247,11 +247,11 @@ static void who_is_disabled_loses_every_zone_and_gets_the_own_ones_back(void **s
     /* The zone that another gave stays. */
     expect_zones(rig, &ben, 2, (const char *const[]){"day", "night=shift"});
     rig_slapd_set(&slapd, "ben", "employeeType", "TRUE");
-    hub_rig_fine(run(rig, false, true, &counts, &fault), &fault);
+    store_rig_fine(run(rig, false, true, &counts, &fault), &fault);
     assert_int_equal(counts.removed, 1);
     expect_zones(rig, &ben, 0, NULL);
     /* Somebody lets him in by hand; the next run ends that. */
-    hub_rig_fine(hub_person_set_zones(&rig->store, &ben, &night, 1, &fault), &fault);
+    store_rig_fine(hub_person_set_zones(&rig->store, &ben, &night, 1, &fault), &fault);
     (void)import(rig);
     expect_zones(rig, &ben, 0, NULL);
     rig_slapd_set(&slapd, "ben", "employeeType", NULL);
@@ -262,10 +262,10 @@ static void who_is_disabled_loses_every_zone_and_gets_the_own_ones_back(void **s
 
 static void somebody_who_was_there_before_is_linked_by_hand_alone(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
     const struct iso_fleet_id cid = enrol(rig, "Cid", &night);
-    hub_rig_now_s += 60;
+    store_rig_now_s += 60;
     rig_slapd_add(&slapd, "cid", "Cid");
     rig_slapd_join(&slapd, "staff", "cid");
     assert_int_equal(import(rig).linked, 0);
@@ -273,10 +273,10 @@ static void somebody_who_was_there_before_is_linked_by_hand_alone(void **state)
     expect_zones(rig, &cid, 1, (const char *const[]){"night=shift"});
     assert_int_equal(hub_directory_link(&rig->store, "ldap", "unknown", &cid, &fault), -ENOENT);
     PGresult *rows = NULL;
-    hub_rig_fine(hub_db_run(rig->store.db, "SELECT external FROM directory", NULL, &rows, &fault),
-                 &fault);
-    hub_rig_fine(hub_directory_link(&rig->store, "ldap", hub_row_text(rows, 0, 0), &cid, &fault),
-                 &fault);
+    store_rig_fine(hub_db_run(rig->store.db, "SELECT external FROM directory", NULL, &rows, &fault),
+                   &fault);
+    store_rig_fine(hub_directory_link(&rig->store, "ldap", hub_row_text(rows, 0, 0), &cid, &fault),
+                   &fault);
     assert_int_equal(
         hub_directory_link(&rig->store, "ldap", hub_row_text(rows, 0, 0), &cid, &fault), -EEXIST);
     PQclear(rows);
@@ -306,7 +306,7 @@ static void delete_many(int from, int to)
 
 static void a_run_that_takes_too_many_zones_stops(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
     struct hub_directory_counts counts = {.named = 0};
     add_many(10);
@@ -316,12 +316,12 @@ static void a_run_that_takes_too_many_zones_stops(void **state)
     delete_many(2, 4);
     assert_int_equal(run(rig, false, false, &counts, &fault), -EPERM); /* 25 % of eight */
     assert_non_null(strstr(fault.text, "2 of 8 people"));
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM directory WHERE named"), 8);
-    hub_rig_fine(run(rig, true, true, &counts, &fault), &fault);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM directory WHERE named"), 8);
+    store_rig_fine(run(rig, true, true, &counts, &fault), &fault);
     assert_int_equal(counts.removed, 2);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM directory WHERE named"), 8);
-    hub_rig_fine(run(rig, false, true, &counts, &fault), &fault);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM directory WHERE named"), 6);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM directory WHERE named"), 8);
+    store_rig_fine(run(rig, false, true, &counts, &fault), &fault);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM directory WHERE named"), 6);
     delete_many(4, 10);
     /* An empty answer is no reason to lock everybody out. */
     assert_int_equal(run(rig, false, false, &counts, &fault), -EPERM);
@@ -329,12 +329,12 @@ static void a_run_that_takes_too_many_zones_stops(void **state)
 
 static void one_bad_name_does_not_stop_the_others(void **state)
 {
-    struct hub_rig *rig = *state;
-    (void)hub_rig_put(rig, "Dora", &day, 1);
+    struct store_rig *rig = *state;
+    (void)store_rig_put(rig, "Dora", &day, 1);
     rig_slapd_add(&slapd, "u0", "Dolly");
     rig_slapd_add(&slapd, "u1", "Emil");
     (void)import(rig);
-    hub_rig_now_s += 1;
+    store_rig_now_s += 1;
     const struct iso_fleet_id dolly = enrol(rig, "Dolly", &day);
     (void)import(rig);
     rig_slapd_set(&slapd, "u0", "cn", "Dora");
@@ -350,7 +350,7 @@ static void one_bad_name_does_not_stop_the_others(void **state)
 
 static void more_people_than_a_page_are_read(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     /* The server gives at most 600 in one answer, and 500 in a page. */
     for (int i = 0; i < 1100; i++) {
         char uid[16], name[32];
@@ -409,10 +409,10 @@ static void tls_is_checked(void **state)
     options.uri = slapd.tls_uri;
     assert_int_equal(read_with(&options, &fault), -ENOTCONN);
     options.ca_file = slapd.certificate;
-    hub_rig_fine(read_with(&options, &fault), &fault);
+    store_rig_fine(read_with(&options, &fault), &fault);
     /* With certificates also a connection to this machine begins TLS. */
     options.uri = slapd.uri;
-    hub_rig_fine(read_with(&options, &fault), &fault);
+    store_rig_fine(read_with(&options, &fault), &fault);
 }
 
 int main(void)
@@ -422,16 +422,17 @@ int main(void)
         cmocka_unit_test(groups_locks_and_ids_are_understood),
         cmocka_unit_test(times_are_understood),
         cmocka_unit_test_setup_teardown(a_person_is_named_enrolled_changed_and_removed, setup,
-                                        hub_rig_teardown),
+                                        store_rig_teardown),
         cmocka_unit_test_setup_teardown(who_is_disabled_loses_every_zone_and_gets_the_own_ones_back,
-                                        setup, hub_rig_teardown),
+                                        setup, store_rig_teardown),
         cmocka_unit_test_setup_teardown(somebody_who_was_there_before_is_linked_by_hand_alone,
-                                        setup, hub_rig_teardown),
+                                        setup, store_rig_teardown),
         cmocka_unit_test_setup_teardown(a_run_that_takes_too_many_zones_stops, setup,
-                                        hub_rig_teardown),
+                                        store_rig_teardown),
         cmocka_unit_test_setup_teardown(one_bad_name_does_not_stop_the_others, setup,
-                                        hub_rig_teardown),
-        cmocka_unit_test_setup_teardown(more_people_than_a_page_are_read, setup, hub_rig_teardown),
+                                        store_rig_teardown),
+        cmocka_unit_test_setup_teardown(more_people_than_a_page_are_read, setup,
+                                        store_rig_teardown),
         cmocka_unit_test(what_cannot_be_read_whole_is_an_error),
         cmocka_unit_test(tls_is_checked),
     };

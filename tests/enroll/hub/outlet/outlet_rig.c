@@ -58,7 +58,7 @@ void outlet_rig_main(int argc, char **argv)
     exit(0);
 }
 
-pid_t outlet_rig_run(const struct hub_rig *rig, const char *log)
+pid_t outlet_rig_run(const struct store_rig *rig, const char *log)
 {
     const pid_t pid = fork();
     assert_true(pid >= 0);
@@ -105,21 +105,21 @@ void outlet_rig_end(pid_t pid)
 
 /* ---- doors and events ---- */
 
-struct iso_fleet_id outlet_rig_door(struct hub_rig *rig, const char *name)
+struct iso_fleet_id outlet_rig_door(struct store_rig *rig, const char *name)
 {
     struct iso_fault fault = {.text = ""};
     struct hub_values values = {.n = 0};
     const struct iso_fleet_id id = iso_fleet_id_of(name, strlen(name));
     hub_value_id(&values, &id);
     hub_value_text(&values, name);
-    hub_rig_fine(hub_db_run(rig->store.db,
-                            "INSERT INTO door (id, name, added_s) VALUES ($1, $2, 1)", &values,
-                            NULL, &fault),
-                 &fault);
+    store_rig_fine(hub_db_run(rig->store.db,
+                              "INSERT INTO door (id, name, added_s) VALUES ($1, $2, 1)", &values,
+                              NULL, &fault),
+                   &fault);
     return id;
 }
 
-void outlet_rig_events(struct hub_rig *rig, const struct iso_fleet_id *door, uint64_t from,
+void outlet_rig_events(struct store_rig *rig, const struct iso_fleet_id *door, uint64_t from,
                        uint64_t to, const char *event)
 {
     struct iso_fault fault = {.text = ""};
@@ -128,7 +128,7 @@ void outlet_rig_events(struct hub_rig *rig, const struct iso_fleet_id *door, uin
     hub_value_integer(&values, (int64_t)from);
     hub_value_integer(&values, (int64_t)to);
     hub_value_text(&values, event);
-    hub_rig_fine(
+    store_rig_fine(
         hub_db_run(rig->store.db,
                    "WITH stored AS (INSERT INTO event (door, number, time, record) SELECT $1, n, "
                    "'2026-11-21T08:30:15.250Z', jsonb_build_object('sequence', n, 'event', $4, "
@@ -154,16 +154,16 @@ static int look(void *context, const struct hub_outlet *outlet)
     return 0;
 }
 
-struct hub_outlet outlet_rig_outlet(struct hub_rig *rig, const char *name)
+struct hub_outlet outlet_rig_outlet(struct store_rig *rig, const char *name)
 {
     struct iso_fault fault = {.text = ""};
     struct search search = {.name = name};
-    hub_rig_fine(hub_outlet_each(&rig->store, look, &search, &fault), &fault);
+    store_rig_fine(hub_outlet_each(&rig->store, look, &search, &fault), &fault);
     assert_true(search.found);
     return search.outlet;
 }
 
-void outlet_rig_wait_idle(struct hub_rig *rig, const char *name, double seconds)
+void outlet_rig_wait_idle(struct store_rig *rig, const char *name, double seconds)
 {
     struct hub_outlet outlet = outlet_rig_outlet(rig, name);
     for (int i = 0; i < (int)(100 * seconds) && outlet.waiting > 0; i++) {

@@ -25,7 +25,7 @@ enum { WAIT_MS = 15000, MESSAGE_SIZE = 2048 };
 static const char log_file[] = "/tmp/isotherm-test-syslog.log";
 static const char local_path[] = "/tmp/isotherm-test-syslog.socket";
 
-static void add(struct hub_rig *rig, const char *address, const char *ca)
+static void add(struct store_rig *rig, const char *address, const char *ca)
 {
     struct iso_fault fault = {.text = ""};
     char out[HUB_OUTLET_SECRET_SIZE];
@@ -34,7 +34,7 @@ static void add(struct hub_rig *rig, const char *address, const char *ca)
                                                .kind = HUB_OUTLET_SYSLOG,
                                                .ca = ca,
                                                .from_beginning = true};
-    hub_rig_fine(hub_outlet_add(&rig->store, &options, out, &fault), &fault);
+    store_rig_fine(hub_outlet_add(&rig->store, &options, out, &fault), &fault);
     assert_string_equal(out, "");
 }
 
@@ -123,7 +123,7 @@ static void expect(const struct stream *stream, uint64_t from, uint64_t to)
 
 static void tcp_messages_are_counted_and_sent_again_after_a_break(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     uint16_t port;
     char address[64];
     const struct iso_fleet_id door = outlet_rig_door(rig, "Gate");
@@ -154,7 +154,7 @@ static void tcp_messages_are_counted_and_sent_again_after_a_break(void **state)
 /* The receiver's window closes in the middle of a batch, and the receiver dies. */
 static void what_a_receiver_has_not_acknowledged_is_sent_again(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     const int small = 4096;
     uint16_t port;
     char address[64];
@@ -217,7 +217,7 @@ static void end_tls(struct stream *stream)
 
 static void tls_messages_arrive(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     uint16_t port;
     char address[64];
     const struct iso_fleet_id door = outlet_rig_door(rig, "Gate");
@@ -243,7 +243,7 @@ static void tls_messages_arrive(void **state)
 
 static void a_tls_receiver_with_another_certificate_gets_nothing(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     uint16_t port;
     char address[64], byte;
     const struct iso_fleet_id door = outlet_rig_door(rig, "Gate");
@@ -275,7 +275,7 @@ static void a_tls_receiver_with_another_certificate_gets_nothing(void **state)
 
 static void udp_messages_are_one_datagram_each(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     uint16_t port;
     char address[64], message[MESSAGE_SIZE];
     const struct iso_fleet_id door = outlet_rig_door(rig, "Gate");
@@ -307,7 +307,7 @@ static int open_local(void)
 
 static void the_local_socket_may_come_later(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     char address[64], message[MESSAGE_SIZE];
     const struct iso_fleet_id door = outlet_rig_door(rig, "Gate");
     (void)unlink(local_path);
@@ -342,16 +342,16 @@ int main(int argc, char **argv)
     outlet_rig_main(argc, argv);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(tcp_messages_are_counted_and_sent_again_after_a_break,
-                                        hub_rig_setup, hub_rig_teardown),
+                                        store_rig_setup, store_rig_teardown),
         cmocka_unit_test_setup_teardown(what_a_receiver_has_not_acknowledged_is_sent_again,
-                                        hub_rig_setup, hub_rig_teardown),
-        cmocka_unit_test_setup_teardown(tls_messages_arrive, hub_rig_setup, hub_rig_teardown),
+                                        store_rig_setup, store_rig_teardown),
+        cmocka_unit_test_setup_teardown(tls_messages_arrive, store_rig_setup, store_rig_teardown),
         cmocka_unit_test_setup_teardown(a_tls_receiver_with_another_certificate_gets_nothing,
-                                        hub_rig_setup, hub_rig_teardown),
-        cmocka_unit_test_setup_teardown(udp_messages_are_one_datagram_each, hub_rig_setup,
-                                        hub_rig_teardown),
-        cmocka_unit_test_setup_teardown(the_local_socket_may_come_later, hub_rig_setup,
-                                        hub_rig_teardown),
+                                        store_rig_setup, store_rig_teardown),
+        cmocka_unit_test_setup_teardown(udp_messages_are_one_datagram_each, store_rig_setup,
+                                        store_rig_teardown),
+        cmocka_unit_test_setup_teardown(the_local_socket_may_come_later, store_rig_setup,
+                                        store_rig_teardown),
     };
-    return cmocka_run_group_tests(tests, hub_rig_start, hub_rig_stop);
+    return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);
 }

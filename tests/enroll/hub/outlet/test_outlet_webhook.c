@@ -30,17 +30,17 @@ static int setup(void **state)
 {
     (void)unlink(log_file);
     receiver_start(&receiver, secret);
-    return hub_rig_setup(state);
+    return store_rig_setup(state);
 }
 
 static int teardown(void **state)
 {
     receiver_stop(&receiver);
     (void)unlink(log_file);
-    return hub_rig_teardown(state);
+    return store_rig_teardown(state);
 }
 
-static void add(struct hub_rig *rig, const char *events, bool from_beginning, const char *ca)
+static void add(struct store_rig *rig, const char *events, bool from_beginning, const char *ca)
 {
     struct iso_fault fault = {.text = ""};
     char address[64], out[HUB_OUTLET_SECRET_SIZE];
@@ -52,7 +52,7 @@ static void add(struct hub_rig *rig, const char *events, bool from_beginning, co
                                                .secret = secret,
                                                .ca = ca,
                                                .from_beginning = from_beginning};
-    hub_rig_fine(hub_outlet_add(&rig->store, &options, out, &fault), &fault);
+    store_rig_fine(hub_outlet_add(&rig->store, &options, out, &fault), &fault);
     assert_string_equal(out, secret);
 }
 
@@ -132,7 +132,7 @@ static struct arrivals read_arrivals(uint64_t step)
 
 static void events_arrive_signed_and_in_order(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     const struct iso_fleet_id a = outlet_rig_door(rig, "A"), b = outlet_rig_door(rig, "B");
     outlet_rig_events(rig, &a, 1, 450, "visit");
     outlet_rig_events(rig, &b, 1, 3, "visit");
@@ -154,7 +154,7 @@ static void events_arrive_signed_and_in_order(void **state)
 
 static void an_outlet_begins_with_the_next_event_and_keeps_to_its_filter(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     const struct iso_fleet_id a = outlet_rig_door(rig, "A");
     outlet_rig_events(rig, &a, 1, 10, "attack");
     add(rig, "attack,duress", false, receiver.pair.certificate);
@@ -177,7 +177,7 @@ static void an_outlet_begins_with_the_next_event_and_keeps_to_its_filter(void **
 
 static void a_failing_receiver_is_asked_again_within_the_bounds(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     const unsigned statuses[] = {500, 503, 502};
     const struct iso_fleet_id a = outlet_rig_door(rig, "A");
     receiver_answer(&receiver, 3, statuses);
@@ -205,7 +205,7 @@ static void a_failing_receiver_is_asked_again_within_the_bounds(void **state)
 
 static void a_receiver_may_ask_for_time(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     const unsigned statuses[] = {429};
     const struct iso_fleet_id a = outlet_rig_door(rig, "A");
     receiver_answer(&receiver, 1, statuses);
@@ -218,7 +218,7 @@ static void a_receiver_may_ask_for_time(void **state)
     assert_in_range(receiver.requests[1].at_ms - receiver.requests[0].at_ms, 4000, 7000);
 }
 
-static void wait_stopped(struct hub_rig *rig)
+static void wait_stopped(struct store_rig *rig)
 {
     for (int i = 0; i < 1000 && !outlet_rig_outlet(rig, "siem").stopped; i++) {
         const struct timespec pause = {.tv_nsec = 10000000};
@@ -229,7 +229,7 @@ static void wait_stopped(struct hub_rig *rig)
 
 static void a_refusal_stops_the_outlet_until_it_is_resumed(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
     const unsigned statuses[] = {403};
     const struct timespec pause = {.tv_sec = 3};
@@ -242,7 +242,7 @@ static void a_refusal_stops_the_outlet_until_it_is_resumed(void **state)
     (void)nanosleep(&pause, NULL);
     assert_int_equal(receiver.n, 1);
     assert_string_equal(outlet_rig_outlet(rig, "siem").trouble, "the receiver answers 403");
-    hub_rig_fine(hub_outlet_resume(&rig->store, "siem", &fault), &fault);
+    store_rig_fine(hub_outlet_resume(&rig->store, "siem", &fault), &fault);
     outlet_rig_wait_idle(rig, "siem", 20);
     outlet_rig_end(pid);
     assert_int_equal(read_arrivals(1).events, 5);
@@ -253,7 +253,7 @@ static void a_refusal_stops_the_outlet_until_it_is_resumed(void **state)
 
 static void a_redirection_is_not_followed(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     char location[64];
     const unsigned statuses[] = {307};
     const struct iso_fleet_id a = outlet_rig_door(rig, "A");
@@ -270,7 +270,7 @@ static void a_redirection_is_not_followed(void **state)
 
 static void a_receiver_with_another_certificate_gets_nothing(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     static struct receiver_pair other;
     const struct iso_fleet_id a = outlet_rig_door(rig, "A");
     receiver_pair_make(&other);
@@ -293,7 +293,7 @@ static void a_receiver_with_another_certificate_gets_nothing(void **state)
 /* The process dies while batches are handed over, again and again. */
 static void no_event_is_lost_when_the_process_is_killed(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     enum { DOORS = 6, EVENTS = 500, KILLS = 12 };
     struct iso_fleet_id doors[DOORS];
     receiver.delay_ms = 20;
@@ -325,7 +325,7 @@ static void no_event_is_lost_when_the_process_is_killed(void **state)
 
 static void two_leaders_hand_over_nothing_twice_under_another_key(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     const struct iso_fleet_id a = outlet_rig_door(rig, "A");
     outlet_rig_events(rig, &a, 1, 3000, "visit");
     add(rig, NULL, true, receiver.pair.certificate);
@@ -341,7 +341,7 @@ static void two_leaders_hand_over_nothing_twice_under_another_key(void **state)
  */
 static void it_survives_the_database_and_ends_at_once(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     const struct iso_fleet_id a = outlet_rig_door(rig, "A");
     add(rig, NULL, true, receiver.pair.certificate);
     const pid_t pid = outlet_rig_run(rig, log_file);
@@ -352,7 +352,7 @@ static void it_survives_the_database_and_ends_at_once(void **state)
     (void)nanosleep(&pause, NULL);
     rig_postgres_up(&rig->postgres);
     hub_store_close(&rig->store);
-    hub_rig_open(rig, &rig->store);
+    store_rig_open(rig, &rig->store);
     outlet_rig_events(rig, &a, 2, 2, "visit");
     outlet_rig_wait_idle(rig, "siem", 20);
     assert_int_equal(read_arrivals(1).events, 2);
@@ -366,28 +366,28 @@ static void it_survives_the_database_and_ends_at_once(void **state)
 
 static void a_removed_outlet_ends_and_a_test_arrives(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
     const unsigned statuses[] = {200, 404};
     add(rig, NULL, true, receiver.pair.certificate);
     receiver_answer(&receiver, 2, statuses);
-    hub_rig_now_s = time(NULL);
-    hub_rig_fine(hub_outlet_test(&rig->store, "siem", &fault), &fault);
+    store_rig_now_s = time(NULL);
+    store_rig_fine(hub_outlet_test(&rig->store, "siem", &fault), &fault);
     assert_int_equal(receiver.n, 1);
     assert_true(receiver.requests[0].is_genuine);
     assert_non_null(strstr(receiver.requests[0].body, "\"event\":\"test\""));
     assert_int_equal(hub_outlet_test(&rig->store, "siem", &fault), -EREMOTEIO);
     assert_string_equal(fault.text, "siem: the receiver answers 404");
-    hub_rig_fine(hub_outlet_remove(&rig->store, "siem", &fault), &fault);
+    store_rig_fine(hub_outlet_remove(&rig->store, "siem", &fault), &fault);
     assert_int_equal(hub_outlet_remove(&rig->store, "siem", &fault), -ENOENT);
     assert_int_equal(hub_outlet_test(&rig->store, "siem", &fault), -ENOENT);
     assert_int_equal(hub_outlet_resume(&rig->store, "siem", &fault), -ENOENT);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM outlet_cursor"), 0);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM outlet_cursor"), 0);
 }
 
 static void the_database_has_the_secret_only_sealed(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     add(rig, NULL, true, receiver.pair.certificate);
     char *dump = rig_postgres_dump(&rig->postgres);
     char hex[2 * sizeof secret];
@@ -400,7 +400,7 @@ static void the_database_has_the_secret_only_sealed(void **state)
 
 static void what_is_not_allowed_is_not_added(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     const struct hub_outlet_options good = {
         .name = "siem", .address = "https://example.org/", .kind = HUB_OUTLET_WEBHOOK};
     struct hub_outlet_options cases[6] = {good, good, good, good, good, good};
@@ -415,11 +415,12 @@ static void what_is_not_allowed_is_not_added(void **state)
     for (size_t i = 0; i < 6; i++) {
         assert_int_equal(hub_outlet_add(&rig->store, &cases[i], out, &fault), -EINVAL);
     }
-    hub_rig_fine(hub_outlet_add(&rig->store, &good, out, &fault), &fault);
+    store_rig_fine(hub_outlet_add(&rig->store, &good, out, &fault), &fault);
     assert_int_equal(strlen(out), 64);
     assert_int_equal(hub_outlet_add(&rig->store, &good, again, &fault), -EEXIST);
     assert_string_equal(fault.text, "siem: there is an outlet of this name");
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM act WHERE what = 'outlet-add'"), 1);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM act WHERE what = 'outlet-add'"),
+                     1);
 }
 
 int main(int argc, char **argv)
@@ -446,5 +447,5 @@ int main(int argc, char **argv)
         cmocka_unit_test_setup_teardown(the_database_has_the_secret_only_sealed, setup, teardown),
         cmocka_unit_test_setup_teardown(what_is_not_allowed_is_not_added, setup, teardown),
     };
-    return cmocka_run_group_tests(tests, hub_rig_start, hub_rig_stop);
+    return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);
 }
