@@ -8,6 +8,7 @@
 #include "drivers/file/file.h"
 #include "enroll/hub/command/hub_command.h"
 #include "enroll/hub/outlet/hub_outlet.h"
+#include "enroll/hub/outlet/run/hub_outlet_try.h"
 
 enum { FILE_BYTES_MAX = 1 << 20 };
 
@@ -94,7 +95,7 @@ static int resume(struct hub_run *run)
 
 static int test(struct hub_run *run)
 {
-    const int error = hub_outlet_test(&run->store, run->arguments.words[0], &run->fault);
+    const int error = hub_outlet_try(&run->store, run->arguments.words[0], &run->fault);
     if (!error) {
         printf("%s: the event \"test\" was taken\n", run->arguments.words[0]);
     }

@@ -70,9 +70,4 @@ int hub_outlet_each(struct hub_store *store,
                     int (*each)(void *context, const struct hub_outlet *outlet), void *context,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Hands one event "test" over, with the number 0 and the hub as its door, and no cursor moves.
- * -ENOENT; -EREMOTEIO the receiver did not take it, which the fault describes. */
-int hub_outlet_test(struct hub_store *store, const char *name, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
-
 #endif

@@ -8,7 +8,7 @@
 
 #include "enroll/hub/answer/hub_outbox.h"
 #include "enroll/hub/broker/hub_ca.h"
-#include "enroll/hub/outlet/hub_outlets.h"
+#include "enroll/hub/outlet/run/hub_outlets.h"
 #include "enroll/hub/serve/bucket.h"
 #include "enroll/hub/serve/fetch_worker.h"
 #include "enroll/hub/serve/hub_serve.h"

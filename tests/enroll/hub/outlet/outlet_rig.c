@@ -19,7 +19,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "enroll/hub/outlet/hub_outlets.h"
+#include "enroll/hub/outlet/run/hub_outlets.h"
 
 /* ---- the process ---- */
 

@@ -14,9 +14,9 @@
 #include <time.h>
 
 #include "enroll/hub/outlet/address.h"
-#include "enroll/hub/outlet/backoff.h"
-#include "enroll/hub/outlet/syslog_text.h"
-#include "enroll/hub/outlet/webhook_text.h"
+#include "enroll/hub/outlet/carry/syslog_text.h"
+#include "enroll/hub/outlet/carry/webhook_text.h"
+#include "enroll/hub/outlet/run/backoff.h"
 
 static const struct hub__batch_event visit = {
     .door = {.bytes = {0x01, 0x90, 0xb3, 0xf2, 0, 0, 0x40, 0, 0x80, 0, 0, 0, 0, 0, 0, 7}},

@@ -1,4 +1,4 @@
-#include "enroll/hub/outlet/outlet_worker.h"
+#include "enroll/hub/outlet/run/outlet_worker.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -13,9 +13,9 @@
 #include <unistd.h>
 
 #include "drivers/process/thread.h"
-#include "enroll/hub/outlet/backoff.h"
 #include "enroll/hub/outlet/batch.h"
-#include "enroll/hub/outlet/carrier.h"
+#include "enroll/hub/outlet/carry/carrier.h"
+#include "enroll/hub/outlet/run/backoff.h"
 
 enum { AT_ONCE = 0, END = -1 };
 

@@ -8,8 +8,8 @@
 #include <sys/ioctl.h>
 #include <time.h>
 
-#include "enroll/hub/outlet/syslog.h"
-#include "enroll/hub/outlet/syslog_text.h"
+#include "enroll/hub/outlet/carry/syslog.h"
+#include "enroll/hub/outlet/carry/syslog_text.h"
 
 enum { ACKNOWLEDGED_MS = 5 }; /* between two looks whether everything is acknowledged */
 

@@ -1,4 +1,4 @@
-#include "enroll/hub/outlet/backoff.h"
+#include "enroll/hub/outlet/run/backoff.h"
 
 enum { ASKED_MOST_S = 3600 };
 

@@ -1,11 +1,11 @@
 /* libcurl with an end: a transfer that is given up when a descriptor becomes readable. Internal to
  * the outlets. */
-#ifndef ISO_ENROLL_HUB_OUTLET_TRANSFER_H
-#define ISO_ENROLL_HUB_OUTLET_TRANSFER_H
+#ifndef ISO_ENROLL_HUB_OUTLET_CARRY_TRANSFER_H
+#define ISO_ENROLL_HUB_OUTLET_CARRY_TRANSFER_H
 
 #include <curl/curl.h>
 
-#include "enroll/hub/outlet/carrier.h"
+#include "enroll/hub/outlet/carry/carrier.h"
 
 struct hub__transfer {
     CURLM *multi;

@@ -8,8 +8,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "enroll/hub/outlet/syslog.h"
-#include "enroll/hub/outlet/syslog_text.h"
+#include "enroll/hub/outlet/carry/syslog.h"
+#include "enroll/hub/outlet/carry/syslog_text.h"
 
 /* Receivers need not take more (RFC 5426, 3.2), and the rest of a record is cut. */
 enum { DATAGRAM_MOST = 8192, SEND_S = 5 };

@@ -4,11 +4,11 @@
  * answer: a batch counts as taken when the receiver's system has acknowledged all its bytes and the
  * connection is still there. What the receiver loses after that is lost. UDP (RFC 5426) and the
  * local socket have not even this: what was sent counts as taken. */
-#ifndef ISO_ENROLL_HUB_OUTLET_SYSLOG_H
-#define ISO_ENROLL_HUB_OUTLET_SYSLOG_H
+#ifndef ISO_ENROLL_HUB_OUTLET_CARRY_SYSLOG_H
+#define ISO_ENROLL_HUB_OUTLET_CARRY_SYSLOG_H
 
 #include "enroll/hub/outlet/address.h"
-#include "enroll/hub/outlet/transfer.h"
+#include "enroll/hub/outlet/carry/transfer.h"
 
 struct hub__syslog {
     struct hub__address address;

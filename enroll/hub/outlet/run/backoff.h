@@ -1,6 +1,6 @@
 /* How long an outlet waits after failures. Pure. */
-#ifndef ISO_ENROLL_HUB_OUTLET_BACKOFF_H
-#define ISO_ENROLL_HUB_OUTLET_BACKOFF_H
+#ifndef ISO_ENROLL_HUB_OUTLET_RUN_BACKOFF_H
+#define ISO_ENROLL_HUB_OUTLET_RUN_BACKOFF_H
 
 #include <stdbool.h>
 #include <stdint.h>

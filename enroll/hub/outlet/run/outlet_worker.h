@@ -1,6 +1,6 @@
 /* The thread of one outlet. Internal to the outlets. */
-#ifndef ISO_ENROLL_HUB_OUTLET_OUTLET_WORKER_H
-#define ISO_ENROLL_HUB_OUTLET_OUTLET_WORKER_H
+#ifndef ISO_ENROLL_HUB_OUTLET_RUN_OUTLET_WORKER_H
+#define ISO_ENROLL_HUB_OUTLET_RUN_OUTLET_WORKER_H
 
 #include "enroll/hub/outlet/hub_outlet.h"
 

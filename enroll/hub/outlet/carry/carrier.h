@@ -1,7 +1,7 @@
 /* How events get from an outlet to its receiver: a carrier for each kind, whose calls wait.
  * Internal to the outlets. */
-#ifndef ISO_ENROLL_HUB_OUTLET_CARRIER_H
-#define ISO_ENROLL_HUB_OUTLET_CARRIER_H
+#ifndef ISO_ENROLL_HUB_OUTLET_CARRY_CARRIER_H
+#define ISO_ENROLL_HUB_OUTLET_CARRY_CARRIER_H
 
 #include "enroll/hub/outlet/batch.h"
 

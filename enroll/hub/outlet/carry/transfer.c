@@ -1,4 +1,4 @@
-#include "enroll/hub/outlet/transfer.h"
+#include "enroll/hub/outlet/carry/transfer.h"
 
 #include <errno.h>
 #include <pthread.h>

@@ -1,8 +1,8 @@
 /* The carrier of webhooks: one POST for each batch. Internal to the outlets. */
-#ifndef ISO_ENROLL_HUB_OUTLET_WEBHOOK_H
-#define ISO_ENROLL_HUB_OUTLET_WEBHOOK_H
+#ifndef ISO_ENROLL_HUB_OUTLET_CARRY_WEBHOOK_H
+#define ISO_ENROLL_HUB_OUTLET_CARRY_WEBHOOK_H
 
-#include "enroll/hub/outlet/transfer.h"
+#include "enroll/hub/outlet/carry/transfer.h"
 
 /* Sends a batch, signed with the time `now_s`. An answer 2xx takes it. 408, 425, 429 and 5xx ask
  * for another attempt, at the time of their Retry-After if they have one. All other answers refuse,

@@ -1,4 +1,4 @@
-#include "enroll/hub/outlet/webhook_text.h"
+#include "enroll/hub/outlet/carry/webhook_text.h"
 
 #include <inttypes.h>
 #include <jansson.h>

@@ -2,8 +2,8 @@
  * that a receiver that is slow or away delays neither the others nor the event loop. Only the
  * leader of the hub's processes runs them. Two processes that do for a moment, because one has not
  * noticed yet that it does not lead any more, hand the same batch over twice, with the same key. */
-#ifndef ISO_ENROLL_HUB_OUTLET_HUB_OUTLETS_H
-#define ISO_ENROLL_HUB_OUTLET_HUB_OUTLETS_H
+#ifndef ISO_ENROLL_HUB_OUTLET_RUN_HUB_OUTLETS_H
+#define ISO_ENROLL_HUB_OUTLET_RUN_HUB_OUTLETS_H
 
 #include <systemd/sd-event.h>
 

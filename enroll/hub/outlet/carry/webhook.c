@@ -1,10 +1,10 @@
-#include "enroll/hub/outlet/webhook.h"
+#include "enroll/hub/outlet/carry/webhook.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/hub/outlet/webhook_text.h"
+#include "enroll/hub/outlet/carry/webhook_text.h"
 
 /* Nobody reads what the receiver says. */
 static size_t ignore(char *bytes, size_t size, size_t n, void *context)

@@ -1,4 +1,4 @@
-#include "enroll/hub/outlet/hub_outlets.h"
+#include "enroll/hub/outlet/run/hub_outlets.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -6,7 +6,7 @@
 #include <string.h>
 #include <systemd/sd-daemon.h>
 
-#include "enroll/hub/outlet/outlet_worker.h"
+#include "enroll/hub/outlet/run/outlet_worker.h"
 
 enum { OUTLETS_MOST = 64, FOLLOW_US = 2000000 };
 

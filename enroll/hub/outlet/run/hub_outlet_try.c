@@ -1,9 +1,10 @@
-/* Hands one event over to see whether it arrives. */
+#include "enroll/hub/outlet/run/hub_outlet_try.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <time.h>
 
-#include "enroll/hub/outlet/carrier.h"
+#include "enroll/hub/outlet/carry/carrier.h"
 
 static const char record[] =
     "{\"event\":\"test\",\"note\":\"isotherm-hub asks whether this outlet works\"}";
@@ -29,7 +30,7 @@ static int hand(struct hub_store *store, const struct hub__outlet_row *row, stru
                : iso_fault_set(fault, -EREMOTEIO, "%s: %s", row->outlet.name, delivery.text);
 }
 
-int hub_outlet_test(struct hub_store *store, const char *name, struct iso_fault *fault)
+int hub_outlet_try(struct hub_store *store, const char *name, struct iso_fault *fault)
 {
     struct hub__outlet_row row = {.ca = NULL};
     int error = hub__outlet_load(store, NULL, name, &row, fault);

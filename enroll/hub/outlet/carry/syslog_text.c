@@ -1,4 +1,4 @@
-#include "enroll/hub/outlet/syslog_text.h"
+#include "enroll/hub/outlet/carry/syslog_text.h"
 
 #include <inttypes.h>
 #include <jansson.h>

@@ -9,8 +9,8 @@
  * isotherm-hub: [...] {...}", with the time of the event in the local time zone, or `now_s` if it
  * has none. The facility is authpriv (10); an alert is a duress, a warning is what somebody should
  * look at. */
-#ifndef ISO_ENROLL_HUB_OUTLET_SYSLOG_TEXT_H
-#define ISO_ENROLL_HUB_OUTLET_SYSLOG_TEXT_H
+#ifndef ISO_ENROLL_HUB_OUTLET_CARRY_SYSLOG_TEXT_H
+#define ISO_ENROLL_HUB_OUTLET_CARRY_SYSLOG_TEXT_H
 
 #include "enroll/hub/outlet/batch.h"
 

@@ -8,8 +8,8 @@
  * has the time of the request in seconds since 1970, and HMAC-SHA-256 with the outlet's secret over
  * the time as it stands there, a dot, and the body. A receiver compares it in constant time and
  * refuses old times. */
-#ifndef ISO_ENROLL_HUB_OUTLET_WEBHOOK_TEXT_H
-#define ISO_ENROLL_HUB_OUTLET_WEBHOOK_TEXT_H
+#ifndef ISO_ENROLL_HUB_OUTLET_CARRY_WEBHOOK_TEXT_H
+#define ISO_ENROLL_HUB_OUTLET_CARRY_WEBHOOK_TEXT_H
 
 #include "enroll/hub/outlet/batch.h"
 

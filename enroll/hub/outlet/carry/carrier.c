@@ -1,4 +1,4 @@
-#include "enroll/hub/outlet/carrier.h"
+#include "enroll/hub/outlet/carry/carrier.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "enroll/hub/outlet/syslog.h"
-#include "enroll/hub/outlet/webhook.h"
+#include "enroll/hub/outlet/carry/syslog.h"
+#include "enroll/hub/outlet/carry/webhook.h"
 
 struct hub__carrier {
     const struct hub__outlet_row *row;
