@@ -48,7 +48,6 @@ struct words {
     struct broker_places places;
     const char *hosts[HUB_PAIR_HOSTS_MOST];
     size_t n;
-    bool home_assistant;
     char host[HOST_NAME_MAX + 1];
 };
 
@@ -92,7 +91,7 @@ static int take(int option, const char *value, struct words *words)
         words->places.persistence = value;
         return 0;
     case HOME:
-        words->home_assistant = true;
+        words->places.home_assistant = true;
         return 0;
     case HELP:
         fputs(usage, stdout);
@@ -128,22 +127,6 @@ static int read_options(struct words *words, int argc, char **argv)
     return r;
 }
 
-static int write_all(struct hub_store *store, const struct hub_ca *ca, const struct words *words,
-                     bool *changed, struct iso_fault *fault)
-{
-    struct hub_pair pair;
-    int r = broker_config_write(store, ca, &words->places, words->hosts, words->n, changed, fault);
-
-    if (r == 0 && words->home_assistant) {
-        r = hub_pair_open(ca, words->places.folder, HUB_PAIR_HOME, NULL, 0, store->now_s(), &pair,
-                          fault);
-        if (r == 0) {
-            hub_pair_free(&pair);
-        }
-    }
-    return r;
-}
-
 static int run(const struct hub_store_options *options, const char *folder,
                const struct words *words, bool *changed, struct iso_fault *fault)
 {
@@ -153,7 +136,9 @@ static int run(const struct hub_store_options *options, const char *folder,
 
     r = r < 0 ? r : hub_store_open(options, &store, fault);
     r = r < 0 ? r : hub_ca_open(folder, &ca, fault);
-    r = r < 0 ? r : write_all(&store, ca, words, changed, fault);
+    r = r < 0 ? r
+              : broker_config_write(&store, ca, &words->places, words->hosts, words->n, changed,
+                                    fault);
     hub_ca_free(ca);
     hub_store_close(&store);
     return r;

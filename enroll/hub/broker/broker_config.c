@@ -107,6 +107,26 @@ static int put_revoked(struct hub_store *store, const struct hub_ca *ca, const c
     return r;
 }
 
+int broker_config_look(struct hub_store *store, int64_t *mark, bool *changed,
+                       struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    PGresult *rows = NULL;
+
+    hub_value_integer(&values, *mark);
+    const int r = hub_db_run(store->db,
+                             "SELECT coalesce(max(number), $1)::bigint, "
+                             "coalesce(bool_or(what LIKE 'door-%'), false) "
+                             "FROM act WHERE number > $1",
+                             &values, &rows, fault);
+    if (r == 0) {
+        *mark = hub_row_integer(rows, 0, 0);
+        *changed = hub_row_switch(rows, 0, 1);
+        PQclear(rows);
+    }
+    return r;
+}
+
 int broker_config_follow(struct hub_store *store, const struct hub_ca *ca, const char *folder,
                          bool *changed, struct iso_fault *fault)
 {
@@ -139,16 +159,15 @@ static int put_config(const struct broker_places *places, bool *changed, struct 
 }
 
 static int put_pair(struct hub_store *store, const struct hub_ca *ca, const char *folder,
-                    const char *const *hosts, size_t n, bool *changed, struct iso_fault *fault)
+                    enum hub_pair_use use, const char *const *hosts, size_t n, bool *changed,
+                    struct iso_fault *fault)
 {
     char key[PATH_MAX], chain[PATH_MAX];
     struct hub_pair pair;
-    int r = hub__path(key, sizeof key, folder, hub_pair_key_name(HUB_PAIR_BROKER), fault);
+    int r = hub__path(key, sizeof key, folder, hub_pair_key_name(use), fault);
 
-    r = r < 0 ? r
-              : hub__path(chain, sizeof chain, folder, hub_pair_chain_name(HUB_PAIR_BROKER), fault);
-    r = r < 0 ? r
-              : hub_pair_open(ca, folder, HUB_PAIR_BROKER, hosts, n, store->now_s(), &pair, fault);
+    r = r < 0 ? r : hub__path(chain, sizeof chain, folder, hub_pair_chain_name(use), fault);
+    r = r < 0 ? r : hub_pair_open(ca, folder, use, hosts, n, store->now_s(), &pair, fault);
     if (r < 0) {
         return r;
     }
@@ -167,7 +186,11 @@ int broker_config_write(struct hub_store *store, const struct hub_ca *ca,
     bool is_changed = false, follows = false;
     int r = put(places->folder, "ca.pem", pem, strlen(pem), &is_changed, fault);
 
-    r = r < 0 ? r : put_pair(store, ca, places->folder, hosts, n, &is_changed, fault);
+    r = r < 0 ? r
+              : put_pair(store, ca, places->folder, HUB_PAIR_BROKER, hosts, n, &is_changed, fault);
+    if (r == 0 && places->home_assistant) {
+        r = put_pair(store, ca, places->folder, HUB_PAIR_HOME, NULL, 0, &is_changed, fault);
+    }
     r = r < 0 ? r : broker_config_follow(store, ca, places->folder, &follows, fault);
     r = r < 0 ? r : put_config(places, &is_changed, fault);
     if (r == 0) {

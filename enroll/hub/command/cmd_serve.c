@@ -1,10 +1,12 @@
 /* serve, broker-config: the configuration becomes options of these commands, and options of the
  * command line follow them. */
 #include <errno.h>
+#include <sodium.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
+#include "enroll/hub/api/hub_api.h"
 #include "enroll/hub/broker/broker_command.h"
 #include "enroll/hub/command/hub_command.h"
 #include "enroll/hub/serve/serve_command.h"
@@ -128,6 +130,19 @@ static int configure_broker(struct hub_run *run, int argc, char **argv, int *sta
     return error;
 }
 
+static int make_code(struct hub_run *run)
+{
+    char code[HUB_API_CODE_SIZE];
+    const int error = hub_api_make_code(run->config.folder, code, &run->fault);
+    if (!error) {
+        puts(code);
+        fprintf(stderr,
+                "The code makes one account of an administrator at the API, within a day.\n");
+        sodium_memzero(code, sizeof code);
+    }
+    return error;
+}
+
 const struct hub_command hub_serve_commands[] = {
     {.words = "serve",
      .synopsis = "[OPTION...]",
@@ -137,5 +152,10 @@ const struct hub_command hub_serve_commands[] = {
      .synopsis = "[OPTION...]",
      .help = "write the configuration of mosquitto; broker-config --help lists its options",
      .run_whole = configure_broker},
+    {.words = "setup-code",
+     .synopsis = "",
+     .help = "print a code for an administrator's account at the API",
+     .without_store = true,
+     .run = make_code},
     {.words = NULL},
 };

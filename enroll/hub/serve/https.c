@@ -2,7 +2,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <sodium.h>
 #include <stdio.h>
 #include <string.h>
 #include <systemd/sd-daemon.h>
@@ -12,8 +11,6 @@
 #include "enroll/web/listener.h"
 
 enum { RENEW_US = 3600 * 1000000U };
-
-static const struct web_route routes[] = {{NULL, NULL, WEB_ROLE_NONE, NULL}};
 
 static const struct web_plain_route plain[] = {
     {"/fleet/v1/join", "application/json", hub__post_join},
@@ -26,8 +23,8 @@ static int start_server(struct hub_service *service, struct iso_fault *fault)
 {
     struct web_server_setup setup = {.event = service->event,
                                      .certificate = &service->certificate,
-                                     .sessions = &service->sessions,
-                                     .routes = routes,
+                                     .sessions = &service->api.sessions,
+                                     .routes = hub_api_routes,
                                      .plain = plain,
                                      .context = service};
 
@@ -113,8 +110,8 @@ int hub__https_start(struct hub_service *service, struct iso_fault *fault)
     }
     service->joins = hub_bucket_of(20, 2);
     service->renewals = hub_bucket_of(100, 20);
-    web_guess_init(&service->guess);
-    r = hub__https_renew(service, fault);
+    r = hub_api_open(&service->api, &service->store, service->options->folder, fault);
+    r = r < 0 ? r : hub__https_renew(service, fault);
     r = r < 0 ? r : start_server(service, fault);
     if (r == 0) {
         r = sd_event_add_time_relative(service->event, &service->hourly, CLOCK_MONOTONIC, RENEW_US,
@@ -135,5 +132,5 @@ void hub__https_stop(struct hub_service *service)
         (void)close(service->listen_fd);
         service->listen_fd = -1;
     }
-    sodium_memzero(&service->sessions, sizeof service->sessions);
+    hub_api_close(&service->api);
 }

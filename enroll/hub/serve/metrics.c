@@ -6,42 +6,10 @@
 #include <systemd/sd-daemon.h>
 
 #include "drivers/file/data_file.h"
+#include "enroll/hub/metrics/hub_metrics.h"
 #include "enroll/hub/serve/service.h"
-#include "enroll/hub/store/hub_door.h"
-#include "enroll/hub/store/hub_zone.h"
 
 enum { EVERY_S = 15 };
-
-struct writing {
-    FILE *out;
-    unsigned joined, online;
-};
-
-static int write_zone(void *context, const struct hub_zone *zone)
-{
-    FILE *out = ((struct writing *)context)->out;
-    char id[ISO_FLEET_ID_TEXT_SIZE];
-
-    (void)iso_fleet_id_text(&zone->place.zone, id);
-    (void)fprintf(out, "isotherm_zone_sequence{zone=\"%s\"} %llu\n", id,
-                  (unsigned long long)zone->place.sequence);
-    (void)fprintf(out, "isotherm_zone_unpublished{zone=\"%s\"} %llu\n", id,
-                  (unsigned long long)(zone->place.sequence - zone->published));
-    (void)fprintf(out, "isotherm_zone_people{zone=\"%s\"} %llu\n", id,
-                  (unsigned long long)zone->people);
-    (void)fprintf(out, "isotherm_zone_lockdown{zone=\"%s\"} %d\n", id, zone->lockdown);
-    (void)fprintf(out, "isotherm_zone_behind{zone=\"%s\"} %d\n", id, zone->behind);
-    return 0;
-}
-
-static int count_door(void *context, const struct hub_door *door)
-{
-    struct writing *writing = context;
-
-    writing->joined += door->joined_s != 0;
-    writing->online += door->online;
-    return 0;
-}
 
 static void write_totals(FILE *out, const struct hub_service *service)
 {
@@ -82,21 +50,21 @@ void hub__metrics_write(struct hub_service *service)
     const char *path = service->options->metrics_file;
     const int64_t now_s = (int64_t)hub__clock_s();
     struct iso_fault fault = {.text = ""};
-    struct writing writing = {.joined = 0};
     char *text = NULL;
     size_t size = 0;
 
-    if (!path || now_s - service->measured_s < EVERY_S ||
-        !(writing.out = open_memstream(&text, &size))) {
+    if (!path || now_s - service->measured_s < EVERY_S) {
+        return;
+    }
+    FILE *out = open_memstream(&text, &size);
+    if (!out) {
         return;
     }
     service->measured_s = now_s;
-    write_totals(writing.out, service);
-    (void)!hub_zone_each(&service->store, write_zone, &writing, NULL);
-    (void)!hub_door_each(&service->store, false, count_door, &writing, NULL);
-    (void)fprintf(writing.out, "isotherm_hub_doors_joined %u\nisotherm_hub_doors_online %u\n",
-                  writing.joined, writing.online);
-    if (fclose(writing.out) == 0 && iso_data_file_replace(path, text, size, &fault)) {
+    write_totals(out, service);
+    /* Without the database its figures are left out; isotherm_hub_database_connected says why. */
+    (void)!hub_metrics_write(&service->store, out, NULL);
+    if (fclose(out) == 0 && iso_data_file_replace(path, text, size, &fault)) {
         fprintf(stderr, SD_WARNING "isotherm-hub: %s\n", fault.text);
     }
     (void)chmod(path, 0644);

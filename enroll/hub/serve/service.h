@@ -7,14 +7,13 @@
 #include <systemd/sd-event.h>
 
 #include "enroll/hub/answer/hub_outbox.h"
+#include "enroll/hub/api/hub_api.h"
 #include "enroll/hub/broker/hub_ca.h"
 #include "enroll/hub/outlet/run/hub_outlets.h"
-#include "enroll/hub/serve/bucket.h"
 #include "enroll/hub/serve/fetch_worker.h"
 #include "enroll/hub/serve/hub_serve.h"
 #include "enroll/hub/serve/mail_queue.h"
 #include "enroll/hub/serve/mqtt.h"
-#include "enroll/web/account/guess.h"
 #include "enroll/web/http/server.h"
 
 enum { HUB_TICK_MS = 1000 };
@@ -29,6 +28,7 @@ struct hub_totals {
 };
 
 struct hub_service {
+    struct hub_api api; /* the first member: handlers of the API get its address */
     const struct hub_serve_options *options;
     sd_event *event;
     struct hub_store store;
@@ -39,9 +39,6 @@ struct hub_service {
     /* HTTPS */
     int listen_fd;
     struct web_certificate certificate;
-    struct web_sessions sessions;
-    struct web_accounts *accounts;
-    struct web_guess guess;
     struct web_server *server;
     struct hub_bucket joins, renewals;
 
@@ -65,7 +62,8 @@ struct hub_service {
     int64_t homed_s;
 
     sd_event_source *hourly;
-    int64_t followed_s; /* when the broker's folder was compared last */
+    int64_t followed;   /* the newest act that the broker's folder follows */
+    int64_t follow_s;   /* when the folder is compared in any case */
     int64_t measured_s; /* when the file of metrics was written last */
     struct hub_totals totals;
 };

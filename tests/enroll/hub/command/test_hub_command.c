@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "enroll/hub/command/hub_config.h"
+#include "enroll/hub/command/hub_command.h"
 #include "enroll/hub/people/hub_request.h"
 #include "tests/enroll/hub/rigs/played_door.h"
 #include "tests/support/programs/run.h"
@@ -262,6 +262,36 @@ static void a_wrong_configuration_is_one_line(void **state)
     assert_string_equal(read.key_file, "/var/lib/isotherm-hub/hub.keys");
 }
 
+static void every_command_and_option_stands_in_the_manual(void **state)
+{
+    const struct hub_command *const tables[] = {
+        hub_setup_commands,  hub_serve_commands,   hub_zone_commands, hub_door_commands,
+        hub_person_commands, hub_request_commands, hub_event_commands};
+    char *manual = scratch_read_text(ISOTHERM_SOURCE_DIR "/enroll/man/isotherm-hub.8");
+    int n = 0;
+    (void)state;
+    for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
+        for (const struct hub_command *c = tables[t]; c->words; c++, n++) {
+            char item[64];
+            (void)snprintf(item, sizeof item, "\n.It Ic %s", c->words);
+            char *at = strstr(manual, item);
+            if (!at) {
+                fail_msg("isotherm-hub(8) does not have %s", c->words);
+            }
+            const size_t length = strcspn(at + 1, "\n");
+            for (const char *o = strstr(c->synopsis, "--"); o; o = strstr(o + 2, "--")) {
+                (void)snprintf(item, sizeof item, "Fl Fl %.*s", (int)strcspn(o + 2, " ]"), o + 2);
+                const char *found = strstr(at, item);
+                if (!found || found > at + 1 + length) {
+                    fail_msg("isotherm-hub(8): %s: %s is missing", c->words, item);
+                }
+            }
+        }
+    }
+    assert_true(n > 25);
+    free(manual);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -270,6 +300,7 @@ int main(void)
         cmocka_unit_test(the_broker_is_configured),
         cmocka_unit_test(wrong_words_are_one_line),
         cmocka_unit_test(a_wrong_configuration_is_one_line),
+        cmocka_unit_test(every_command_and_option_stands_in_the_manual),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }

@@ -11,6 +11,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "enroll/hub/broker/broker_config.h"
 #include "enroll/hub/store/hub_door.h"
 #include "enroll/hub/store/hub_schema.h"
 #include "enroll/hub/store/hub_zone.h"
@@ -25,6 +26,21 @@ static void ok(int error, const struct iso_fault *fault)
     }
 }
 
+static struct rig_postgres postgres;
+
+static bool start_postgres(struct hub_rig *rig)
+{
+    rig->postgres = &postgres;
+    return postgres.pid != 0 || rig_postgres_start(&postgres);
+}
+
+int hub_rig_end(void **state)
+{
+    (void)state;
+    rig_postgres_stop(&postgres);
+    return 0;
+}
+
 static void make_store(struct hub_rig *rig)
 {
     struct iso_fault fault = {.text = ""};
@@ -34,10 +50,10 @@ static void make_store(struct hub_rig *rig)
 
     ok(hub_keys_make(key_file, &keys, &fault), &fault);
     hub_keys_wipe(&keys);
-    ok(hub_db_open(rig->postgres.conninfo, &db, &fault), &fault);
+    ok(hub_db_open(rig->postgres->conninfo, &db, &fault), &fault);
     ok(hub_schema_migrate(db, (int64_t)hub_migrations_n, &fault), &fault);
     hub_db_close(db);
-    const struct hub_store_options options = {.conninfo = rig->postgres.conninfo,
+    const struct hub_store_options options = {.conninfo = rig->postgres->conninfo,
                                               .key_file = key_file,
                                               .hub_name = "Test",
                                               .actor = "anna"};
@@ -45,50 +61,25 @@ static void make_store(struct hub_rig *rig)
     ok(hub_zone_add(&rig->store, "Office", &rig->zone, &fault), &fault);
 }
 
-/* Starts hub_process with a command and options. */
-static pid_t run(const struct hub_rig *rig, const char *log, const char *const options[], int n)
-{
-    const char *argv[32] = {HUB_PROCESS, rig->postgres.conninfo,
-                            scratch_path(rig->folder, "hub.keys"), rig->folder};
-    const pid_t pid = fork();
-
-    assert_true(pid >= 0);
-    if (pid == 0) {
-        const int fd = open(log, O_WRONLY | O_CREAT | O_APPEND, 0600);
-        memcpy(argv + 4, options, (size_t)n * sizeof *options);
-        (void)dup2(fd, STDOUT_FILENO);
-        (void)dup2(fd, STDERR_FILENO);
-        (void)execv(argv[0], (char *const *)(uintptr_t)argv);
-        _exit(127);
-    }
-    return pid;
-}
-
 static void write_broker(struct hub_rig *rig)
 {
-    char port[8], hub_port[8];
-    const char *log = scratch_path(rig->folder, "broker-config.log");
-    int status = 0;
+    static const char *const hosts[] = {"127.0.0.1", "localhost"};
+    const struct broker_places places = {.folder = rig->broker_folder,
+                                         .persistence = rig->broker_folder,
+                                         .hub_address = "127.0.0.1",
+                                         .port = rig->broker_port,
+                                         .hub_port = rig->hub_broker_port,
+                                         .home_assistant = true};
+    struct iso_fault fault = {.text = ""};
+    struct hub_ca *ca = NULL;
+    bool changed = false;
 
-    (void)snprintf(port, sizeof port, "%u", rig->broker_port);
-    (void)snprintf(hub_port, sizeof hub_port, "%u", rig->hub_broker_port);
-    const char *const options[] = {"broker-config",
-                                   "--output",
-                                   rig->broker_folder,
-                                   "--host",
-                                   "127.0.0.1",
-                                   "--port",
-                                   port,
-                                   "--hub-port",
-                                   hub_port,
-                                   "--persistence",
-                                   rig->broker_folder,
-                                   "--home-assistant"};
-    const pid_t pid = run(rig, log, options, sizeof options / sizeof *options);
-    assert_int_equal(waitpid(pid, &status, 0), pid);
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-        fail_msg("broker-config: %s", scratch_read_text(log));
-    }
+    ok(hub_ca_open(rig->folder, &ca, &fault), &fault);
+    ok(broker_config_write(&rig->store, ca, &places, hosts, 2, &changed, &fault), &fault);
+    assert_true(changed);
+    ok(broker_config_write(&rig->store, ca, &places, hosts, 2, &changed, &fault), &fault);
+    assert_false(changed);
+    hub_ca_free(ca);
     if (geteuid() == 0) { /* the folder of the test belongs to root */
         FILE *config = fopen(scratch_path(rig->broker_folder, "mosquitto.conf"), "a");
         assert_non_null(config);
@@ -104,7 +95,7 @@ bool hub_rig_start(struct hub_rig *rig, const char *folder)
     memset(rig, 0, sizeof *rig);
     rig->folder = folder;
     rig->broker_folder = strdup(scratch_path(folder, "broker"));
-    if (!broker_rig_is_possible() || !rig_postgres_start(&rig->postgres)) {
+    if (!broker_rig_is_possible() || !start_postgres(rig)) {
         return false;
     }
     ok(iso_fleet_start(&fault), &fault);
@@ -114,7 +105,7 @@ bool hub_rig_start(struct hub_rig *rig, const char *folder)
     rig->hub_broker_port = broker_rig_port();
     write_broker(rig);
     broker_rig_start(&rig->broker, scratch_path(rig->broker_folder, "mosquitto.conf"),
-                     rig->broker_port, scratch_path(folder, "broker.log"));
+                     rig->hub_broker_port, scratch_path(folder, "broker.log"));
     return true;
 }
 
@@ -125,13 +116,16 @@ void hub_rig_stop(struct hub_rig *rig)
     }
     broker_rig_stop(&rig->broker);
     hub_store_close(&rig->store);
-    rig_postgres_stop(&rig->postgres);
+    if (postgres.pid) {
+        rig_postgres_empty(&postgres);
+    }
     free((char *)(uintptr_t)rig->broker_folder);
 }
 
 void hub_rig_serve(struct hub_rig *rig, int i)
 {
-    char listen[32], broker[32], door_broker[32];
+    char listen[32], hub_port[8], door_port[8];
+    const char *keys = scratch_path(rig->folder, "hub.keys");
 
     rig->hubs[i].port = broker_rig_port();
     (void)snprintf(rig->hubs[i].log, sizeof rig->hubs[i].log, "%s/hub-%d.log", rig->folder, i);
@@ -139,23 +133,18 @@ void hub_rig_serve(struct hub_rig *rig, int i)
                    i);
     (void)unlink(rig->hubs[i].log);
     (void)snprintf(listen, sizeof listen, "127.0.0.1:%u", rig->hubs[i].port);
-    (void)snprintf(broker, sizeof broker, "localhost:%u", rig->hub_broker_port);
-    (void)snprintf(door_broker, sizeof door_broker, "127.0.0.1:%u", rig->broker_port);
-    const char *const options[] = {"serve",
-                                   "--listen",
-                                   listen,
-                                   "--host",
-                                   "127.0.0.1",
-                                   "--broker",
-                                   broker,
-                                   "--door-broker",
-                                   door_broker,
-                                   "--broker-folder",
-                                   rig->broker_folder,
-                                   "--metrics",
-                                   rig->hubs[i].metrics,
-                                   "--home-assistant"};
-    rig->hubs[i].pid = run(rig, rig->hubs[i].log, options, sizeof options / sizeof *options);
+    (void)snprintf(hub_port, sizeof hub_port, "%u", rig->hub_broker_port);
+    (void)snprintf(door_port, sizeof door_port, "%u", rig->broker_port);
+    rig->hubs[i].pid = fork();
+    assert_true(rig->hubs[i].pid >= 0);
+    if (rig->hubs[i].pid == 0) {
+        const int fd = open(rig->hubs[i].log, O_WRONLY | O_CREAT | O_APPEND, 0600);
+        (void)dup2(fd, STDOUT_FILENO);
+        (void)dup2(fd, STDERR_FILENO);
+        (void)execl(HUB_PROCESS, HUB_PROCESS, rig->postgres->conninfo, keys, rig->folder, listen,
+                    hub_port, door_port, rig->broker_folder, rig->hubs[i].metrics, (char *)NULL);
+        _exit(127);
+    }
     for (int k = 0; hub_rig_says(rig, i, "connected to the broker") == 0; k++) {
         if (k > 1000 || waitpid(rig->hubs[i].pid, NULL, WNOHANG) != 0) {
             fail_msg("the hub does not serve: %s",
