@@ -130,19 +130,24 @@ static int settle(struct work *w, struct iso_fault *fault)
                       fault);
 }
 
+/* The limit, which no door reaches beyond, lets PostgreSQL look up each door by the index; else it
+ * may read the events of all doors. */
 static int load(const struct work *w, struct hub__batch *out, struct iso_fault *fault)
 {
     struct hub_values values = {.n = 0};
     PGresult *rows = NULL;
     hub_value_id(&values, &w->id);
     hub_value_text(&values, w->outlet->events);
+    hub_value_integer(&values, HUB__BATCH_EVENTS_MOST);
     const int error = hub_db_run(
         w->store->db,
-        "SELECT e.door, d.name, e.number, e.time, e.record->>'event', e.record::text "
-        "FROM outlet_cursor c JOIN event e ON e.door = c.door AND e.number > c.number "
-        "AND e.number <= c.batch_number LEFT JOIN door d ON d.id = e.door "
-        "WHERE c.outlet = $1 AND c.batch_number > c.number AND " PASSES(
-            "$2") "ORDER BY e.door, e.number",
+        "SELECT c.door, (SELECT d.name FROM door d WHERE d.id = c.door), e.number, e.time, "
+        "e.event, e.record FROM outlet_cursor c CROSS JOIN LATERAL (SELECT e.number, e.time, "
+        "e.record->>'event' AS event, e.record::text AS record FROM event e "
+        "WHERE e.door = c.door AND e.number > c.number AND e.number <= c.batch_number "
+        "AND " PASSES(
+            "$2") "ORDER BY e.number LIMIT $3) e "
+                  "WHERE c.outlet = $1 AND c.batch_number > c.number ORDER BY c.door, e.number",
         &values, &rows, fault);
     if (!error) {
         *out = (struct hub__batch){.key = w->key, .n = (size_t)PQntuples(rows), .rows = rows};

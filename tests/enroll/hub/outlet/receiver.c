@@ -135,7 +135,10 @@ static enum MHD_Result answer(struct receiver *receiver, struct MHD_Connection *
     if (status != 200 && receiver->location) {
         (void)MHD_add_response_header(response, "Location", receiver->location);
     }
-    pause_ms(receiver->delay_ms);
+    (void)pthread_mutex_lock(&receiver->lock);
+    const int delay_ms = receiver->delay_ms;
+    (void)pthread_mutex_unlock(&receiver->lock);
+    pause_ms(delay_ms);
     const enum MHD_Result result = MHD_queue_response(connection, status, response);
     MHD_destroy_response(response);
     return result;
@@ -211,6 +214,13 @@ void receiver_answer(struct receiver *receiver, size_t n, const unsigned *status
     memcpy(receiver->statuses, statuses, n * sizeof *statuses);
     receiver->n_statuses = n;
     receiver->next_status = 0;
+    (void)pthread_mutex_unlock(&receiver->lock);
+}
+
+void receiver_delay(struct receiver *receiver, int ms)
+{
+    (void)pthread_mutex_lock(&receiver->lock);
+    receiver->delay_ms = ms;
     (void)pthread_mutex_unlock(&receiver->lock);
 }
 

@@ -46,6 +46,9 @@ void receiver_stop(struct receiver *receiver);
 /* The next answers have these statuses. */
 void receiver_answer(struct receiver *receiver, size_t n, const unsigned *statuses);
 
+/* Each answer waits so long. */
+void receiver_delay(struct receiver *receiver, int ms);
+
 /* Waits until there are `n` requests. Fails after `seconds`. */
 void receiver_wait(struct receiver *receiver, size_t n, double seconds);
 

@@ -16,7 +16,7 @@ static void no_event_is_lost_when_the_process_is_killed(void **state)
     struct store_rig *rig = *state;
     enum { DOORS = 6, EVENTS = 500, KILLS = 12 };
     struct iso_fleet_id doors[DOORS];
-    webhook_rig_receiver.delay_ms = 20;
+    receiver_delay(&webhook_rig_receiver, 20);
     webhook_rig_add(rig, NULL, true, webhook_rig_receiver.pair.certificate);
     for (int i = 0; i < DOORS; i++) {
         char name[2] = {(char)('A' + i), '\0'};
@@ -77,12 +77,12 @@ static void it_survives_the_database_and_ends_at_once(void **state)
     outlet_rig_events(rig, &a, 2, 2, "visit");
     outlet_rig_wait_idle(rig, "siem", 20);
     assert_int_equal(webhook_rig_arrivals().events, 2);
-    webhook_rig_receiver.delay_ms = 8000;
+    receiver_delay(&webhook_rig_receiver, 8000);
     outlet_rig_events(rig, &a, 3, 3, "visit");
     receiver_wait(&webhook_rig_receiver, 3, 20);
     outlet_rig_end(pid);
     assert_true(outlet_rig_outlet(rig, "siem").in_flight);
-    webhook_rig_receiver.delay_ms = 0;
+    receiver_delay(&webhook_rig_receiver, 0);
 }
 
 int main(int argc, char **argv)
