@@ -11,9 +11,6 @@
 
 enum { DELTAS_AT_ONCE = 50 };
 
-/* The number of the leader's lock; any other lock of this database has another one. */
-#define LEADER_LOCK "7311466418"
-
 /* A zone of which the broker does not have everything. */
 struct pending {
     struct iso_fleet_place place;
@@ -217,7 +214,7 @@ int hub_leader_try(struct hub_store *store, bool *is_leader, struct iso_fault *f
         return 0;
     }
     store->leader_generation = 0;
-    error = hub_db_run(store->db, "SELECT pg_try_advisory_lock(" LEADER_LOCK ")", NULL, &rows,
+    error = hub_db_run(store->db, "SELECT pg_try_advisory_lock(" HUB_LEADER_LOCK ")", NULL, &rows,
                        fault);
     if (error) {
         return error;
@@ -236,7 +233,8 @@ int hub_leader_leave(struct hub_store *store, struct iso_fault *fault)
         return 0;
     }
     store->leader_generation = 0;
-    return hub_db_run(store->db, "SELECT pg_advisory_unlock(" LEADER_LOCK ")", NULL, NULL, fault);
+    return hub_db_run(store->db, "SELECT pg_advisory_unlock(" HUB_LEADER_LOCK ")", NULL, NULL,
+                      fault);
 }
 
 int hub_listen(struct hub_store *store, int *fd, struct iso_fault *fault)

@@ -17,6 +17,9 @@ int hub_outbox_each(struct hub_store *store, uint32_t most, const struct hub_emi
 int hub_outbox_heads(struct hub_store *store, const struct hub_emit *emit, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* The number of the advisory lock that the leader holds. */
+#define HUB_LEADER_LOCK "7311466418"
+
 /* Tries to become the leader, who alone publishes: a lock of this store's session. *is_leader says
  * whether it is one now; also for one who is already. Call it regularly: a lost connection loses
  * the lock, and then another process may have it. */

@@ -7,7 +7,7 @@
 
 #include "enroll/hub/command/hub_command.h"
 
-enum { CONFIG = 1 << 21 };
+enum { CONFIG = 1 << 30 };
 
 static const struct option longs[] = {
     {"config", required_argument, NULL, CONFIG},
@@ -26,6 +26,16 @@ static const struct option longs[] = {
     {"since", required_argument, NULL, HUB_OPTION_SINCE},
     {"count", required_argument, NULL, HUB_OPTION_COUNT},
     {"wait", required_argument, NULL, HUB_OPTION_WAIT},
+    {"secret-file", required_argument, NULL, HUB_OPTION_SECRET_FILE},
+    {"ca", required_argument, NULL, HUB_OPTION_CA},
+    {"from-beginning", no_argument, NULL, HUB_OPTION_BEGINNING},
+    {"uri", required_argument, NULL, HUB_OPTION_URI},
+    {"base", required_argument, NULL, HUB_OPTION_BASE},
+    {"filter", required_argument, NULL, HUB_OPTION_FILTER},
+    {"map", required_argument, NULL, HUB_OPTION_MAP},
+    {"bind", required_argument, NULL, HUB_OPTION_BIND},
+    {"dry-run", no_argument, NULL, HUB_OPTION_DRY_RUN},
+    {"force", no_argument, NULL, HUB_OPTION_FORCE},
     {NULL, 0, NULL, 0},
 };
 
@@ -84,6 +94,29 @@ static int read_time(const char *text, bool end_of_day, int64_t *out)
     return 0;
 }
 
+/* Options of the outlets and of the directory. */
+static int take_more(int option, const char *value, struct hub_arguments *out)
+{
+    const struct {
+        int option;
+        const char **text;
+    } texts[] = {
+        {HUB_OPTION_SECRET_FILE, &out->secret_file},
+        {HUB_OPTION_CA, &out->ca},
+        {HUB_OPTION_URI, &out->uri},
+        {HUB_OPTION_BASE, &out->base},
+        {HUB_OPTION_FILTER, &out->filter},
+        {HUB_OPTION_MAP, &out->map},
+        {HUB_OPTION_BIND, &out->bind},
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        if (texts[i].option == option) {
+            *texts[i].text = value;
+        }
+    }
+    return 0; /* also a switch without a value */
+}
+
 static int take_text(int option, const char *value, struct hub_arguments *out)
 {
     switch (option) {
@@ -106,7 +139,7 @@ static int take_text(int option, const char *value, struct hub_arguments *out)
         out->since = value;
         return 0;
     default:
-        return 0; /* a switch without a value */
+        return take_more(option, value, out);
     }
 }
 

@@ -32,6 +32,16 @@ enum hub_option {
     HUB_OPTION_SINCE = 1 << 12,
     HUB_OPTION_COUNT = 1 << 13,
     HUB_OPTION_WAIT = 1 << 14,
+    HUB_OPTION_SECRET_FILE = 1 << 15,
+    HUB_OPTION_CA = 1 << 16,
+    HUB_OPTION_BEGINNING = 1 << 17,
+    HUB_OPTION_URI = 1 << 18,
+    HUB_OPTION_BASE = 1 << 19,
+    HUB_OPTION_FILTER = 1 << 20,
+    HUB_OPTION_MAP = 1 << 21,
+    HUB_OPTION_BIND = 1 << 22,
+    HUB_OPTION_DRY_RUN = 1 << 23,
+    HUB_OPTION_FORCE = 1 << 24,
 };
 
 enum { HUB_WORDS_MAX = 4 };
@@ -46,6 +56,7 @@ struct hub_arguments {
     uint32_t lease_s, count, wait_s;
     int64_t from_s, until_s;
     const char *search, *door, *person, *event, *since;
+    const char *secret_file, *ca, *uri, *base, *filter, *map, *bind;
 };
 
 /* What a command works with. */
@@ -80,7 +91,8 @@ struct hub_command {
 
 /* The tables of the files cmd_*.c; each ends with an entry without words. */
 extern const struct hub_command hub_setup_commands[], hub_zone_commands[], hub_door_commands[],
-    hub_person_commands[], hub_request_commands[], hub_event_commands[], hub_serve_commands[];
+    hub_person_commands[], hub_request_commands[], hub_event_commands[], hub_serve_commands[],
+    hub_outlet_commands[], hub_directory_commands[], hub_metrics_commands[];
 
 /* Reads options and words behind those of the command. -EINVAL with a line. */
 int hub_arguments_read(const struct hub_command *command, int argc, char **argv,

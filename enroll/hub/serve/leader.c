@@ -200,6 +200,24 @@ void hub__broker_state(void *context, bool is_connected)
 
 /* ---- once a second ---- */
 
+/* The outlets of the leader. What could not be started is tried again with the next tick. */
+static void start_outlets(struct hub_service *service)
+{
+    struct iso_fault fault = {.text = ""};
+
+    if (service->is_leader && !service->outlets &&
+        hub_outlets_new(service->event, &service->store, &service->options->store,
+                        &service->outlets, &fault)) {
+        fprintf(stderr, SD_ERR "isotherm-hub: %s\n", fault.text);
+    }
+}
+
+static void end_outlets(struct hub_service *service)
+{
+    hub_outlets_free(service->outlets);
+    service->outlets = NULL;
+}
+
 static void become(struct hub_service *service, bool is_leader)
 {
     if (is_leader == service->is_leader) {
@@ -214,6 +232,7 @@ static void become(struct hub_service *service, bool is_leader)
             subscribe_as_leader(service);
         }
     } else {
+        end_outlets(service);
         (void)!hub_mqtt_unsubscribe(service->mqtt, ISO_FLEET_TOPIC_ALL_ONLINE);
     }
 }
@@ -256,6 +275,7 @@ static int on_tick(sd_event_source *source, uint64_t usec, void *context)
     hub__measured(service, "the question who leads", begun_s);
     hub__database_state(service, r, &fault);
     become(service, r == 0 && is_leader);
+    start_outlets(service);
     publish(service);
     follow_broker(service);
     hub__look_for_notes(service);
@@ -283,6 +303,7 @@ void hub__leader_stop(struct hub_service *service)
     service->publish = sd_event_source_disable_unref(service->publish);
     service->notified = sd_event_source_disable_unref(service->notified);
     if (service->is_leader) {
+        end_outlets(service);
         (void)!hub_leader_leave(&service->store, NULL);
     }
     free(service->home);

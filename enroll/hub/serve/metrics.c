@@ -6,42 +6,10 @@
 #include <systemd/sd-daemon.h>
 
 #include "drivers/file/data_file.h"
+#include "enroll/hub/metrics/hub_metrics.h"
 #include "enroll/hub/serve/service.h"
-#include "enroll/hub/store/hub_zone.h"
 
 enum { EVERY_S = 15 };
-
-static int write_zone(void *context, const struct hub_zone *zone)
-{
-    FILE *out = context;
-    char id[ISO_FLEET_ID_TEXT_SIZE];
-
-    (void)iso_fleet_id_text(&zone->place.zone, id);
-    (void)fprintf(out, "isotherm_zone_sequence{zone=\"%s\"} %llu\n", id,
-                  (unsigned long long)zone->place.sequence);
-    (void)fprintf(out, "isotherm_zone_unpublished{zone=\"%s\"} %llu\n", id,
-                  (unsigned long long)(zone->place.sequence - zone->published));
-    (void)fprintf(out, "isotherm_zone_people{zone=\"%s\"} %llu\n", id,
-                  (unsigned long long)zone->people);
-    (void)fprintf(out, "isotherm_zone_lockdown{zone=\"%s\"} %d\n", id, zone->lockdown);
-    (void)fprintf(out, "isotherm_zone_behind{zone=\"%s\"} %d\n", id, zone->behind);
-    return 0;
-}
-
-static void write_doors(FILE *out, struct hub_service *service)
-{
-    PGresult *rows = NULL;
-
-    if (hub_db_run(service->store.db,
-                   "SELECT count(*) FILTER (WHERE joined_s > 0), count(*) FILTER (WHERE online) "
-                   "FROM door WHERE expelled_s = 0",
-                   NULL, &rows, NULL) == 0) {
-        (void)fprintf(out, "isotherm_hub_doors_joined %lld\nisotherm_hub_doors_online %lld\n",
-                      (long long)hub_row_integer(rows, 0, 0),
-                      (long long)hub_row_integer(rows, 0, 1));
-        PQclear(rows);
-    }
-}
 
 static void write_totals(FILE *out, const struct hub_service *service)
 {
@@ -94,8 +62,8 @@ void hub__metrics_write(struct hub_service *service)
     }
     service->measured_s = now_s;
     write_totals(out, service);
-    (void)!hub_zone_each(&service->store, write_zone, out, NULL);
-    write_doors(out, service);
+    /* Without the database its figures are left out; isotherm_hub_database_connected says why. */
+    (void)!hub_metrics_write(&service->store, out, NULL);
     if (fclose(out) == 0 && iso_data_file_replace(path, text, size, &fault)) {
         fprintf(stderr, SD_WARNING "isotherm-hub: %s\n", fault.text);
     }

@@ -9,6 +9,7 @@
 #include "enroll/hub/answer/hub_outbox.h"
 #include "enroll/hub/api/hub_api.h"
 #include "enroll/hub/broker/hub_ca.h"
+#include "enroll/hub/outlet/run/hub_outlets.h"
 #include "enroll/hub/serve/fetch_worker.h"
 #include "enroll/hub/serve/hub_serve.h"
 #include "enroll/hub/serve/mail_queue.h"
@@ -49,7 +50,8 @@ struct hub_service {
     sd_event_source *tick, *notified, *publish;
     int notify_fd; /* that `notified` watches; -1: none */
     bool is_leader;
-    bool heads_wanted; /* the broker may have lost what it has retained */
+    struct hub_outlets *outlets; /* of the leader; NULL: none, or they could not be started */
+    bool heads_wanted;           /* the broker may have lost what it has retained */
     bool database_lost;
     bool
         emit_failed; /* the last message of this call could not be sent: not the database's fault */
