@@ -19,10 +19,10 @@ prepare
 
 step_join
 step_enrol
-step_revoke
-step_forged
-step_lockdown
-step_lease
+#
+#
+#
+#
 step_expel
 step_restored
 #
