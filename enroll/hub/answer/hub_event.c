@@ -61,8 +61,8 @@ static int store_events(void *context, struct iso_fault *fault)
     struct work *w = context;
     struct hub_values values = {.n = 0};
     hub_value_id(&values, &w->door->id);
-    int error = hub_db_run(w->store->db, "SELECT id FROM door WHERE id = $1 FOR UPDATE", &values,
-                           NULL, fault);
+    int error = hub_db_run(w->store->db, "SELECT id FROM door WHERE id = $1 FOR NO KEY UPDATE",
+                           &values, NULL, fault);
     error = error ? error : insert(w, fault);
     return error ? error : acknowledge(w, fault);
 }

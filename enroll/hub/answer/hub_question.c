@@ -146,8 +146,8 @@ static int confirm_ahead(const struct work *w, struct hub__door_zone *zone, stru
     struct hub__door_zones now;
     bool ahead = false;
     hub_value_id(&values, &zone->place.zone);
-    int error = hub_db_run(w->store->db, "SELECT id FROM zone WHERE id = $1 FOR UPDATE", &values,
-                           NULL, fault);
+    int error = hub_db_run(w->store->db, "SELECT id FROM zone WHERE id = $1 FOR NO KEY UPDATE",
+                           &values, NULL, fault);
     error = error ? error : hub__door_zones(w->store, &w->door->id, &now, fault);
     if (error) {
         return error;

@@ -123,7 +123,7 @@ static int lock(struct work *w, struct iso_fleet_bytes *plain, struct iso_fault 
     hub_value_id(&values, &w->person);
     int error = hub_db_run(w->store->db,
                            "SELECT door, name, state, sealed FROM request WHERE person = $1 "
-                           "FOR UPDATE",
+                           "FOR NO KEY UPDATE",
                            &values, &rows, fault);
     if (error) {
         return error;

@@ -33,8 +33,8 @@ int hub__person_lock(struct hub_store *store, const struct iso_fleet_id *id,
     struct hub_values values = {.n = 0};
     PGresult *rows = NULL;
     hub_value_id(&values, id);
-    int error = hub_db_run(store->db, "SELECT id FROM person WHERE id = $1 FOR UPDATE", &values,
-                           &rows, fault);
+    int error = hub_db_run(store->db, "SELECT id FROM person WHERE id = $1 FOR NO KEY UPDATE",
+                           &values, &rows, fault);
     if (error) {
         return error;
     }

@@ -64,7 +64,7 @@ int hub__zone_lock_any(struct hub_store *store, const struct iso_fleet_id *id,
     hub_value_id(&values, id);
     int error = hub_db_run(store->db,
                            "SELECT name, epoch, sequence, digest, key, lockdown, behind FROM zone "
-                           "WHERE id = $1 FOR UPDATE",
+                           "WHERE id = $1 FOR NO KEY UPDATE",
                            &values, &rows, fault);
     if (error) {
         return error;

@@ -117,8 +117,8 @@ static int lock(struct hub_store *store, const struct iso_fleet_id *id, struct h
 {
     struct hub_values values = {.n = 0};
     hub_value_id(&values, id);
-    int error = hub_db_run(store->db, "SELECT id FROM door WHERE id = $1 FOR UPDATE", &values, NULL,
-                           fault);
+    int error = hub_db_run(store->db, "SELECT id FROM door WHERE id = $1 FOR NO KEY UPDATE",
+                           &values, NULL, fault);
     error = error ? error : hub_door_get(store, id, out, fault);
     if (!error && out->expelled_s) {
         return iso_fault_set(fault, -EALREADY, "%s: the door is expelled", out->name);

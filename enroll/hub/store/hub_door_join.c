@@ -67,7 +67,7 @@ static int find_door(struct work *w, struct iso_fault *fault)
     hub_value_integer(&values, w->store->now_s());
     int error = hub_db_run(w->store->db,
                            "SELECT id, name, signs FROM door WHERE code_digest = $1 "
-                           "AND code_until_s >= $2 AND expelled_s = 0 FOR UPDATE",
+                           "AND code_until_s >= $2 AND expelled_s = 0 FOR NO KEY UPDATE",
                            &values, &rows, fault);
     if (error) {
         return error;

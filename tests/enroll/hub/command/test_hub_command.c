@@ -1,0 +1,250 @@
+/* isotherm-hub, the program itself, against a PostgreSQL of its own. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "enroll/hub/command/hub_config.h"
+#include "enroll/hub/people/hub_request.h"
+#include "tests/enroll/hub/rigs/door_rig.h"
+#include "tests/support/programs/run.h"
+#include "tests/support/scratch.h"
+
+#define PROGRAM ISOTHERM_BINARY_DIR "/enroll/hub/command/isotherm-hub"
+
+enum { WORDS_MAX = 12, SKIPPED = 77 };
+
+static struct rig_postgres postgres;
+static char config[160], folder[160];
+
+static int start(void **state)
+{
+    char text[600];
+    (void)scratch_setup(state);
+    if (!rig_postgres_start(&postgres)) {
+        (void)scratch_teardown(state);
+        exit(SKIPPED);
+    }
+    (void)snprintf(config, sizeof config, "%s", scratch_path(*state, "hub.conf"));
+    (void)snprintf(folder, sizeof folder, "%s", scratch_path(*state, "hub"));
+    (void)snprintf(text, sizeof text,
+                   "[database]\nconninfo = %s\n[hub]\nname = head office\nfolder = %s\n"
+                   "host = hub.example\n[broker]\nhub_host = localhost\n",
+                   postgres.conninfo, folder);
+    scratch_write_text(config, text);
+    return 0;
+}
+
+static int stop(void **state)
+{
+    rig_postgres_stop(&postgres);
+    return scratch_teardown(state);
+}
+
+/* Runs the program with words between blanks, and expects an exit code. Returns what it has printed
+ * to standard output, or to standard error after a failure; to be freed. */
+static char *hub(int exit, const char *words)
+{
+    char text[400], *rest = NULL;
+    const char *argv[WORDS_MAX + 4] = {PROGRAM};
+    struct run run;
+    size_t n = 1;
+    (void)snprintf(text, sizeof text, "%s", words);
+    for (char *word = strtok_r(text, " ", &rest); word; word = strtok_r(NULL, " ", &rest)) {
+        assert_true(n < WORDS_MAX);
+        argv[n++] = word;
+    }
+    argv[n++] = "--config";
+    argv[n] = config;
+    run_start(&run, argv);
+    run_finish(&run);
+    run_expect(&run, exit);
+    char *said = strdup(exit > 1 || (exit == 1 && run.err_size > 0) ? run.err : run.out);
+    assert_non_null(said);
+    run_free(&run);
+    return said;
+}
+
+static void expect(int exit, const char *words, const char *part)
+{
+    char *said = hub(exit, words);
+    if (!strstr(said, part)) {
+        fail_msg("%s: said: %s", words, said);
+    }
+    /* A fault is one line. */
+    if (exit > 1) {
+        assert_ptr_equal(strchr(said, '\n'), said + strlen(said) - 1);
+    }
+    free(said);
+}
+
+static void init_makes_keys_and_tables_once(void **state)
+{
+    struct stat s;
+    char key_file[200];
+    (void)state;
+    (void)snprintf(key_file, sizeof key_file, "%s/hub.keys", folder);
+    expect(3, "zone list", "hub.keys");
+    expect(0, "init", "made the keys");
+    assert_int_equal(stat(key_file, &s), 0);
+    assert_int_equal(s.st_mode & 07777, 0600);
+    char *again = hub(0, "init");
+    assert_null(strstr(again, "made the keys"));
+    free(again);
+    /* The keys of a database with tables are never made anew. */
+    char other[210];
+    (void)snprintf(other, sizeof other, "%s.away", key_file);
+    assert_int_equal(rename(key_file, other), 0);
+    expect(1, "init", "copy the key file");
+    assert_int_equal(rename(other, key_file), 0);
+    assert_int_equal(chmod(key_file, 0644), 0);
+    expect(1, "zone list", "0644");
+    assert_int_equal(chmod(key_file, 0600), 0);
+}
+
+/* Joins a door with the address that the program has printed. */
+static void join(struct door_rig *door, struct hub_store *store, const char *address)
+{
+    struct iso_fault fault = {.text = ""};
+    char code[HUB_CODE_SIZE];
+    const char *at = strstr(address, "&code=");
+    assert_non_null(at);
+    (void)snprintf(code, sizeof code, "%s", at + strlen("&code="));
+    *door = (struct door_rig){.algorithm = 3};
+    (void)crypto_sign_keypair(door->signs.public, door->signs.secret);
+    (void)crypto_box_keypair(door->receives.public, door->receives.secret);
+    hub_rig_fine(door_rig_join_with(door, store, code, &fault), &fault);
+}
+
+static void open_store(struct hub_store *store)
+{
+    struct iso_fault fault = {.text = ""};
+    char key_file[200];
+    (void)snprintf(key_file, sizeof key_file, "%s/hub.keys", folder);
+    const struct hub_store_options options = {.conninfo = postgres.conninfo,
+                                              .key_file = key_file,
+                                              .hub_name = "head office",
+                                              .actor = "test"};
+    hub_rig_fine(hub_store_open(&options, store, &fault), &fault);
+}
+
+static void a_fleet_is_run_by_commands(void **state)
+{
+    static struct door_rig door;
+    struct iso_fault fault = {.text = ""};
+    struct hub_store store;
+    const struct iso_fleet_person anna = hub_rig_person("anna", 3, 2, 1);
+    const struct iso_fleet_person ben = hub_rig_person("ben", 3, 2, 2);
+    (void)state;
+    open_store(&store);
+    free(hub(0, "zone add office"));
+    free(hub(0, "zone add lab"));
+    expect(1, "zone add lab", "there is a zone of this name");
+    free(hub(0, "zone set lab --lease 60 --approve auto --local-people yes"));
+    expect(0, "zone list", "lease 60 s  local people yes  approve auto");
+
+    char *address = hub(0, "door add front --zone office --zone lab");
+    assert_int_equal(strncmp(address, "isotherm://hub.example:8444/?ca=", 32), 0);
+    assert_int_equal(strlen(address), 32 + 64 + strlen("&code=") + 32 + 1);
+    expect(0, "door list", "not joined");
+    join(&door, &store, address);
+    free(address);
+    hub_rig_fine(door_rig_ask(&door, &store, &fault), &fault);
+    expect(0, "door show front", "online");
+
+    /* A request becomes a person, who is changed and revoked. */
+    hub_rig_fine(door_rig_request(&door, &store, &anna, &fault), &fault);
+    hub_rig_fine(door_rig_request(&door, &store, &ben, &fault), &fault);
+    expect(0, "request list", "anna");
+    free(hub(0, "request approve anna --zone office --zone lab"));
+    free(hub(0, "request reject ben"));
+    expect(3, "request approve ben", "there is no such request");
+    expect(0, "request list --all", "rejected");
+    expect(1, "person limit ANNA --until 2099-12-31 --wait 0", "not confirmed: front");
+    expect(0, "person list --zone lab --search AN", "2099-12-31");
+    free(hub(0, "person offline anna yes"));
+    expect(0, "person show anna", "offline-ok");
+    free(hub(1, "person move anna --zone lab --wait 0"));
+    door_rig_fetch(&door, &store);
+    hub_rig_fine(door_rig_ask(&door, &store, &fault), &fault);
+    assert_int_equal(door.n_people, 1);
+    free(hub(1, "person revoke anna --wait 0"));
+    expect(3, "person show anna", "there is no such person");
+    door_rig_fetch(&door, &store);
+    assert_int_equal(door.n_people, 0);
+
+    /* A lockdown says who has not confirmed it. */
+    hub_rig_fine(door_rig_ask(&door, &store, &fault), &fault);
+    expect(1, "lockdown on --wait 0", "not confirmed: front, online");
+    door_rig_fetch(&door, &store);
+    hub_rig_fine(door_rig_ask(&door, &store, &fault), &fault);
+    assert_true(door.zones[0].lockdown);
+    free(hub(0, "lockdown on office"));
+
+    hub_rig_fine(door_rig_send_events(&door, &store, 1, 5, &fault), &fault);
+    expect(0, "event list --door front --count 1", "front 5 {");
+    expect(0, "act list", "person-revoke anna");
+    free(hub(0, "door expel front"));
+    expect(1, "door expel front", "is expelled");
+    expect(1, "door code front", "is expelled");
+    expect(0, "door list --all", "expelled");
+    hub_store_close(&store);
+}
+
+static void wrong_words_are_one_line(void **state)
+{
+    (void)state;
+    expect(2, "sing", "there is no such command");
+    expect(2, "zone add", "usage: isotherm-hub zone add NAME");
+    expect(2, "zone list --door x", "has no option --door");
+    expect(2, "zone set lab --lease soon", "soon");
+    expect(2, "door add x", "1 to 8 zones");
+    expect(3, "door add x --zone nowhere", "nowhere");
+    expect(2, "person limit anna --until 2026-02-30", "2026-02-30");
+    expect(2, "lockdown maybe", "neither on nor off");
+    expect(1, "recover lab", "no door knows more");
+    expect(1, "migrate down 0", "--all");
+    expect(2, "migrate up 99", "99");
+    expect(0, "migrate down 1", "version 1");
+    expect(4, "zone list", "migrate up");
+    expect(0, "migrate up", "version");
+    expect(0, "zone list", "office");
+}
+
+static void a_wrong_configuration_is_one_line(void **state)
+{
+    static const char *const texts[] = {"[hub]\nport = 0\n", "[hub]\nprot = 1\n", "[hub]\nport\n",
+                                        "[hub]\nhome_assistant = maybe\n"};
+    struct iso_fault fault;
+    struct hub_config read;
+    const char *path = scratch_path(*state, "wrong.conf");
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        scratch_write_text(path, texts[i]);
+        assert_true(hub_config_read(path, &read, &fault) < 0);
+        assert_null(strchr(fault.text, '\n'));
+        assert_non_null(strstr(fault.text, "wrong.conf"));
+    }
+    scratch_write_text(path, "");
+    hub_rig_fine(hub_config_read(path, &read, &fault), &fault);
+    assert_string_equal(read.key_file, "/var/lib/isotherm-hub/hub.keys");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(init_makes_keys_and_tables_once),
+        cmocka_unit_test(a_fleet_is_run_by_commands),
+        cmocka_unit_test(wrong_words_are_one_line),
+        cmocka_unit_test(a_wrong_configuration_is_one_line),
+    };
+    return cmocka_run_group_tests(tests, start, stop);
+}
