@@ -1,11 +1,14 @@
-/* run, broker-config. */
+/* run, setup-code, broker-config. */
 #include <errno.h>
+#include <sodium.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 #include "enroll/hub/broker/broker_config.h"
 #include "enroll/hub/command/hub_command.h"
 #include "enroll/hub/serve/hub_serve.h"
+#include "enroll/web/account/setup_code.h"
 
 /* Names and addresses of a certificate: `first`, and those of [hub] hosts, which `words` receives.
  */
@@ -35,6 +38,8 @@ static int serve(struct hub_run *run)
                                                   .actor = "hub"},
                                         .folder = c->folder,
                                         .listen = c->listen,
+                                        .door_port = (uint16_t)c->port,
+                                        .pages = *c->pages ? c->pages : NULL,
                                         .broker_host = c->broker_hub_host,
                                         .broker_port = (uint16_t)c->broker_hub_port,
                                         .door_broker_host = c->broker_host,
@@ -49,6 +54,20 @@ static int serve(struct hub_run *run)
     }
     options.n_hosts = hosts_of(c, c->host, words, options.hosts);
     return hub_serve_run(&options, &run->fault);
+}
+
+static int make_setup_code(struct hub_run *run)
+{
+    char path[sizeof run->config.folder + 16], code[WEB_SETUP_CODE_SIZE];
+    (void)snprintf(path, sizeof path, "%s/setup.code", run->config.folder);
+    const int error = web_setup_code_make(path, time(NULL), code, &run->fault);
+    if (!error) {
+        puts(code);
+        fprintf(stderr,
+                "isotherm-hub: the code makes one account of an administrator, within a day\n");
+    }
+    sodium_memzero(code, sizeof code);
+    return error;
 }
 
 static int configure_broker(struct hub_run *run)
@@ -84,6 +103,8 @@ static int configure_broker(struct hub_run *run)
 
 const struct hub_command hub_serve_commands[] = {
     {"run", "", "serve the doors until the service manager ends it", 0, 0, 0, true, serve},
+    {"setup-code", "", "print a code that makes the first account of the pages", 0, 0, 0, true,
+     make_setup_code},
     {"broker-config", "[FOLDER]", "write the configuration of mosquitto", 0, 0, 1, false,
      configure_broker},
     {.words = NULL},

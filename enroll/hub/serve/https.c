@@ -13,8 +13,6 @@
 
 enum { RENEW_US = 3600 * 1000000U };
 
-static const struct web_route routes[] = {{NULL, NULL, WEB_ROLE_NONE, NULL}};
-
 static const struct web_plain_route plain[] = {
     {"/fleet/v1/join", "application/json", hub__post_join},
     {"/fleet/v1/renew", "application/json", hub__post_renew},
@@ -27,7 +25,8 @@ static int start_server(struct hub_service *service, struct iso_fault *fault)
     struct web_server_setup setup = {.event = service->event,
                                      .certificate = &service->certificate,
                                      .sessions = &service->sessions,
-                                     .routes = routes,
+                                     .pages = hub__administration_pages(service),
+                                     .routes = hub_api_routes,
                                      .plain = plain,
                                      .context = service};
 
@@ -35,7 +34,9 @@ static int start_server(struct hub_service *service, struct iso_fault *fault)
     if (setup.listen_fd < 0) {
         return iso_fault_set(fault, -errno, "the socket of HTTPS: %s", strerror(errno));
     }
-    return web_server_new(&setup, &service->server, fault);
+    const int r = web_server_new(&setup, &service->server, fault);
+    service->api.login.server = r < 0 ? NULL : service->server;
+    return r;
 }
 
 /* Opens the certificate, which is made anew when that is due. *is_new: it is another one than
@@ -86,7 +87,7 @@ int hub__https_renew(struct hub_service *service, struct iso_fault *fault)
     if (r == 0 && is_new && service->server) {
         /* Answers that are being sent are cut off, some times in the life of a hub. */
         web_server_free(service->server);
-        service->server = NULL;
+        service->server = service->api.login.server = NULL;
         r = start_server(service, fault);
     }
     return r;
@@ -113,7 +114,6 @@ int hub__https_start(struct hub_service *service, struct iso_fault *fault)
     }
     service->joins = hub_bucket_of(20, 2);
     service->renewals = hub_bucket_of(100, 20);
-    web_guess_init(&service->guess);
     r = hub__https_renew(service, fault);
     r = r < 0 ? r : start_server(service, fault);
     if (r == 0) {
@@ -129,7 +129,7 @@ void hub__https_stop(struct hub_service *service)
 {
     service->hourly = sd_event_source_disable_unref(service->hourly);
     web_server_free(service->server);
-    service->server = NULL;
+    service->server = service->api.login.server = NULL;
     web_certificate_free(&service->certificate);
     if (service->listen_fd >= 0) {
         (void)close(service->listen_fd);
