@@ -139,16 +139,15 @@ static int put_config(const struct broker_places *places, bool *changed, struct 
 }
 
 static int put_pair(struct hub_store *store, const struct hub_ca *ca, const char *folder,
-                    const char *const *hosts, size_t n, bool *changed, struct iso_fault *fault)
+                    enum hub_pair_use use, const char *const *hosts, size_t n, bool *changed,
+                    struct iso_fault *fault)
 {
     char key[PATH_MAX], chain[PATH_MAX];
     struct hub_pair pair;
-    int r = hub__path(key, sizeof key, folder, hub_pair_key_name(HUB_PAIR_BROKER), fault);
+    int r = hub__path(key, sizeof key, folder, hub_pair_key_name(use), fault);
 
-    r = r < 0 ? r
-              : hub__path(chain, sizeof chain, folder, hub_pair_chain_name(HUB_PAIR_BROKER), fault);
-    r = r < 0 ? r
-              : hub_pair_open(ca, folder, HUB_PAIR_BROKER, hosts, n, store->now_s(), &pair, fault);
+    r = r < 0 ? r : hub__path(chain, sizeof chain, folder, hub_pair_chain_name(use), fault);
+    r = r < 0 ? r : hub_pair_open(ca, folder, use, hosts, n, store->now_s(), &pair, fault);
     if (r < 0) {
         return r;
     }
@@ -167,7 +166,11 @@ int broker_config_write(struct hub_store *store, const struct hub_ca *ca,
     bool is_changed = false, follows = false;
     int r = put(places->folder, "ca.pem", pem, strlen(pem), &is_changed, fault);
 
-    r = r < 0 ? r : put_pair(store, ca, places->folder, hosts, n, &is_changed, fault);
+    r = r < 0 ? r
+              : put_pair(store, ca, places->folder, HUB_PAIR_BROKER, hosts, n, &is_changed, fault);
+    if (r == 0 && places->home_assistant) {
+        r = put_pair(store, ca, places->folder, HUB_PAIR_HOME, NULL, 0, &is_changed, fault);
+    }
     r = r < 0 ? r : broker_config_follow(store, ca, places->folder, &follows, fault);
     r = r < 0 ? r : put_config(places, &is_changed, fault);
     if (r == 0) {

@@ -5,6 +5,7 @@
  *   acl              what each user may read and write; who is not in it, nothing
  *   crl.pem          certificates of expelled doors
  *   ca.pem, broker.pem, broker-key.pem
+ *   home-assistant.pem, home-assistant-key.pem, if they are wanted
  *
  * Files have mode 0640 and the group of the folder, so that a folder of the group mosquitto
  * (set-gid) is enough. Mosquitto reads acl, crl.pem and its certificate anew on SIGHUP. */

@@ -12,6 +12,7 @@ struct broker_places {
     const char *persistence; /* mosquitto's own folder */
     const char *hub_address; /* to which the hub's listener is bound */
     uint16_t port, hub_port; /* for the doors; for the hub, 0: it uses the doors' listener */
+    bool home_assistant;     /* a certificate for Home Assistant is made, too */
 };
 
 /* Writes mosquitto.conf. */

@@ -1,6 +1,7 @@
 /* What the API for administrators needs of the running hub: accounts, sessions, the worker that has
  * the database, and how doors reach the hub. */
 #include <errno.h>
+#include <sodium.h>
 #include <stdio.h>
 #include <string.h>
 #include <systemd/sd-daemon.h>
@@ -76,6 +77,7 @@ void hub__administration_close(struct hub_service *service)
 {
     web_accounts_close(service->api.login.accounts);
     service->api.login.accounts = NULL;
+    sodium_memzero(&service->sessions, sizeof service->sessions);
 }
 
 const char *hub__administration_pages(const struct hub_service *service)

@@ -2,7 +2,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <sodium.h>
 #include <stdio.h>
 #include <string.h>
 #include <systemd/sd-daemon.h>
@@ -135,5 +134,4 @@ void hub__https_stop(struct hub_service *service)
         (void)close(service->listen_fd);
         service->listen_fd = -1;
     }
-    sodium_memzero(&service->sessions, sizeof service->sessions);
 }

@@ -114,10 +114,20 @@ static int on_publish(sd_event_source *source, void *context)
 {
     (void)source;
     publish(context);
+    hub__look_for_notes(context);
     return 0;
 }
 
 /* ---- notifications of the database ---- */
+
+void hub__look_for_notes(struct hub_service *service)
+{
+    bool changed = false;
+
+    if (service->notified && hub_listen_take(&service->store, &changed, NULL) == 0 && changed) {
+        (void)sd_event_source_set_enabled(service->publish, SD_EVENT_ONESHOT);
+    }
+}
 
 static int on_notified(sd_event_source *source, int fd, uint32_t events, void *context)
 {
@@ -136,6 +146,7 @@ static int on_notified(sd_event_source *source, int fd, uint32_t events, void *c
         service->notify_fd = -1;
     } else if (changed) {
         publish(service);
+        hub__look_for_notes(service);
     }
     return 0;
 }
@@ -241,6 +252,7 @@ static int on_tick(sd_event_source *source, uint64_t usec, void *context)
     become(service, r == 0 && is_leader);
     publish(service);
     follow_broker(service);
+    hub__look_for_notes(service);
     hub__home_publish(service, false);
     hub__metrics_write(service);
     return sd_event_source_set_time_relative(source, HUB_TICK_MS * 1000ULL);

@@ -92,6 +92,7 @@ static int on_mail(sd_event_source *source, void *context)
         return sd_event_source_set_enabled(source, SD_EVENT_OFF);
     }
     hub_mail_drop_first(&service->mail);
+    hub__look_for_notes(service);
     return 0;
 }
 

@@ -82,6 +82,9 @@ int hub__leader_start(struct hub_service *service);
 void hub__leader_stop(struct hub_service *service);
 /* The connection to the broker is there, or is lost. */
 void hub__broker_state(void *service, bool is_connected);
+/* A call of the database takes notifications from the socket, which then does not become readable.
+ * Called after such calls: lets the leader publish if there is one. */
+void hub__look_for_notes(struct hub_service *service);
 /* Publishes a message: `emit` of struct hub_emit. */
 int hub__emit(void *service, const char *topic, const void *bytes, size_t size, bool retain);
 /* Says once that the database is lost, and once that it is there again. */

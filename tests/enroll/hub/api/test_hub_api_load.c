@@ -109,7 +109,7 @@ static void the_loop_goes_on_while_the_fleet_is_listed(void **state)
     int status = 0;
     (void)state;
 
-    hub_rig_fine(hub_db_script(api_rig.hub->store.db, fleet, &fault), &fault);
+    store_rig_fine(hub_db_script(api_rig.hub->store.db, fleet, &fault), &fault);
     const double begun = now_ms();
     const pid_t child = fork();
     assert_true(child >= 0);
@@ -137,5 +137,5 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_loop_goes_on_while_the_fleet_is_listed, api_rig_setup,
                                         api_rig_teardown),
     };
-    return cmocka_run_group_tests(tests, hub_rig_start, hub_rig_stop);
+    return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);
 }

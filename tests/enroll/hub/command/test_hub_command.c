@@ -15,7 +15,7 @@
 
 #include "enroll/hub/command/hub_config.h"
 #include "enroll/hub/people/hub_request.h"
-#include "tests/enroll/hub/rigs/door_rig.h"
+#include "tests/enroll/hub/rigs/played_door.h"
 #include "tests/support/programs/run.h"
 #include "tests/support/scratch.h"
 
@@ -112,17 +112,17 @@ static void init_makes_keys_and_tables_once(void **state)
 }
 
 /* Joins a door with the address that the program has printed. */
-static void join(struct door_rig *door, struct hub_store *store, const char *address)
+static void join(struct played_door *door, struct hub_store *store, const char *address)
 {
     struct iso_fault fault = {.text = ""};
     char code[HUB_CODE_SIZE];
     const char *at = strstr(address, "&code=");
     assert_non_null(at);
     (void)snprintf(code, sizeof code, "%s", at + strlen("&code="));
-    *door = (struct door_rig){.algorithm = 3};
+    *door = (struct played_door){.algorithm = 3};
     (void)crypto_sign_keypair(door->signs.public, door->signs.secret);
     (void)crypto_box_keypair(door->receives.public, door->receives.secret);
-    hub_rig_fine(door_rig_join_with(door, store, code, &fault), &fault);
+    store_rig_fine(played_door_join_with(door, store, code, &fault), &fault);
 }
 
 static void open_store(struct hub_store *store)
@@ -134,16 +134,37 @@ static void open_store(struct hub_store *store)
                                               .key_file = key_file,
                                               .hub_name = "head office",
                                               .actor = "test"};
-    hub_rig_fine(hub_store_open(&options, store, &fault), &fault);
+    store_rig_fine(hub_store_open(&options, store, &fault), &fault);
+}
+
+/* A door in a lockdown, with events, that is expelled. */
+static void leave(struct played_door *door, struct hub_store *store)
+{
+    struct iso_fault fault = {.text = ""};
+    /* A lockdown says who has not confirmed it. */
+    store_rig_fine(played_door_ask(door, store, &fault), &fault);
+    expect(1, "lockdown on --wait 0", "not confirmed: front, online");
+    played_door_fetch(door, store);
+    store_rig_fine(played_door_ask(door, store, &fault), &fault);
+    assert_true(door->zones[0].lockdown);
+    free(hub(0, "lockdown on office"));
+
+    store_rig_fine(played_door_send_events(door, store, 1, 5, &fault), &fault);
+    expect(0, "event list --door front --count 1", "front 5 {");
+    expect(0, "act list", "person-revoke anna");
+    free(hub(0, "door expel front"));
+    expect(1, "door expel front", "is expelled");
+    expect(1, "door code front", "is expelled");
+    expect(0, "door list --all", "expelled");
 }
 
 static void a_fleet_is_run_by_commands(void **state)
 {
-    static struct door_rig door;
+    static struct played_door door;
     struct iso_fault fault = {.text = ""};
     struct hub_store store;
-    const struct iso_fleet_person anna = hub_rig_person("anna", 3, 2, 1);
-    const struct iso_fleet_person ben = hub_rig_person("ben", 3, 2, 2);
+    const struct iso_fleet_person anna = store_rig_person("anna", 3, 2, 1);
+    const struct iso_fleet_person ben = store_rig_person("ben", 3, 2, 2);
     (void)state;
     open_store(&store);
     free(hub(0, "zone add office"));
@@ -158,12 +179,12 @@ static void a_fleet_is_run_by_commands(void **state)
     expect(0, "door list", "not joined");
     join(&door, &store, address);
     free(address);
-    hub_rig_fine(door_rig_ask(&door, &store, &fault), &fault);
+    store_rig_fine(played_door_ask(&door, &store, &fault), &fault);
     expect(0, "door show front", "online");
 
     /* A request becomes a person, who is changed and revoked. */
-    hub_rig_fine(door_rig_request(&door, &store, &anna, &fault), &fault);
-    hub_rig_fine(door_rig_request(&door, &store, &ben, &fault), &fault);
+    store_rig_fine(played_door_request(&door, &store, &anna, &fault), &fault);
+    store_rig_fine(played_door_request(&door, &store, &ben, &fault), &fault);
     expect(0, "request list", "anna");
     free(hub(0, "request approve anna --zone office --zone lab"));
     free(hub(0, "request reject ben"));
@@ -174,29 +195,15 @@ static void a_fleet_is_run_by_commands(void **state)
     free(hub(0, "person offline anna yes"));
     expect(0, "person show anna", "offline-ok");
     free(hub(1, "person move anna --zone lab --wait 0"));
-    door_rig_fetch(&door, &store);
-    hub_rig_fine(door_rig_ask(&door, &store, &fault), &fault);
+    played_door_fetch(&door, &store);
+    store_rig_fine(played_door_ask(&door, &store, &fault), &fault);
     assert_int_equal(door.n_people, 1);
     free(hub(1, "person revoke anna --wait 0"));
     expect(3, "person show anna", "there is no such person");
-    door_rig_fetch(&door, &store);
+    played_door_fetch(&door, &store);
     assert_int_equal(door.n_people, 0);
 
-    /* A lockdown says who has not confirmed it. */
-    hub_rig_fine(door_rig_ask(&door, &store, &fault), &fault);
-    expect(1, "lockdown on --wait 0", "not confirmed: front, online");
-    door_rig_fetch(&door, &store);
-    hub_rig_fine(door_rig_ask(&door, &store, &fault), &fault);
-    assert_true(door.zones[0].lockdown);
-    free(hub(0, "lockdown on office"));
-
-    hub_rig_fine(door_rig_send_events(&door, &store, 1, 5, &fault), &fault);
-    expect(0, "event list --door front --count 1", "front 5 {");
-    expect(0, "act list", "person-revoke anna");
-    free(hub(0, "door expel front"));
-    expect(1, "door expel front", "is expelled");
-    expect(1, "door code front", "is expelled");
-    expect(0, "door list --all", "expelled");
+    leave(&door, &store);
     hub_store_close(&store);
 }
 
@@ -234,7 +241,7 @@ static void a_wrong_configuration_is_one_line(void **state)
         assert_non_null(strstr(fault.text, "wrong.conf"));
     }
     scratch_write_text(path, "");
-    hub_rig_fine(hub_config_read(path, &read, &fault), &fault);
+    store_rig_fine(hub_config_read(path, &read, &fault), &fault);
     assert_string_equal(read.key_file, "/var/lib/isotherm-hub/hub.keys");
 }
 

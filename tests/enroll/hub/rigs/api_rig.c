@@ -20,7 +20,7 @@ static void open_accounts(void)
                    (const char *)api_rig.folder);
     (void)snprintf(api_rig.setup_code, sizeof api_rig.setup_code, "%s/setup.code",
                    (const char *)api_rig.folder);
-    hub_rig_fine(web_accounts_open(api_rig.accounts, &login->accounts, &fault), &fault);
+    store_rig_fine(web_accounts_open(api_rig.accounts, &login->accounts, &fault), &fault);
     web_guess_init(&api_rig.guess);
     login->sessions = &api_rig.web.sessions;
     login->guess = &api_rig.guess;
@@ -35,8 +35,8 @@ int api_rig_setup(void **state)
     static const uint8_t digest[32] = {0xab, 0xcd};
     struct iso_fault fault = {.text = ""};
 
-    hub_rig_now_s = time(NULL);
-    assert_int_equal(hub_rig_setup(state), 0);
+    store_rig_now_s = time(NULL);
+    assert_int_equal(store_rig_setup(state), 0);
     memset(&api_rig, 0, sizeof api_rig);
     api_rig.hub = *state;
     assert_int_equal(scratch_setup(&api_rig.folder), 0);
@@ -49,8 +49,8 @@ int api_rig_setup(void **state)
     api_rig.api.ca_digest = digest;
     web_rig_start(&api_rig.web, api_rig.folder, hub_api_routes, &api_rig.api);
     open_accounts();
-    hub_rig_fine(hub_worker_new(api_rig.web.event, &api_rig.options, &api_rig.api.worker, &fault),
-                 &fault);
+    store_rig_fine(hub_worker_new(api_rig.web.event, &api_rig.options, &api_rig.api.worker, &fault),
+                   &fault);
     for (int role = WEB_ROLE_OBSERVER; role <= WEB_ROLE_ADMINISTRATOR; role++) {
         (void)strcpy(api_rig.headers[role],
                      web_rig_login(&api_rig.web, web_role_word((enum web_role)role),
@@ -69,7 +69,7 @@ int api_rig_teardown(void **state)
     web_rig_stop(&api_rig.web);
     web_accounts_close(api_rig.api.login.accounts);
     assert_int_equal(scratch_teardown(&api_rig.folder), 0);
-    return hub_rig_teardown(state);
+    return store_rig_teardown(state);
 }
 
 /* The caller frees it. */

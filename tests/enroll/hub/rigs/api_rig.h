@@ -6,13 +6,13 @@
 #include <jansson.h>
 
 #include "enroll/hub/api/hub_api.h"
-#include "tests/enroll/hub/rigs/hub_rig.h"
+#include "tests/enroll/hub/rigs/store_rig.h"
 #include "tests/enroll/web/rigs/web_rig.h"
 
 #define API_RIG_PASSWORD "correct horse battery"
 
 struct hub_api_rig {
-    struct hub_rig *hub;
+    struct store_rig *hub;
     struct hub_store_options options;
     struct hub_api api;
     struct web_rig web;
@@ -25,7 +25,7 @@ struct hub_api_rig {
 
 extern struct hub_api_rig api_rig;
 
-/* cmocka set-up and tear-down of each test; the group has hub_rig_start and hub_rig_stop. */
+/* cmocka set-up and tear-down of each test; the group has store_rig_start and store_rig_stop. */
 int api_rig_setup(void **state);
 int api_rig_teardown(void **state);
 

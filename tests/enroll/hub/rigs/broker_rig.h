@@ -21,7 +21,8 @@ struct broker_rig {
     uint16_t port;
 };
 
-/* Starts mosquitto with a configuration and waits until the port accepts connections. What it says
+/* Starts mosquitto with a configuration and waits until the port accepts connections: that of the
+ * last listener. What it says
  * is written to LOG. */
 void broker_rig_start(struct broker_rig *rig, const char *config, uint16_t port, const char *log);
 void broker_rig_reload(const struct broker_rig *rig); /* SIGHUP */

@@ -1,396 +1,234 @@
 #include "tests/enroll/hub/rigs/door_rig.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
-#include <errno.h>
+#include <curl/curl.h>
 #include <sodium.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <time.h>
+#include <unistd.h>
 
-#include "core/base/bytes.h"
-#include "firmware/fleet/message/delta.h"
-#include "firmware/fleet/message/snapshot.h"
-#include "firmware/fleet/message/zone_key.h"
+#include "tests/firmware/rigs/cmocka_headers.h"
 
-int door_rig_join_with(struct door_rig *door, struct hub_store *store, const char *code,
-                       struct iso_fault *fault)
+#include "tests/support/scratch.h"
+
+void door_rig_make(struct door_rig *door, const char *folder)
 {
-    uint8_t both[2 * ISO_FLEET_PUBLIC_BYTES];
-    char address[HUB_DOOR_ADDRESS_DIGITS + 1];
-    struct iso_fleet_bytes bytes = {.bytes = NULL};
-    struct iso_fleet_membership membership;
-    struct iso_fleet_id id;
-    memcpy(both, door->signs.public, 32);
-    memcpy(both + 32, door->receives.public, 32);
-    (void)sodium_bin2hex(address, sizeof address, both, sizeof both);
-    const struct hub_join join = {.code = code, .address = address, .name = "box"};
-    const int error = hub_door_join(store, &join, &id, &bytes, fault);
-    if (error) {
-        return error;
-    }
-    assert_int_equal(iso_fleet_read_membership(bytes.bytes, bytes.size, &membership), 0);
-    assert_memory_equal(membership.door_signs, door->signs.public, 32);
-    assert_true(iso_fleet_id_is_same(&membership.door, &id));
-    door->id = id;
-    memcpy(door->hub_signs, membership.hub_signs, sizeof door->hub_signs);
-    memcpy(door->hub_receives, membership.hub_receives, sizeof door->hub_receives);
-    iso_fleet_bytes_free(&bytes);
-    return 0;
+    char line[512];
+
+    memset(door, 0, sizeof *door);
+    door->folder = folder;
+    assert_int_equal(crypto_sign_keypair(door->signs.public, door->signs.secret), 0);
+    assert_int_equal(crypto_box_keypair(door->receives.public, door->receives.secret), 0);
+    (void)snprintf(line, sizeof line,
+                   "cd %s && openssl req -new -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes "
+                   "-keyout door.key -subj /CN=door -out door.csr 2>/dev/null",
+                   folder);
+    assert_int_equal(system(line), 0);
 }
 
-void door_rig_join(struct door_rig *door, struct hub_rig *rig, const char *name,
-                   const struct iso_fleet_id *zones, size_t n_zones)
+static size_t collect(char *bytes, size_t size, size_t n, void *context)
 {
-    struct iso_fault fault = {.text = ""};
-    struct iso_fleet_id id;
-    char code[HUB_CODE_SIZE];
-    *door = (struct door_rig){.algorithm = 3};
-    (void)crypto_sign_keypair(door->signs.public, door->signs.secret);
-    (void)crypto_box_keypair(door->receives.public, door->receives.secret);
-    hub_rig_fine(hub_door_add(&rig->store, name, zones, n_zones, &id, code, &fault), &fault);
-    hub_rig_fine(door_rig_join_with(door, &rig->store, code, &fault), &fault);
-    assert_true(iso_fleet_id_is_same(&door->id, &id));
+    struct door_reply *reply = context;
+
+    reply->bytes = realloc(reply->bytes, reply->size + size * n + 1);
+    assert_non_null(reply->bytes);
+    memcpy(reply->bytes + reply->size, bytes, size * n);
+    reply->size += size * n;
+    reply->bytes[reply->size] = '\0';
+    return size * n;
 }
 
-struct door_rig_zone *door_rig_zone(struct door_rig *door, const struct iso_fleet_id *zone)
+void door_rig_post(const struct door_rig *door, uint16_t port, const char *path, const char *type,
+                   const void *bytes, size_t size, struct door_reply *reply)
 {
-    for (size_t i = 0; i < door->n_zones; i++) {
-        if (iso_fleet_id_is_same(&door->zones[i].place.zone, zone)) {
-            return &door->zones[i];
-        }
-    }
-    return NULL;
-}
+    char url[128], header[128];
+    CURL *curl = curl_easy_init();
 
-struct door_rig_person *door_rig_person(struct door_rig *door, const struct iso_fleet_id *zone,
-                                        const struct iso_fleet_id *person)
-{
-    for (size_t i = 0; i < door->n_people; i++) {
-        if (iso_fleet_id_is_same(&door->people[i].zone, zone) &&
-            iso_fleet_id_is_same(&door->people[i].id, person)) {
-            return &door->people[i];
-        }
-    }
-    return NULL;
-}
-
-size_t door_rig_count(const struct door_rig *door, const struct iso_fleet_id *zone)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < door->n_people; i++) {
-        n += iso_fleet_id_is_same(&door->people[i].zone, zone);
-    }
-    return n;
-}
-
-bool door_rig_is_same(const struct door_rig *a, const struct door_rig *b,
-                      const struct iso_fleet_id *zone)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < a->n_people; i++) {
-        for (size_t k = 0; k < b->n_people; k++) {
-            n += iso_fleet_id_is_same(&a->people[i].zone, zone) &&
-                 memcmp(&a->people[i], &b->people[k], sizeof a->people[i]) == 0;
-        }
-    }
-    return n == door_rig_count(a, zone) && n == door_rig_count(b, zone);
-}
-
-static void forget_person(struct door_rig *door, struct door_rig_person *person)
-{
-    *person = door->people[--door->n_people];
-}
-
-static void apply(struct door_rig *door, struct door_rig_zone *zone,
-                  const struct iso_fleet_change *change)
-{
-    const struct iso_fleet_person *person = &change->person;
-    struct door_rig_person *known = door_rig_person(door, &zone->place.zone, &person->id);
-    if (change->kind == ISO_FLEET_POLICY) {
-        (void)snprintf(zone->policy, sizeof zone->policy, "%.*s", (int)change->policy_length,
-                       change->policy);
-    } else if (change->kind == ISO_FLEET_LOCKDOWN) {
-        zone->lockdown = change->lockdown;
-    } else if (change->kind == ISO_FLEET_REMOVE) {
-        if (known) {
-            assert_true(person->revision > known->revision);
-            forget_person(door, known);
-        }
+    assert_non_null(curl);
+    *reply = (struct door_reply){.bytes = calloc(1, 1)};
+    (void)snprintf(url, sizeof url, "https://127.0.0.1:%u%s", port, path);
+    (void)snprintf(header, sizeof header, "Content-Type: %s", type);
+    struct curl_slist *headers = curl_slist_append(NULL, header);
+    (void)curl_easy_setopt(curl, CURLOPT_URL, url);
+    (void)curl_easy_setopt(curl, CURLOPT_CAINFO, scratch_path(door->folder, "ca.pem"));
+    (void)curl_easy_setopt(curl, CURLOPT_HTTPHEADER, headers);
+    (void)curl_easy_setopt(curl, CURLOPT_POSTFIELDS, size ? bytes : "");
+    (void)curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE, (long)size);
+    (void)curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, collect);
+    (void)curl_easy_setopt(curl, CURLOPT_WRITEDATA, reply);
+    (void)curl_easy_setopt(curl, CURLOPT_TIMEOUT, 60L);
+    (void)curl_easy_setopt(curl, CURLOPT_NOPROXY, "*");
+    const CURLcode code = curl_easy_perform(curl);
+    if (code == CURLE_OK) {
+        (void)curl_easy_getinfo(curl, CURLINFO_RESPONSE_CODE, &reply->status);
     } else {
-        assert_true(!known || person->revision > known->revision);
-        if (!known) {
-            assert_true(door->n_people < DOOR_RIG_PEOPLE);
-            known = &door->people[door->n_people++];
-            memset(known, 0, sizeof *known);
-        }
-        known->id = person->id;
-        known->zone = zone->place.zone;
-        known->revision = person->revision;
-        known->offline_ok = person->offline_ok;
-        memset(known->name, 0, sizeof known->name);
-        (void)snprintf(known->name, sizeof known->name, "%.*s", (int)person->name_length,
-                       person->name);
-        iso_fleet_templates_digest(person, known->templates);
+        print_message("%s: %s\n", url, curl_easy_strerror(code));
     }
+    curl_slist_free_all(headers);
+    curl_easy_cleanup(curl);
 }
 
-static void take_key(struct door_rig *door, const void *bytes, size_t size)
+static void take_membership(struct door_rig *door, const char *base64)
 {
+    uint8_t bytes[2048];
+    size_t size = 0;
+
+    assert_int_equal(sodium_base642bin(bytes, sizeof bytes, base64, strlen(base64), NULL, &size,
+                                       NULL, sodium_base64_VARIANT_ORIGINAL),
+                     0);
+    assert_int_equal(iso_fleet_read_membership(bytes, size, &door->membership), 0);
+    assert_memory_equal(door->membership.door_signs, door->signs.public, ISO_FLEET_PUBLIC_BYTES);
+    (void)iso_fleet_id_text(&door->membership.door, door->id);
+}
+
+static void take_reply(struct door_rig *door, const char *text)
+{
+    json_error_t error;
+    json_t *json = json_loads(text, 0, &error);
+    const char *id, *membership, *certificate, *ca, *host;
+
+    if (json_unpack_ex(json, &error, 0, "{s:s, s:s, s:s, s:s, s:{s:s, s:i}}", "door", &id,
+                       "membership", &membership, "certificate", &certificate, "ca", &ca, "broker",
+                       "host", &host, "port", &door->broker_port)) {
+        fail_msg("%s: %s", error.text, text);
+    }
+    take_membership(door, membership);
+    assert_string_equal(id, door->id);
+    char *known = scratch_read_text(scratch_path(door->folder, "ca.pem"));
+    assert_string_equal(ca, known);
+    free(known);
+    (void)snprintf(door->broker_host, sizeof door->broker_host, "%s", host);
+    scratch_write_text(scratch_path(door->folder, "door.pem"), certificate);
+    json_decref(json);
+}
+
+long door_rig_join(struct door_rig *door, uint16_t port, const char *code)
+{
+    char address[129];
+    struct door_reply reply;
+    char *csr = scratch_read_text(scratch_path(door->folder, "door.csr"));
+
+    (void)sodium_bin2hex(address, sizeof address, door->signs.public, 32);
+    (void)sodium_bin2hex(address + 64, sizeof address - 64, door->receives.public, 32);
+    json_t *json = json_pack("{s:s, s:s, s:s, s:s}", "code", code, "address", address, "csr", csr,
+                             "name", "own name");
+    char *body = json_dumps(json, 0);
+    door_rig_post(door, port, "/fleet/v1/join", "application/json", body, strlen(body), &reply);
+    if (reply.status == 200) {
+        take_reply(door, reply.bytes);
+    } else {
+        print_message("join: %ld %s\n", reply.status, reply.bytes);
+    }
+    free(reply.bytes);
+    free(body);
+    json_decref(json);
+    free(csr);
+    return reply.status;
+}
+
+bool door_rig_connect(struct door_rig *door, const struct iso_fleet_id *zone)
+{
+    char topic[ISO_FLEET_TOPIC_SIZE];
+
+    broker_client_begin(
+        &door->client, door->id, (uint16_t)door->broker_port, scratch_path(door->folder, "ca.pem"),
+        scratch_path(door->folder, "door.pem"), scratch_path(door->folder, "door.key"));
+    if (!broker_client_connects(&door->client)) {
+        return false;
+    }
+    broker_client_subscribe(&door->client, iso_fleet_topic_in(&door->membership.door, topic));
+    broker_client_subscribe(&door->client, iso_fleet_topic_delta(zone, topic));
+    broker_client_subscribe(&door->client, iso_fleet_topic_head(zone, topic));
+    broker_client_publish(&door->client, iso_fleet_topic_online(&door->membership.door, topic), "1",
+                          1, true);
+    return true;
+}
+
+/* Takes a message of the door's mail: true if it is the lease that answers the nonce. */
+static bool take_mail(struct door_rig *door, const struct broker_message *message,
+                      const uint8_t nonce[ISO_FLEET_NONCE_BYTES], struct iso_fleet_lease *lease)
+{
+    const uint8_t *hub = door->membership.hub_signs;
     struct iso_fleet_key_grant grant;
-    assert_int_equal(iso_fleet_read_key(bytes, size, door->hub_signs, &door->receives, &grant), 0);
-    assert_true(iso_fleet_id_is_same(&grant.door, &door->id));
-    door->keys++;
-    struct door_rig_zone *zone = door_rig_zone(door, &grant.base.zone);
-    if (!zone) {
-        zone = &door->zones[door->n_zones++];
-        *zone = (struct door_rig_zone){
-            .place = {.zone = grant.base.zone, .epoch = grant.base.epoch},
-            .wants_snapshot = grant.base.sequence > 0};
-    }
-    if (memcmp(zone->key.bytes, grant.key.bytes, sizeof grant.key.bytes) == 0) {
-        return;
-    }
-    zone->old_key = zone->key;
-    zone->key = grant.key;
-    zone->base = grant.base;
-    zone->wants_snapshot = zone->wants_snapshot || grant.reset;
-    if (!grant.reset && zone->place.sequence == grant.base.sequence &&
-        memcmp(zone->place.digest, grant.base.digest, 32) == 0) {
-        zone->place.epoch = grant.base.epoch;
-    }
-}
-
-static void take_delta(struct door_rig *door, const void *bytes, size_t size)
-{
-    struct iso_fleet_delta delta;
-    struct iso_fleet_bytes plain = {.bytes = NULL};
-    struct iso_fleet_change change;
-    assert_int_equal(iso_fleet_read_delta(bytes, size, door->hub_signs, &delta), 0);
-    struct door_rig_zone *zone = door_rig_zone(door, &delta.place.zone);
-    if (!zone) {
-        door->refused++;
-        return;
-    }
-    switch (iso_fleet_step_of(&zone->place, &delta)) {
-    case ISO_FLEET_STEP_KNOWN:
-        door->known++;
-        return;
-    case ISO_FLEET_STEP_NEXT:
-        break;
-    default:
-        door->refused++;
-        return;
-    }
-    const bool old = delta.place.epoch < zone->base.epoch;
-    assert_int_equal(iso_fleet_open_delta(bytes, size, old ? &zone->old_key : &zone->key, &plain),
-                     0);
-    assert_int_equal(iso_fleet_read_change(plain.bytes, plain.size, &change), 0);
-    apply(door, zone, &change);
-    zone->place = delta.place;
-    if (zone->place.sequence == zone->base.sequence && zone->base.epoch > zone->place.epoch) {
-        zone->place.epoch = zone->base.epoch;
-    }
-    door->applied++;
-    iso_fleet_bytes_free(&plain);
-}
-
-static int take_message(void *context, const char *topic, const void *bytes, size_t size,
-                        bool retain)
-{
-    struct door_rig *door = context;
     enum iso_fleet_kind kind;
-    char own[ISO_FLEET_TOPIC_SIZE];
-    struct iso_fleet_ack ack;
-    assert_int_equal(iso_fleet_kind_of(bytes, size, &kind), 0);
-    const bool is_own = strcmp(topic, iso_fleet_topic_in(&door->id, own)) == 0;
-    assert_true(retain == (kind == ISO_FLEET_HEAD));
-    switch (kind) {
-    case ISO_FLEET_DELTA:
-        take_delta(door, bytes, size);
-        return 0;
-    case ISO_FLEET_HEAD:
-        return 0;
-    case ISO_FLEET_KEY:
-        if (is_own) {
-            take_key(door, bytes, size);
+
+    assert_int_equal(iso_fleet_kind_of(message->bytes, message->size, &kind), 0);
+    if (kind == ISO_FLEET_KEY) {
+        assert_int_equal(
+            iso_fleet_read_key(message->bytes, message->size, hub, &door->receives, &grant), 0);
+        assert_true(iso_fleet_id_is_same(&grant.door, &door->membership.door));
+        door->key = grant.key;
+        if (door->place.epoch == 0) {
+            door->place = grant.base;
         }
-        return 0;
-    case ISO_FLEET_LEASE:
-        assert_true(is_own);
-        assert_int_equal(iso_fleet_read_lease(bytes, size, door->hub_signs, &door->lease), 0);
-        assert_memory_equal(door->lease.nonce, door->nonce, sizeof door->nonce);
-        door->leases++;
-        return 0;
-    case ISO_FLEET_ACK:
-        assert_true(is_own);
-        assert_int_equal(iso_fleet_read_ack(bytes, size, door->hub_signs, &ack), 0);
-        door->acked = ack.number;
-        door->acks++;
-        return 0;
-    default:
-        fail_msg("a message of kind %d on %s", (int)kind, topic);
-        return -EBADMSG;
+        door->place.epoch = grant.base.epoch;
+        return false;
     }
+    if (kind != ISO_FLEET_LEASE) {
+        return false;
+    }
+    assert_int_equal(iso_fleet_read_lease(message->bytes, message->size, hub, lease), 0);
+    return memcmp(lease->nonce, nonce, sizeof lease->nonce) == 0;
 }
 
-struct hub_emit door_rig_emit(struct door_rig *door)
+bool door_rig_ask(struct door_rig *door, const char *health, uint64_t last_event,
+                  struct iso_fleet_lease *lease, double seconds)
 {
-    return (struct hub_emit){.emit = take_message, .context = door};
-}
-
-int door_rig_ask(struct door_rig *door, struct hub_store *store, struct iso_fault *fault)
-{
-    static const char health[] = "{\"version\": \"1.0\"}";
-    const struct hub_emit emit = door_rig_emit(door);
-    struct iso_fleet_bytes bytes = {.bytes = NULL};
-    struct iso_fleet_question question = {.door = door->id,
-                                          .time_s = 5,
-                                          .algorithm = door->algorithm,
-                                          .last_event = door->last_event,
-                                          .n = door->n_zones,
+    struct iso_fleet_question question = {.door = door->membership.door,
+                                          .time_s = time(NULL),
+                                          .algorithm = 1,
+                                          .last_event = last_event,
+                                          .n = door->place.epoch ? 1 : 0,
                                           .health = health,
-                                          .health_length = sizeof health - 1};
-    randombytes_buf(door->nonce, sizeof door->nonce);
-    memcpy(question.nonce, door->nonce, sizeof question.nonce);
-    for (size_t i = 0; i < door->n_zones; i++) {
-        question.places[i] = door->zones[i].place;
-    }
+                                          .health_length = strlen(health)};
+    struct iso_fleet_bytes bytes = {.size = 0};
+    char in[ISO_FLEET_TOPIC_SIZE], out[ISO_FLEET_TOPIC_SIZE];
+    const size_t from = door->client.n;
+
+    question.places[0] = door->place;
+    randombytes_buf(question.nonce, sizeof question.nonce);
     assert_int_equal(iso_fleet_make_question(&question, &door->signs, &bytes), 0);
-    const int error = hub_take(store, &door->id, bytes.bytes, bytes.size, &emit, fault);
+    (void)iso_fleet_topic_in(&door->membership.door, in);
+    broker_client_publish(&door->client, iso_fleet_topic_out(&door->membership.door, out),
+                          bytes.bytes, bytes.size, false);
     iso_fleet_bytes_free(&bytes);
-    return error;
-}
-
-static int keep(void *context, const void *bytes, size_t size)
-{
-    struct iso_fleet_bytes *out = context;
-    iso_fleet_put(out, bytes, size);
-    return out->error;
-}
-
-int door_rig_fetch_raw(struct door_rig *door, struct hub_store *store,
-                       const struct iso_fleet_id *zone, uint64_t after, enum iso_fleet_wanted what,
-                       struct iso_fleet_bytes *out, enum hub_fetch_answer *answer,
-                       struct iso_fault *fault)
-{
-    struct iso_fleet_fetch fetch = {.door = door->id, .zone = *zone, .after = after, .what = what};
-    struct iso_fleet_bytes bytes = {.bytes = NULL};
-    randombytes_buf(fetch.nonce, sizeof fetch.nonce);
-    assert_int_equal(iso_fleet_make_fetch(&fetch, &door->signs, &bytes), 0);
-    const int error = hub_answer_fetch(store, bytes.bytes, bytes.size, keep, out, answer, fault);
-    iso_fleet_bytes_free(&bytes);
-    return error;
-}
-
-struct target {
-    struct door_rig *door;
-    struct door_rig_zone *zone;
-};
-
-static int take_part(void *context, const struct iso_fleet_change *change)
-{
-    const struct target *target = context;
-    apply(target->door, target->zone, change);
-    return 0;
-}
-
-static void take_snapshot(struct door_rig *door, struct door_rig_zone *zone,
-                          const struct iso_fleet_bytes *file)
-{
-    struct target target = {.door = door, .zone = zone};
-    struct iso_fleet_place place;
-    assert_int_equal(iso_fleet_snapshot_verify(file->bytes, file->size, door->hub_signs, &place),
-                     0);
-    assert_true(iso_fleet_id_is_same(&place.zone, &zone->place.zone));
-    for (size_t i = door->n_people; i-- > 0;) {
-        if (iso_fleet_id_is_same(&door->people[i].zone, &place.zone)) {
-            forget_person(door, &door->people[i]);
+    for (int at = (int)from;; at++) {
+        at = broker_client_wait(&door->client, in, (size_t)at, seconds);
+        if (at < 0) {
+            return false;
         }
-    }
-    assert_int_equal(
-        iso_fleet_snapshot_each(file->bytes, file->size, &zone->key, take_part, &target), 0);
-    zone->place = place;
-    zone->wants_snapshot = false;
-}
-
-static void take_deltas(struct door_rig *door, const struct iso_fleet_bytes *answer)
-{
-    for (size_t at = 0; at < answer->size;) {
-        const uint32_t size = iso_get_u32(answer->bytes + at);
-        assert_true(at + 4 + size <= answer->size);
-        take_delta(door, answer->bytes + at + 4, size);
-        at += 4 + size;
-    }
-}
-
-/* One round for a zone. Returns whether something has come. */
-static bool fetch_once(struct door_rig *door, struct hub_store *store, struct door_rig_zone *zone)
-{
-    struct iso_fault fault = {.text = ""};
-    struct iso_fleet_bytes answer = {.bytes = NULL};
-    enum hub_fetch_answer what;
-    const uint64_t before = zone->place.sequence;
-    const bool whole = zone->wants_snapshot;
-    hub_rig_fine(door_rig_fetch_raw(door, store, &zone->place.zone, before,
-                                    whole ? ISO_FLEET_WANT_SNAPSHOT : ISO_FLEET_WANT_DELTAS,
-                                    &answer, &what, &fault),
-                 &fault);
-    if (what == HUB_ANSWER_SNAPSHOT) {
-        take_snapshot(door, zone, &answer);
-    } else {
-        take_deltas(door, &answer);
-    }
-    iso_fleet_bytes_free(&answer);
-    return whole || zone->place.sequence > before;
-}
-
-void door_rig_fetch(struct door_rig *door, struct hub_store *store)
-{
-    for (size_t i = 0; i < door->n_zones; i++) {
-        for (unsigned n = 0; fetch_once(door, store, &door->zones[i]); n++) {
-            assert_true(n < 1000);
+        if (take_mail(door, &door->client.messages[at], question.nonce, lease)) {
+            return true;
         }
     }
 }
 
-int door_rig_send_events(struct door_rig *door, struct hub_store *store, uint64_t first,
-                         uint64_t last, struct iso_fault *fault)
+unsigned door_rig_follow(struct door_rig *door, size_t from)
 {
-    const struct hub_emit emit = door_rig_emit(door);
-    const struct iso_fleet_events events = {.door = door->id, .first = first, .last = last};
-    struct iso_fleet_bytes lines = {.bytes = NULL}, bytes = {.bytes = NULL};
-    for (uint64_t n = first; n <= last; n++) {
-        char line[200];
-        const int length = snprintf(
-            line, sizeof line,
-            "{\"sequence\":%llu,\"time\":\"2026-11-21T08:%02llu:%02llu.250Z\","
-            "\"event\":\"visit\",\"person\":\"p\\u00e9ter %llu\",\"verdict\":\"allow\"}\n",
-            (unsigned long long)n, (unsigned long long)(n / 60 % 60), (unsigned long long)(n % 60),
-            (unsigned long long)(n % 3));
-        iso_fleet_put(&lines, line, (size_t)length);
-    }
-    assert_int_equal(iso_fleet_make_events(&events, (const char *)lines.bytes, lines.size,
-                                           door->hub_receives, &door->signs, &bytes),
-                     0);
-    const int error = hub_take(store, &door->id, bytes.bytes, bytes.size, &emit, fault);
-    iso_fleet_bytes_free(&bytes);
-    iso_fleet_bytes_free(&lines);
-    return error;
-}
+    const struct broker_client *client = &door->client;
+    struct iso_fleet_delta delta;
+    enum iso_fleet_kind kind;
+    unsigned known = 0;
 
-int door_rig_request(struct door_rig *door, struct hub_store *store,
-                     const struct iso_fleet_person *person, struct iso_fault *fault)
-{
-    const struct hub_emit emit = door_rig_emit(door);
-    struct iso_fleet_bytes bytes = {.bytes = NULL};
-    assert_int_equal(
-        iso_fleet_make_request(&door->id, person, door->hub_receives, &door->signs, &bytes), 0);
-    const int error = hub_take(store, &door->id, bytes.bytes, bytes.size, &emit, fault);
-    iso_fleet_bytes_free(&bytes);
-    return error;
+    for (size_t i = from; i < client->n; i++) {
+        const struct broker_message *m = &client->messages[i];
+        if (iso_fleet_kind_of(m->bytes, m->size, &kind) || kind != ISO_FLEET_DELTA) {
+            continue;
+        }
+        assert_int_equal(
+            iso_fleet_read_delta(m->bytes, m->size, door->membership.hub_signs, &delta), 0);
+        switch (iso_fleet_step_of(&door->place, &delta)) {
+        case ISO_FLEET_STEP_NEXT:
+            door->place = delta.place;
+            break;
+        case ISO_FLEET_STEP_KNOWN:
+            known++;
+            break;
+        default:
+            fail_msg("delta %llu does not follow %llu", (unsigned long long)delta.place.sequence,
+                     (unsigned long long)door->place.sequence);
+        }
+    }
+    return known;
 }

@@ -1,91 +1,56 @@
-/* A door for tests of the hub: it plays the door's side of the messages with
- * firmware/fleet/message, and keeps the people of its zones. Failures fail the running cmocka test.
- */
-#ifndef TESTS_ENROLL_HUB_RIGS_DOOR_RIG_H
-#define TESTS_ENROLL_HUB_RIGS_DOOR_RIG_H
+/* A door as the hub sees it, played with the library of messages, libcurl and libmosquitto.
+ * Failures fail the running cmocka test. */
+#ifndef TESTS_HUB_RIGS_DOOR_RIG_H
+#define TESTS_HUB_RIGS_DOOR_RIG_H
 
-#include "enroll/hub/answer/hub_answer.h"
-#include "firmware/fleet/message/lease.h"
-#include "tests/enroll/hub/rigs/hub_rig.h"
+#include <jansson.h>
 
-enum { DOOR_RIG_PEOPLE = 512 };
-
-struct door_rig_person {
-    struct iso_fleet_id id, zone;
-    uint64_t revision;
-    char name[80];
-    uint8_t templates[ISO_FLEET_DIGEST_BYTES];
-    bool offline_ok;
-};
-
-struct door_rig_zone {
-    struct iso_fleet_place place;
-    struct iso_fleet_zone_key key, old_key;
-    struct iso_fleet_place base; /* of the key */
-    bool wants_snapshot;
-    bool lockdown;
-    char policy[4096];
-};
+#include "firmware/fleet/message/delta.h"
+#include "firmware/fleet/message/door_mail.h"
+#include "firmware/fleet/message/membership.h"
+#include "firmware/fleet/message/zone_key.h"
+#include "tests/enroll/hub/rigs/broker_rig.h"
 
 struct door_rig {
-    struct iso_fleet_id id;
+    const char *folder; /* of its files */
     struct iso_fleet_signer signs;
     struct iso_fleet_receiver receives;
-    uint8_t hub_signs[ISO_FLEET_PUBLIC_BYTES], hub_receives[ISO_FLEET_PUBLIC_BYTES];
-    uint8_t nonce[ISO_FLEET_NONCE_BYTES];
-    uint32_t algorithm;
-    uint64_t last_event, acked;
-    size_t n_zones, n_people;
-    struct door_rig_zone zones[ISO_FLEET_ZONES_MAX];
-    struct door_rig_person people[DOOR_RIG_PEOPLE];
-    /* What came. */
-    unsigned keys, leases, acks, applied, known, refused;
-    struct iso_fleet_lease lease;
+    struct iso_fleet_membership membership;
+    char id[ISO_FLEET_ID_TEXT_SIZE];
+    struct iso_fleet_zone_key key; /* of its zone */
+    struct iso_fleet_place place;
+    char broker_host[64];
+    int broker_port;
+    struct broker_client client;
 };
 
-/* Adds a door to the hub and lets it join. */
-void door_rig_join(struct door_rig *door, struct hub_rig *rig, const char *name,
-                   const struct iso_fleet_id *zones, size_t n_zones);
+struct door_reply {
+    long status; /* of HTTP; 0: the connection failed */
+    char *bytes; /* with a NUL after them */
+    size_t size;
+};
 
-/* Joins with a code; returns the result of hub_door_join. */
-int door_rig_join_with(struct door_rig *door, struct hub_store *store, const char *code,
-                       struct iso_fault *fault);
+/* Makes the keys and a certificate request: FOLDER/door.key, FOLDER/door.csr. */
+void door_rig_make(struct door_rig *door, const char *folder);
 
-/* Takes what the hub emits: messages on the door's own topic, deltas and heads. */
-struct hub_emit door_rig_emit(struct door_rig *door);
+/* Posts to the hub, whose authority is in FOLDER/ca.pem. The caller frees reply->bytes. */
+void door_rig_post(const struct door_rig *door, uint16_t port, const char *path, const char *type,
+                   const void *bytes, size_t size, struct door_reply *reply);
 
-/* Asks the hub, and takes the answers. Returns the result of hub_take. */
-int door_rig_ask(struct door_rig *door, struct hub_store *store, struct iso_fault *fault);
+/* Joins with a code; returns the status of HTTP. After 200 the membership is verified and stored.
+ */
+long door_rig_join(struct door_rig *door, uint16_t port, const char *code);
 
-/* Fetches what the zones of the door lack, until nothing is missing. */
-void door_rig_fetch(struct door_rig *door, struct hub_store *store);
+/* Connects to the broker and subscribes to its mail and to its zone; false: it is refused. */
+bool door_rig_connect(struct door_rig *door, const struct iso_fleet_id *zone);
 
-/* One FETCH for a zone, without taking the answer; returns the result of hub_answer_fetch. The
- * caller frees `out`. */
-int door_rig_fetch_raw(struct door_rig *door, struct hub_store *store,
-                       const struct iso_fleet_id *zone, uint64_t after, enum iso_fleet_wanted what,
-                       struct iso_fleet_bytes *out, enum hub_fetch_answer *answer,
-                       struct iso_fault *fault);
+/* Asks a question at its place, and reads the answer. Takes the key of the zone if one comes.
+ * Returns whether a lease came in time. */
+bool door_rig_ask(struct door_rig *door, const char *health, uint64_t last_event,
+                  struct iso_fleet_lease *lease, double seconds);
 
-/* Sends records `first` to `last` of its log. Returns the result of hub_take. */
-int door_rig_send_events(struct door_rig *door, struct hub_store *store, uint64_t first,
-                         uint64_t last, struct iso_fault *fault);
-
-/* Sends a request for a person. */
-int door_rig_request(struct door_rig *door, struct hub_store *store,
-                     const struct iso_fleet_person *person, struct iso_fault *fault);
-
-struct door_rig_zone *door_rig_zone(struct door_rig *door, const struct iso_fleet_id *zone);
-
-/* The person in a zone, or NULL. */
-struct door_rig_person *door_rig_person(struct door_rig *door, const struct iso_fleet_id *zone,
-                                        const struct iso_fleet_id *person);
-
-/* How many people the door has in a zone. */
-size_t door_rig_count(const struct door_rig *door, const struct iso_fleet_id *zone);
-
-/* Whether two doors have the same people in a zone, with the same contents. */
-bool door_rig_is_same(const struct door_rig *a, const struct door_rig *b,
-                      const struct iso_fleet_id *zone);
+/* Goes on with the deltas that have come, from the message `from` on: each must be the next one or
+ * known. Returns the number of deltas that were delivered more than once. */
+unsigned door_rig_follow(struct door_rig *door, size_t from);
 
 #endif

@@ -1,49 +1,49 @@
-/* A hub for tests: keys in a temporary directory, a database of the PostgreSQL rig, and a clock
- * that the test sets. Failures fail the running cmocka test. */
-#ifndef TESTS_ENROLL_HUB_RIGS_HUB_RIG_H
-#define TESTS_ENROLL_HUB_RIGS_HUB_RIG_H
+/* A whole hub for tests: PostgreSQL, mosquitto with TLS, and processes of the hub. Failures fail
+ * the running cmocka test. */
+#ifndef TESTS_HUB_RIGS_HUB_RIG_H
+#define TESTS_HUB_RIGS_HUB_RIG_H
 
-#include "enroll/hub/people/hub_person.h"
-#include "enroll/hub/store/hub_door.h"
-#include "enroll/hub/store/hub_zone.h"
+#include "enroll/hub/store/hub_store.h"
+#include "tests/enroll/hub/rigs/broker_rig.h"
 #include "tests/enroll/hub/rigs/rig_postgres.h"
 
-extern int64_t hub_rig_now_s; /* the clock of all stores */
+enum { HUB_RIG_PROCESSES = 2 };
 
 struct hub_rig {
+    const char *folder, *broker_folder; /* the authority; what mosquitto reads */
     struct rig_postgres postgres;
-    char key_file[128];
-    struct hub_store store;
+    struct broker_rig broker;
+    uint16_t broker_port, hub_broker_port;
+    struct hub_store store; /* of the test, who is the administrator */
+    struct iso_fleet_id zone;
+    struct {
+        pid_t pid; /* 0: it does not run */
+        uint16_t port;
+        char log[128], metrics[128];
+    } hubs[HUB_RIG_PROCESSES];
 };
 
-/* For a whole group: starts PostgreSQL and makes the keys. If it is not installed, the program ends
- * with the code for "skipped". */
-int hub_rig_start(void **state);
-int hub_rig_stop(void **state);
+/* Starts the database with one zone, "Office", and the broker. False: a program is missing. */
+bool hub_rig_start(struct hub_rig *rig, const char *folder);
+void hub_rig_stop(struct hub_rig *rig);
 
-/* For each test: an empty database with the tables, and a store. */
-int hub_rig_setup(void **state);
-int hub_rig_teardown(void **state);
+/* Starts a process of the hub and waits until it listens. */
+void hub_rig_serve(struct hub_rig *rig, int i);
 
-/* Another store on the same database. */
-void hub_rig_open(struct hub_rig *rig, struct hub_store *out);
+/* Ends it by SIGKILL. */
+void hub_rig_kill(struct hub_rig *rig, int i);
 
-/* Fails the test with the line of the fault unless error is 0. */
-void hub_rig_fine(int error, const struct iso_fault *fault);
+/* The number of the process that is the leader, waiting for one; it says so in its log. */
+int hub_rig_leader(struct hub_rig *rig);
 
-struct iso_fleet_id hub_rig_zone(struct hub_rig *rig, const char *name);
-struct hub_zone hub_rig_zone_now(struct hub_rig *rig, const struct iso_fleet_id *zone);
+/* How often a text is in the log of a process. */
+int hub_rig_says(const struct hub_rig *rig, int i, const char *text);
 
-/* A person of this name with `n` templates, each 2000 bytes `fill`. The texts and bytes belong to
- * the rig until the next call with the same name. */
-struct iso_fleet_person hub_rig_person(const char *name, uint32_t algorithm, size_t n,
-                                       uint8_t fill);
+/* Adds a door to the zone; returns its code in a static buffer. */
+const char *hub_rig_add_door(struct hub_rig *rig, const char *name);
 
-/* Puts such a person into zones. */
-struct iso_fleet_id hub_rig_put(struct hub_rig *rig, const char *name,
-                                const struct iso_fleet_id *zones, size_t n_zones);
-
-/* One number from a statement without values. */
-int64_t hub_rig_number(struct hub_rig *rig, const char *sql);
+/* Waits until the rights of the broker mention a text (or do not), and lets the broker read them.
+ */
+void hub_rig_reload(struct hub_rig *rig, const char *text, bool mentions);
 
 #endif

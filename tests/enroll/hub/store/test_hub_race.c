@@ -14,7 +14,7 @@
 #include <string.h>
 
 #include "enroll/hub/answer/hub_outbox.h"
-#include "tests/enroll/hub/rigs/door_rig.h"
+#include "tests/enroll/hub/rigs/played_door.h"
 
 enum { THREADS = 4, CHANGES = 40 };
 
@@ -37,7 +37,7 @@ static void *work(void *context)
         char name[32], other[48];
         (void)snprintf(name, sizeof name, "w%d p%d", w->number, i);
         (void)snprintf(other, sizeof other, "%s again", name);
-        const struct iso_fleet_person person = hub_rig_person(name, 3, 1, (uint8_t)i);
+        const struct iso_fleet_person person = store_rig_person(name, 3, 1, (uint8_t)i);
         const struct iso_fleet_id zones[2] = {w->zones[w->number % 2], w->zones[1 - w->number % 2]};
         w->failed = hub_person_put(&w->store, &person, zones, i % 3 ? 2 : 1, &w->fault);
         if (!w->failed && i % 4 == 1) {
@@ -56,49 +56,50 @@ static void *work(void *context)
 
 static void changes_at_once_are_one_chain(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     static struct worker workers[THREADS];
     pthread_t threads[THREADS];
-    const struct iso_fleet_id zones[2] = {hub_rig_zone(rig, "office"), hub_rig_zone(rig, "lab")};
-    static struct door_rig door, late;
-    (void)hub_rig_put(rig, "shared", zones, 2);
+    const struct iso_fleet_id zones[2] = {store_rig_zone(rig, "office"),
+                                          store_rig_zone(rig, "lab")};
+    static struct played_door door, late;
+    (void)store_rig_put(rig, "shared", zones, 2);
     for (int i = 0; i < THREADS; i++) {
         workers[i] = (struct worker){.zones = {zones[0], zones[1]}, .number = i};
-        hub_rig_open(rig, &workers[i].store);
+        store_rig_open(rig, &workers[i].store);
     }
     for (int i = 0; i < THREADS; i++) {
         assert_int_equal(pthread_create(&threads[i], NULL, work, &workers[i]), 0);
     }
     for (int i = 0; i < THREADS; i++) {
         assert_int_equal(pthread_join(threads[i], NULL), 0);
-        hub_rig_fine(workers[i].failed, &workers[i].fault);
+        store_rig_fine(workers[i].failed, &workers[i].fault);
         hub_store_close(&workers[i].store);
     }
     /* None lost or doubled: each change of a person is one delta in each zone of the person. Of 40
      * puts 14 are in one zone and 26 in both; of the renames (i % 4 == 1) 3 are in one and 7 in
      * both; of the revocations (i % 4 == 2) 3 are in one and 7 in both. */
     const int64_t each = (14 + 2 * 26) + (3 + 2 * 7) + (3 + 2 * 7) + 2 * 40;
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM delta"), 2 + THREADS * each);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM person"), 1 + THREADS * 30);
-    assert_int_equal(hub_rig_number(rig, "SELECT sum(sequence)::bigint FROM zone"),
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM delta"), 2 + THREADS * each);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM person"), 1 + THREADS * 30);
+    assert_int_equal(store_rig_number(rig, "SELECT sum(sequence)::bigint FROM zone"),
                      2 + THREADS * each);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM act"),
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM act"),
                      2 + 1 + THREADS * (40 + 10 + 10 + 40));
 
     /* A door that follows the deltas checks that each adjoins the one before, and has in the end
      * the same people as one with a snapshot. */
-    door_rig_join(&door, rig, "front", zones, 2);
-    door_rig_join(&late, rig, "back", zones, 2);
-    hub_rig_fine(door_rig_ask(&door, &rig->store, &fault), &fault);
-    hub_rig_fine(door_rig_ask(&late, &rig->store, &fault), &fault);
+    played_door_join(&door, rig, "front", zones, 2);
+    played_door_join(&late, rig, "back", zones, 2);
+    store_rig_fine(played_door_ask(&door, &rig->store, &fault), &fault);
+    store_rig_fine(played_door_ask(&late, &rig->store, &fault), &fault);
     door.zones[0].wants_snapshot = door.zones[1].wants_snapshot = false;
     late.zones[0].wants_snapshot = late.zones[1].wants_snapshot = true;
-    door_rig_fetch(&door, &rig->store);
-    door_rig_fetch(&late, &rig->store);
+    played_door_fetch(&door, &rig->store);
+    played_door_fetch(&late, &rig->store);
     assert_int_equal(door.refused, 0);
     assert_int_equal(door.applied, 2 + THREADS * each);
-    assert_true(door_rig_is_same(&door, &late, &zones[0]));
-    assert_true(door_rig_is_same(&door, &late, &zones[1]));
+    assert_true(played_door_is_same(&door, &late, &zones[0]));
+    assert_true(played_door_is_same(&door, &late, &zones[1]));
 }
 
 /* Two transactions that lock two zones in opposite order by hand: one is a deadlock's victim, and
@@ -131,25 +132,26 @@ static void *run_locker(void *context)
 
 static void a_deadlock_is_tried_again(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     static const char office[] = "UPDATE zone SET lease_s = lease_s + 1 WHERE name = 'office'";
     static const char lab[] = "UPDATE zone SET lease_s = lease_s + 1 WHERE name = 'lab'";
     pthread_barrier_t barrier;
     pthread_t thread;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    (void)hub_rig_zone(rig, "lab");
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    (void)store_rig_zone(rig, "lab");
     assert_int_equal(pthread_barrier_init(&barrier, NULL, 2), 0);
     struct locker a = {.first = office, .second = lab, .barrier = &barrier};
     struct locker b = {.first = lab, .second = office, .barrier = &barrier};
-    hub_rig_open(rig, &a.store);
-    hub_rig_open(rig, &b.store);
+    store_rig_open(rig, &a.store);
+    store_rig_open(rig, &b.store);
     assert_int_equal(pthread_create(&thread, NULL, run_locker, &a), 0);
     (void)run_locker(&b);
     assert_int_equal(pthread_join(thread, NULL), 0);
-    hub_rig_fine(a.error, &a.fault);
-    hub_rig_fine(b.error, &b.fault);
+    store_rig_fine(a.error, &a.fault);
+    store_rig_fine(b.error, &b.fault);
     assert_int_equal(a.runs + b.runs, 3);
-    assert_int_equal(hub_rig_zone_now(rig, &zone).settings.lease_s, ISO_FLEET_LEASE_DEFAULT_S + 2);
+    assert_int_equal(store_rig_zone_now(rig, &zone).settings.lease_s,
+                     ISO_FLEET_LEASE_DEFAULT_S + 2);
     hub_store_close(&a.store);
     hub_store_close(&b.store);
     (void)pthread_barrier_destroy(&barrier);
@@ -159,117 +161,125 @@ static void a_deadlock_is_tried_again(void **state)
 
 static void the_connection_comes_back(void **state)
 {
-    struct hub_rig *rig = *state;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    const struct iso_fleet_person person = hub_rig_person("anna", 3, 1, 1);
+    struct store_rig *rig = *state;
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    const struct iso_fleet_person person = store_rig_person("anna", 3, 1, 1);
     bool is_leader = false;
-    hub_rig_fine(hub_leader_try(&rig->store, &is_leader, &fault), &fault);
+    store_rig_fine(hub_leader_try(&rig->store, &is_leader, &fault), &fault);
     assert_true(is_leader);
     rig_postgres_down(&rig->postgres);
     assert_int_equal(hub_person_put(&rig->store, &person, &zone, 1, &fault), -ENOTCONN);
     assert_null(strchr(fault.text, '\n'));
     rig_postgres_up(&rig->postgres);
-    hub_rig_fine(hub_person_put(&rig->store, &person, &zone, 1, &fault), &fault);
-    assert_int_equal(hub_rig_zone_now(rig, &zone).place.sequence, 1);
+    store_rig_fine(hub_person_put(&rig->store, &person, &zone, 1, &fault), &fault);
+    assert_int_equal(store_rig_zone_now(rig, &zone).place.sequence, 1);
     /* The lock is lost with the session, so another may be the leader now. */
     struct hub_store other;
-    hub_rig_open(rig, &other);
-    hub_rig_fine(hub_leader_try(&other, &is_leader, &fault), &fault);
+    store_rig_open(rig, &other);
+    store_rig_fine(hub_leader_try(&other, &is_leader, &fault), &fault);
     assert_true(is_leader);
-    hub_rig_fine(hub_leader_try(&rig->store, &is_leader, &fault), &fault);
+    store_rig_fine(hub_leader_try(&rig->store, &is_leader, &fault), &fault);
     assert_false(is_leader);
     hub_store_close(&other);
 }
 
 /* ---- yesterday's database ---- */
 
+/* After the recovery the door has what this database knows, and the stream goes on. */
+static void recover_and_go_on(struct store_rig *rig, struct played_door *door,
+                              const struct iso_fleet_id *zone, const struct iso_fleet_id *anna)
+{
+    struct hub_store *store = &rig->store;
+    const unsigned keys = door->keys;
+    store_rig_fine(hub_zone_recover(store, zone, &fault), &fault);
+    struct hub_zone now = store_rig_zone_now(rig, zone);
+    assert_int_equal(now.place.epoch, 2);
+    assert_int_equal(now.place.sequence, 9);
+    store_rig_fine(played_door_ask(door, store, &fault), &fault);
+    assert_int_equal(door->keys, keys + 1);
+    assert_true(door->zones[0].wants_snapshot);
+    assert_false(store_rig_zone_now(rig, zone).behind); /* an old place of before the reset */
+    const uint64_t revision = played_door_person(door, zone, anna)->revision;
+    played_door_fetch(door, store);
+    assert_int_equal(played_door_count(door, zone), 1);
+    assert_true(played_door_person(door, zone, anna)->revision > revision);
+    /* The stream goes on. */
+    store_rig_fine(hub_zone_lockdown(store, zone, true, &fault), &fault);
+    played_door_fetch(door, store);
+    assert_true(door->zones[0].lockdown);
+    store_rig_fine(played_door_ask(door, store, &fault), &fault);
+    assert_false(store_rig_zone_now(rig, zone).behind);
+}
+
 static void a_restored_database_is_noticed(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct hub_store *store = &rig->store;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    static struct door_rig door;
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    static struct played_door door;
     char name[16];
-    door_rig_join(&door, rig, "front", &zone, 1);
-    hub_rig_fine(door_rig_ask(&door, store, &fault), &fault);
-    const struct iso_fleet_id anna = hub_rig_put(rig, "anna", &zone, 1);
-    const struct iso_fleet_id ben = hub_rig_put(rig, "ben", &zone, 1);
+    played_door_join(&door, rig, "front", &zone, 1);
+    store_rig_fine(played_door_ask(&door, store, &fault), &fault);
+    const struct iso_fleet_id anna = store_rig_put(rig, "anna", &zone, 1);
+    const struct iso_fleet_id ben = store_rig_put(rig, "ben", &zone, 1);
     rig_postgres_backup(&rig->postgres);
     for (int i = 0; i < 5; i++) {
         (void)snprintf(name, sizeof name, "lost %d", i);
-        (void)hub_rig_put(rig, name, &zone, 1);
+        (void)store_rig_put(rig, name, &zone, 1);
     }
-    hub_rig_fine(hub_person_set_offline(store, &anna, true, &fault), &fault);
-    door_rig_fetch(&door, store);
-    hub_rig_fine(door_rig_ask(&door, store, &fault), &fault);
+    store_rig_fine(hub_person_set_offline(store, &anna, true, &fault), &fault);
+    played_door_fetch(&door, store);
+    store_rig_fine(played_door_ask(&door, store, &fault), &fault);
     assert_int_equal(door.zones[0].place.sequence, 8);
     rig_postgres_restore(&rig->postgres);
 
     /* Even if the hub has changed something before it hears of the door. */
-    hub_rig_fine(hub_person_revoke(store, &ben, &fault), &fault);
-    assert_false(hub_rig_zone_now(rig, &zone).behind);
+    store_rig_fine(hub_person_revoke(store, &ben, &fault), &fault);
+    assert_false(store_rig_zone_now(rig, &zone).behind);
     assert_int_equal(hub_zone_recover(store, &zone, &fault), -EALREADY);
-    hub_rig_fine(door_rig_ask(&door, store, &fault), &fault);
-    assert_true(hub_rig_zone_now(rig, &zone).behind);
+    store_rig_fine(played_door_ask(&door, store, &fault), &fault);
+    assert_true(store_rig_zone_now(rig, &zone).behind);
     assert_int_equal(door.lease.places[0].sequence, 3); /* the door sees it, too */
     assert_int_equal(hub_person_set_offline(store, &anna, false, &fault), -ESTALE);
     assert_non_null(strstr(fault.text, "isotherm-hub recover"));
     assert_int_equal(hub_zone_lockdown(store, &zone, true, &fault), -ESTALE);
 
-    const unsigned keys = door.keys;
-    hub_rig_fine(hub_zone_recover(store, &zone, &fault), &fault);
-    struct hub_zone now = hub_rig_zone_now(rig, &zone);
-    assert_int_equal(now.place.epoch, 2);
-    assert_int_equal(now.place.sequence, 9);
-    hub_rig_fine(door_rig_ask(&door, store, &fault), &fault);
-    assert_int_equal(door.keys, keys + 1);
-    assert_true(door.zones[0].wants_snapshot);
-    assert_false(hub_rig_zone_now(rig, &zone).behind); /* an old place of before the reset */
-    const uint64_t revision = door_rig_person(&door, &zone, &anna)->revision;
-    door_rig_fetch(&door, store);
-    assert_int_equal(door_rig_count(&door, &zone), 1);
-    assert_true(door_rig_person(&door, &zone, &anna)->revision > revision);
-    /* The stream goes on. */
-    hub_rig_fine(hub_zone_lockdown(store, &zone, true, &fault), &fault);
-    door_rig_fetch(&door, store);
-    assert_true(door.zones[0].lockdown);
-    hub_rig_fine(door_rig_ask(&door, store, &fault), &fault);
-    assert_false(hub_rig_zone_now(rig, &zone).behind);
+    recover_and_go_on(rig, &door, &zone, &anna);
 }
 
 static void another_history_is_noticed(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct hub_store *store = &rig->store;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    static struct door_rig door, late;
-    door_rig_join(&door, rig, "front", &zone, 1);
-    door_rig_join(&late, rig, "back", &zone, 1);
-    hub_rig_fine(door_rig_ask(&door, store, &fault), &fault);
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    static struct played_door door, late;
+    played_door_join(&door, rig, "front", &zone, 1);
+    played_door_join(&late, rig, "back", &zone, 1);
+    store_rig_fine(played_door_ask(&door, store, &fault), &fault);
     rig_postgres_backup(&rig->postgres);
-    (void)hub_rig_put(rig, "anna", &zone, 1);
-    door_rig_fetch(&door, store);
+    (void)store_rig_put(rig, "anna", &zone, 1);
+    played_door_fetch(&door, store);
     rig_postgres_restore(&rig->postgres);
     /* The hub overtakes the door with other changes. */
-    (void)hub_rig_put(rig, "ben", &zone, 1);
-    (void)hub_rig_put(rig, "carla", &zone, 1);
-    hub_rig_fine(door_rig_ask(&late, store, &fault), &fault);
-    assert_false(hub_rig_zone_now(rig, &zone).behind);
-    hub_rig_fine(door_rig_ask(&door, store, &fault), &fault);
-    assert_true(hub_rig_zone_now(rig, &zone).behind);
-    hub_rig_fine(hub_zone_recover(store, &zone, &fault), &fault);
+    (void)store_rig_put(rig, "ben", &zone, 1);
+    (void)store_rig_put(rig, "carla", &zone, 1);
+    store_rig_fine(played_door_ask(&late, store, &fault), &fault);
+    assert_false(store_rig_zone_now(rig, &zone).behind);
+    store_rig_fine(played_door_ask(&door, store, &fault), &fault);
+    assert_true(store_rig_zone_now(rig, &zone).behind);
+    store_rig_fine(hub_zone_recover(store, &zone, &fault), &fault);
     /* A later epoch, too, resets a door that has missed the reset. */
-    hub_rig_fine(hub_zone_new_epoch(store, &zone, &fault), &fault);
-    hub_rig_fine(door_rig_ask(&door, store, &fault), &fault);
+    store_rig_fine(hub_zone_new_epoch(store, &zone, &fault), &fault);
+    store_rig_fine(played_door_ask(&door, store, &fault), &fault);
     assert_true(door.zones[0].wants_snapshot);
-    door_rig_fetch(&door, store);
-    assert_int_equal(door_rig_count(&door, &zone), 2);
-    hub_rig_fine(door_rig_ask(&door, store, &fault), &fault);
-    assert_false(hub_rig_zone_now(rig, &zone).behind);
+    played_door_fetch(&door, store);
+    assert_int_equal(played_door_count(&door, &zone), 2);
+    store_rig_fine(played_door_ask(&door, store, &fault), &fault);
+    assert_false(store_rig_zone_now(rig, &zone).behind);
     assert_int_equal(door.zones[0].place.epoch, 3);
 }
 
-#define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, hub_rig_setup, hub_rig_teardown)
+#define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, store_rig_setup, store_rig_teardown)
 
 int main(void)
 {
@@ -278,5 +288,5 @@ int main(void)
         TEST(the_connection_comes_back),     TEST(a_restored_database_is_noticed),
         TEST(another_history_is_noticed),
     };
-    return cmocka_run_group_tests(tests, hub_rig_start, hub_rig_stop);
+    return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);
 }

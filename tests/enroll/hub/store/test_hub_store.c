@@ -16,19 +16,19 @@
 
 #include "enroll/hub/people/hub_request.h"
 #include "enroll/hub/store/hub_schema.h"
-#include "tests/enroll/hub/rigs/door_rig.h"
+#include "tests/enroll/hub/rigs/played_door.h"
 #include "tests/support/scratch.h"
 
 static void keys_are_read_as_they_were_made(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
     struct hub_keys made, read;
     char path[160];
     size_t size = 0;
     (void)snprintf(path, sizeof path, "%s.other", rig->key_file);
-    hub_rig_fine(hub_keys_make(path, &made, &fault), &fault);
-    hub_rig_fine(hub_keys_read(path, &read, &fault), &fault);
+    store_rig_fine(hub_keys_make(path, &made, &fault), &fault);
+    store_rig_fine(hub_keys_read(path, &read, &fault), &fault);
     assert_memory_equal(&made, &read, sizeof made);
     assert_int_equal(hub_keys_make(path, &read, &fault), -EEXIST);
 
@@ -55,7 +55,7 @@ static void keys_are_read_as_they_were_made(void **state)
 
 static void sealed_bytes_belong_to_one_owner_and_one_use(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     const struct iso_fleet_id anna = iso_fleet_id_of("anna", 4), ben = iso_fleet_id_of("ben", 3);
     struct iso_fleet_bytes sealed = {.bytes = NULL}, plain = {.bytes = NULL};
     const struct hub_keys *keys = &rig->store.keys;
@@ -75,45 +75,45 @@ static void sealed_bytes_belong_to_one_owner_and_one_use(void **state)
 
 static void migrations_keep_the_data(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
     struct hub_store other = {.db = NULL};
     int64_t version = 0;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    struct door_rig door;
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    struct played_door door;
     const struct hub_store_options options = {.conninfo = rig->postgres.conninfo,
                                               .key_file = rig->key_file,
                                               .hub_name = "hub",
                                               .actor = "anna"};
-    (void)hub_rig_put(rig, "anna", &zone, 1);
-    door_rig_join(&door, rig, "front", &zone, 1);
-    hub_rig_fine(door_rig_send_events(&door, &rig->store, 1, 20, &fault), &fault);
+    (void)store_rig_put(rig, "anna", &zone, 1);
+    played_door_join(&door, rig, "front", &zone, 1);
+    store_rig_fine(played_door_send_events(&door, &rig->store, 1, 20, &fault), &fault);
 
-    hub_rig_fine(hub_schema_migrate(rig->store.db, 1, &fault), &fault);
-    hub_rig_fine(hub_schema_version(rig->store.db, &version, &fault), &fault);
+    store_rig_fine(hub_schema_migrate(rig->store.db, 1, &fault), &fault);
+    store_rig_fine(hub_schema_version(rig->store.db, &version, &fault), &fault);
     assert_int_equal(version, 1);
     assert_int_equal(hub_store_open(&options, &other, &fault), -EPROTONOSUPPORT);
     assert_non_null(strstr(fault.text, "migrate up"));
-    hub_rig_fine(hub_schema_migrate(rig->store.db, (int64_t)hub_migrations_n, &fault), &fault);
-    hub_rig_fine(hub_schema_check(rig->store.db, &fault), &fault);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM event"), 20);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM template"), 2);
-    assert_int_equal(hub_rig_zone_now(rig, &zone).place.sequence, 1);
+    store_rig_fine(hub_schema_migrate(rig->store.db, (int64_t)hub_migrations_n, &fault), &fault);
+    store_rig_fine(hub_schema_check(rig->store.db, &fault), &fault);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM event"), 20);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM template"), 2);
+    assert_int_equal(store_rig_zone_now(rig, &zone).place.sequence, 1);
 
-    hub_rig_fine(hub_schema_migrate(rig->store.db, 0, &fault), &fault);
+    store_rig_fine(hub_schema_migrate(rig->store.db, 0, &fault), &fault);
     assert_int_equal(hub_store_open(&options, &other, &fault), -ENODATA);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM pg_class WHERE relnamespace = "
-                                         "'public'::regnamespace"),
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM pg_class WHERE relnamespace = "
+                                           "'public'::regnamespace"),
                      0);
-    hub_rig_fine(hub_schema_migrate(rig->store.db, (int64_t)hub_migrations_n, &fault), &fault);
+    store_rig_fine(hub_schema_migrate(rig->store.db, (int64_t)hub_migrations_n, &fault), &fault);
 }
 
 static void a_newer_database_is_refused(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
-    hub_rig_fine(hub_db_script(rig->store.db, "UPDATE isotherm_schema SET version = 99", &fault),
-                 &fault);
+    store_rig_fine(hub_db_script(rig->store.db, "UPDATE isotherm_schema SET version = 99", &fault),
+                   &fault);
     assert_int_equal(hub_schema_check(rig->store.db, &fault), -EPROTONOSUPPORT);
     assert_non_null(strstr(fault.text, "the database is of version 99, this program knows up to"));
     assert_int_equal(hub_schema_migrate(rig->store.db, 1, &fault), -EPROTONOSUPPORT);
@@ -122,23 +122,24 @@ static void a_newer_database_is_refused(void **state)
 
 static void a_failed_transaction_leaves_nothing(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
-    const struct iso_fleet_id zones[2] = {hub_rig_zone(rig, "office"), hub_rig_zone(rig, "lab")};
+    const struct iso_fleet_id zones[2] = {store_rig_zone(rig, "office"),
+                                          store_rig_zone(rig, "lab")};
     const struct iso_fleet_id nowhere = iso_fleet_id_random();
     const struct iso_fleet_id both[2] = {zones[0], nowhere};
-    struct iso_fleet_person person = hub_rig_person("carla", 3, 2, 7);
-    (void)hub_rig_put(rig, "anna", zones, 2);
-    const int64_t acts = hub_rig_number(rig, "SELECT count(*) FROM act");
+    struct iso_fleet_person person = store_rig_person("carla", 3, 2, 7);
+    (void)store_rig_put(rig, "anna", zones, 2);
+    const int64_t acts = store_rig_number(rig, "SELECT count(*) FROM act");
     assert_int_equal(hub_person_put(&rig->store, &person, both, 2, &fault), -ENOENT);
     /* The name of another person, in another spelling. */
-    person = hub_rig_person("ANNA", 3, 2, 7);
+    person = store_rig_person("ANNA", 3, 2, 7);
     assert_int_equal(hub_person_put(&rig->store, &person, zones, 2, &fault), -EEXIST);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM person"), 1);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM template"), 2);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM delta"), 2);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM act"), acts);
-    assert_int_equal(hub_rig_zone_now(rig, &zones[0]).place.sequence, 1);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM person"), 1);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM template"), 2);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM delta"), 2);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM act"), acts);
+    assert_int_equal(store_rig_zone_now(rig, &zones[0]).place.sequence, 1);
 }
 
 /* Looks for bytes in a dump, in which bytea is hexadecimal. */
@@ -152,21 +153,21 @@ static bool dump_has(const char *dump, const void *bytes, size_t size)
 
 static void the_dump_has_no_template_and_no_key(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    const struct iso_fleet_person asked = hub_rig_person("dora", 3, 1, 0xd1);
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    const struct iso_fleet_person asked = store_rig_person("dora", 3, 1, 0xd1);
     uint8_t face[64], request[64];
-    struct door_rig door;
+    struct played_door door;
     memset(face, 'a', sizeof face);
     memset(request, 0xd1, sizeof request);
-    const struct iso_fleet_id anna = hub_rig_put(rig, "anna", &zone, 1);
-    hub_rig_fine(hub_person_set_credential(&rig->store, &anna, "{\"pin\": \"739184\"}", &fault),
-                 &fault);
-    door_rig_join(&door, rig, "front", &zone, 1);
-    hub_rig_fine(door_rig_ask(&door, &rig->store, &fault), &fault);
-    hub_rig_fine(door_rig_request(&door, &rig->store, &asked, &fault), &fault);
-    hub_rig_fine(hub_snapshot_make(&rig->store, &zone, &fault), &fault);
+    const struct iso_fleet_id anna = store_rig_put(rig, "anna", &zone, 1);
+    store_rig_fine(hub_person_set_credential(&rig->store, &anna, "{\"pin\": \"739184\"}", &fault),
+                   &fault);
+    played_door_join(&door, rig, "front", &zone, 1);
+    store_rig_fine(played_door_ask(&door, &rig->store, &fault), &fault);
+    store_rig_fine(played_door_request(&door, &rig->store, &asked, &fault), &fault);
+    store_rig_fine(hub_snapshot_make(&rig->store, &zone, &fault), &fault);
     hub_store_close(&rig->store);
 
     char *dump = rig_postgres_dump(&rig->postgres);
@@ -178,26 +179,26 @@ static void the_dump_has_no_template_and_no_key(void **state)
     assert_null(strstr(dump, "739184"));
     assert_false(dump_has(dump, "739184", 6));
     free(dump);
-    hub_rig_open(rig, &rig->store);
+    store_rig_open(rig, &rig->store);
 }
 
 static void names_are_found_in_any_spelling(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
     struct hub_person person;
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    const struct iso_fleet_id id = hub_rig_put(rig, "Straße", &zone, 1);
-    hub_rig_fine(hub_person_find(&rig->store, "STRASSE", &person, &fault), &fault);
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    const struct iso_fleet_id id = store_rig_put(rig, "Straße", &zone, 1);
+    store_rig_fine(hub_person_find(&rig->store, "STRASSE", &person, &fault), &fault);
     assert_true(iso_fleet_id_is_same(&person.id, &id));
     assert_string_equal(person.name, "Straße");
     assert_int_equal(person.n_zones, 1);
     assert_string_equal(person.zone_names[0], "office");
     assert_int_equal(hub_person_find(&rig->store, "Strase", &person, &fault), -ENOENT);
     assert_int_equal(hub_person_find(&rig->store, "\xff", &person, &fault), -EINVAL);
-    hub_rig_fine(hub_person_rename(&rig->store, &id, "Anna", &fault), &fault);
+    store_rig_fine(hub_person_rename(&rig->store, &id, "Anna", &fault), &fault);
     assert_int_equal(hub_person_find(&rig->store, "strasse", &person, &fault), -ENOENT);
-    hub_rig_fine(hub_person_find(&rig->store, "anna", &person, &fault), &fault);
+    store_rig_fine(hub_person_find(&rig->store, "anna", &person, &fault), &fault);
 }
 
 static int count_person(void *context, const struct hub_person *person)
@@ -209,38 +210,39 @@ static int count_person(void *context, const struct hub_person *person)
 
 static void people_who_must_be_seen_again(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
-    const struct iso_fleet_id zones[2] = {hub_rig_zone(rig, "office"), hub_rig_zone(rig, "lab")};
+    const struct iso_fleet_id zones[2] = {store_rig_zone(rig, "office"),
+                                          store_rig_zone(rig, "lab")};
     const struct hub_person_filter unseen = {.unseen = true};
-    struct iso_fleet_person person = hub_rig_person("anna", 4, 2, 9);
-    struct door_rig door;
+    struct iso_fleet_person person = store_rig_person("anna", 4, 2, 9);
+    struct played_door door;
     int n = 0;
-    (void)hub_rig_put(rig, "anna", &zones[0], 1);
-    (void)hub_rig_put(rig, "ben", &zones[1], 1);
-    door_rig_join(&door, rig, "front", &zones[0], 1);
+    (void)store_rig_put(rig, "anna", &zones[0], 1);
+    (void)store_rig_put(rig, "ben", &zones[1], 1);
+    played_door_join(&door, rig, "front", &zones[0], 1);
     door.algorithm = 4;
-    hub_rig_fine(hub_person_each(&rig->store, &unseen, count_person, &n, &fault), &fault);
+    store_rig_fine(hub_person_each(&rig->store, &unseen, count_person, &n, &fault), &fault);
     assert_int_equal(n, 0);
-    hub_rig_fine(door_rig_ask(&door, &rig->store, &fault), &fault);
-    hub_rig_fine(hub_person_each(&rig->store, &unseen, count_person, &n, &fault), &fault);
+    store_rig_fine(played_door_ask(&door, &rig->store, &fault), &fault);
+    store_rig_fine(hub_person_each(&rig->store, &unseen, count_person, &n, &fault), &fault);
     assert_int_equal(n, 1);
-    hub_rig_fine(hub_person_put(&rig->store, &person, zones, 1, &fault), &fault);
+    store_rig_fine(hub_person_put(&rig->store, &person, zones, 1, &fault), &fault);
     n = 0;
-    hub_rig_fine(hub_person_each(&rig->store, &unseen, count_person, &n, &fault), &fault);
+    store_rig_fine(hub_person_each(&rig->store, &unseen, count_person, &n, &fault), &fault);
     assert_int_equal(n, 0);
     /* Templates of the other algorithm have stayed. */
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM template t JOIN person p "
-                                         "ON p.id = t.person WHERE p.name = 'anna'"),
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM template t JOIN person p "
+                                           "ON p.id = t.person WHERE p.name = 'anna'"),
                      4);
 }
 
 static void bad_inputs_are_refused(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct hub_store *store = &rig->store;
     struct iso_fault fault = {.text = ""};
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
     const struct iso_fleet_id twice[2] = {zone, zone}, none = iso_fleet_id_random();
     struct iso_fleet_id id;
     char code[HUB_CODE_SIZE];
@@ -257,59 +259,59 @@ static void bad_inputs_are_refused(void **state)
     assert_int_equal(hub_person_revoke(store, &none, &fault), -ENOENT);
     assert_int_equal(hub_person_set_validity(store, &none, 9, 8, &fault), -EINVAL);
     assert_int_equal(hub_request_approve(store, &none, NULL, 0, &fault), -ENOENT);
-    const struct iso_fleet_id anna = hub_rig_put(rig, "anna'; DROP TABLE person; --", &zone, 1);
+    const struct iso_fleet_id anna = store_rig_put(rig, "anna'; DROP TABLE person; --", &zone, 1);
     assert_int_equal(hub_person_set_credential(store, &anna, "{\"cards\": 1}", &fault), -EINVAL);
     assert_int_equal(hub_person_set_zones(store, &anna, NULL, 0, &fault), -EINVAL);
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM person"), 1);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM person"), 1);
 }
 
 static void a_code_is_used_once_and_in_time(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct hub_store *store = &rig->store;
     struct iso_fault fault = {.text = ""};
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
     struct iso_fleet_id id;
-    struct door_rig door = {.algorithm = 3}, other = {.algorithm = 3};
+    struct played_door door = {.algorithm = 3}, other = {.algorithm = 3};
     char code[HUB_CODE_SIZE], again[HUB_CODE_SIZE], small[HUB_CODE_SIZE];
     (void)crypto_sign_keypair(door.signs.public, door.signs.secret);
     (void)crypto_sign_keypair(other.signs.public, other.signs.secret);
-    hub_rig_fine(hub_door_add(store, "front", &zone, 1, &id, code, &fault), &fault);
+    store_rig_fine(hub_door_add(store, "front", &zone, 1, &id, code, &fault), &fault);
     assert_int_equal(hub_door_add(store, "front", &zone, 1, &id, again, &fault), -EEXIST);
-    assert_int_equal(door_rig_join_with(&door, store, "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA", &fault),
-                     -EACCES);
-    assert_int_equal(door_rig_join_with(&door, store, "AAAA", &fault), -EACCES);
-    hub_rig_now_s += HUB_CODE_VALID_S + 1;
-    assert_int_equal(door_rig_join_with(&door, store, code, &fault), -EACCES);
-    hub_rig_fine(hub_door_new_code(store, &id, again, &fault), &fault);
-    assert_int_equal(door_rig_join_with(&door, store, code, &fault), -EACCES);
+    assert_int_equal(
+        played_door_join_with(&door, store, "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA", &fault), -EACCES);
+    assert_int_equal(played_door_join_with(&door, store, "AAAA", &fault), -EACCES);
+    store_rig_now_s += HUB_CODE_VALID_S + 1;
+    assert_int_equal(played_door_join_with(&door, store, code, &fault), -EACCES);
+    store_rig_fine(hub_door_new_code(store, &id, again, &fault), &fault);
+    assert_int_equal(played_door_join_with(&door, store, code, &fault), -EACCES);
     for (size_t i = 0; i < sizeof small; i++) {
         small[i] = (char)(again[i] >= 'A' && again[i] <= 'Z' ? again[i] + 32 : again[i]);
     }
-    hub_rig_fine(door_rig_join_with(&door, store, small, &fault), &fault);
-    assert_int_equal(door_rig_join_with(&door, store, again, &fault), -EACCES);
+    store_rig_fine(played_door_join_with(&door, store, small, &fault), &fault);
+    assert_int_equal(played_door_join_with(&door, store, again, &fault), -EACCES);
     /* The same appliance may join again; another one may not. */
-    hub_rig_fine(hub_door_new_code(store, &id, code, &fault), &fault);
-    assert_int_equal(door_rig_join_with(&other, store, code, &fault), -EEXIST);
-    hub_rig_fine(door_rig_join_with(&door, store, code, &fault), &fault);
+    store_rig_fine(hub_door_new_code(store, &id, code, &fault), &fault);
+    assert_int_equal(played_door_join_with(&other, store, code, &fault), -EEXIST);
+    store_rig_fine(played_door_join_with(&door, store, code, &fault), &fault);
     /* One appliance is one door. */
-    hub_rig_fine(hub_door_add(store, "back", &zone, 1, &id, code, &fault), &fault);
-    assert_int_equal(door_rig_join_with(&door, store, code, &fault), -EEXIST);
+    store_rig_fine(hub_door_add(store, "back", &zone, 1, &id, code, &fault), &fault);
+    assert_int_equal(played_door_join_with(&door, store, code, &fault), -EEXIST);
 }
 
 static void another_key_file_is_noticed(void **state)
 {
-    struct hub_rig *rig = *state;
+    struct store_rig *rig = *state;
     struct iso_fault fault = {.text = ""};
-    const struct iso_fleet_id zone = hub_rig_zone(rig, "office");
-    const struct iso_fleet_person person = hub_rig_person("anna", 3, 1, 1);
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    const struct iso_fleet_person person = store_rig_person("anna", 3, 1, 1);
     randombytes_buf(rig->store.keys.storage, sizeof rig->store.keys.storage);
     assert_int_equal(hub_person_put(&rig->store, &person, &zone, 1, &fault), -EBADMSG);
     assert_non_null(strstr(fault.text, "key file"));
-    assert_int_equal(hub_rig_number(rig, "SELECT count(*) FROM person"), 0);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM person"), 0);
 }
 
-#define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, hub_rig_setup, hub_rig_teardown)
+#define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, store_rig_setup, store_rig_teardown)
 
 int main(void)
 {
@@ -326,5 +328,5 @@ int main(void)
         TEST(a_code_is_used_once_and_in_time),
         TEST(another_key_file_is_noticed),
     };
-    return cmocka_run_group_tests(tests, hub_rig_start, hub_rig_stop);
+    return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);
 }

@@ -1,0 +1,120 @@
+/* What may break while the hub runs: the leader dies, the database or the broker goes away. No
+ * change is lost. */
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "tests/firmware/rigs/cmocka_headers.h"
+
+#include "enroll/hub/store/hub_zone.h"
+#include "firmware/fleet/message/head.h"
+#include "tests/enroll/hub/rigs/served_door.h"
+#include "tests/support/scratch.h"
+
+static void another_hub_takes_over(void **state)
+{
+    enum { CHANGES = 60 };
+    struct iso_fleet_lease lease;
+    struct iso_fault fault = {.text = ""};
+    char topic[ISO_FLEET_TOPIC_SIZE];
+    double killed = 0, longest = 0;
+    int delivered = 0;
+    (void)state;
+
+    served_door_begin();
+    hub_rig_serve(&rig, 1);
+    served_door_connect(&lease);
+    const int leader = hub_rig_leader(&rig);
+    for (int i = 0; i < CHANGES; i++) {
+        served_ok(hub_zone_lockdown(&rig.store, &rig.zone, i % 2 == 0, &fault), &fault);
+        if (i == CHANGES / 3) {
+            hub_rig_kill(&rig, leader);
+            killed = served_now_s();
+        }
+        (void)usleep(30000);
+    }
+    (void)hub_rig_leader(&rig);
+    for (int i = 0; i < 1000 && door.place.sequence < CHANGES; i++) {
+        (void)usleep(10000);
+        (void)door_rig_follow(&door, 0);
+    }
+    assert_int_equal(door.place.sequence, CHANGES); /* each follows the one before it */
+    (void)iso_fleet_topic_delta(&rig.zone, topic);
+    for (size_t i = 0; i < door.client.n; i++) {
+        const double at = 1e-9 * (double)door.client.messages[i].at_ns;
+        if (strcmp(door.client.messages[i].topic, topic) == 0) {
+            delivered++;
+            if (at > killed && (longest == 0 || at - killed < longest)) {
+                longest = at - killed;
+            }
+        }
+    }
+    print_message(
+        "the first delta after the death of the leader came after %.2f s; %d of %d deltas "
+        "came twice\n",
+        longest, delivered - CHANGES, CHANGES);
+    assert_true(longest < 5);
+    /* The other one answers mail, too. */
+    assert_true(door_rig_ask(&door, "{}", 0, &lease, 10));
+}
+
+static void the_database_may_go_away_for_a_while(void **state)
+{
+    struct iso_fleet_lease lease;
+    struct iso_fault fault = {.text = ""};
+    char topic[ISO_FLEET_TOPIC_SIZE];
+    (void)state;
+
+    served_door_begin();
+    served_door_connect(&lease);
+    rig_postgres_down(&rig.postgres);
+    assert_false(door_rig_ask(&door, "{}", 0, &lease, 2));
+    rig_postgres_up(&rig.postgres);
+    assert_true(door_rig_ask(&door, "{}", 0, &lease, 10));
+    const size_t from = door.client.n;
+    /* The first statement finds the connection of the test lost. */
+    (void)!hub_zone_lockdown(&rig.store, &rig.zone, true, &fault);
+    served_ok(hub_zone_lockdown(&rig.store, &rig.zone, true, &fault), &fault);
+    (void)iso_fleet_topic_delta(&rig.zone, topic);
+    assert_true(broker_client_wait(&door.client, topic, from, 10) >= 0);
+    assert_int_equal(hub_rig_says(&rig, 0, "database: it is there again"), 1);
+}
+
+static void the_broker_may_go_away_for_a_while(void **state)
+{
+    struct iso_fleet_lease lease;
+    struct iso_fault fault = {.text = ""};
+    struct iso_fleet_head head = {.time_s = 0};
+    char topic[ISO_FLEET_TOPIC_SIZE];
+    (void)state;
+
+    served_door_begin();
+    served_door_connect(&lease);
+    broker_client_end(&door.client);
+    broker_rig_stop(&rig.broker);
+    served_ok(hub_zone_lockdown(&rig.store, &rig.zone, true, &fault), &fault);
+    broker_rig_start(&rig.broker, scratch_path(rig.broker_folder, "mosquitto.conf"),
+                     rig.hub_broker_port, scratch_path(rig.folder, "broker.log"));
+    assert_true(door_rig_connect(&door, &rig.zone));
+    (void)iso_fleet_topic_head(&rig.zone, topic);
+    /* The broker has forgotten what it retained; the head comes again, with the change. */
+    for (int at = 0; head.place.sequence < 1; at++) {
+        at = broker_client_wait(&door.client, topic, (size_t)at, 10);
+        assert_true(at >= 0);
+        const struct broker_message *m = &door.client.messages[at];
+        assert_int_equal(iso_fleet_read_head(m->bytes, m->size, door.membership.hub_signs, &head),
+                         0);
+    }
+    assert_true(door_rig_ask(&door, "{}", 0, &lease, 10));
+    assert_int_equal(lease.places[0].sequence, 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        SERVED_TEST(another_hub_takes_over),
+        SERVED_TEST(the_database_may_go_away_for_a_while),
+        SERVED_TEST(the_broker_may_go_away_for_a_while),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
