@@ -5,7 +5,7 @@ set -eu
 cc=$1
 cd "${2:-$(dirname "$0")/../..}"
 flags="-std=gnu17 -D_GNU_SOURCE -I. -Icore/include -Wall -Wextra -Wconversion -Werror -fsyntax-only -DISOTHERM_DATA_DIR=\"\" -DISOTHERM_SOURCE_DIR=\"\""
-flags="$flags $(pkg-config --cflags cmocka cairo pangocairo libsystemd jansson) -isystem /usr/include/suitesparse"
+flags="$flags $(pkg-config --cflags cmocka cairo pangocairo libsystemd jansson) -isystem $(pkg-config --variable=includedir libpq) -isystem /usr/include/suitesparse"
 flags="$flags -isystem $(pkg-config --variable=includedir libopenni2)"
 
 headers=$(find core drivers firmware enroll sim tests -name '*.h' | sort)

@@ -106,8 +106,10 @@ int hub_take_request(struct hub_store *store, const void *bytes, size_t size,
         return error;
     }
     /* What prevents the approval now waits for a person: the name is taken, the zone is behind its
-     * doors, or it was decided before. */
+     * doors, or it was decided before. After a fault of the database the message is tried again. */
     error = hub_request_approve(store, &id, NULL, 0, fault);
-    return error == -EEXIST || error == -ESTALE || error == -EALREADY || error == -EINVAL ? 0
-                                                                                          : error;
+    return error == -ENOTCONN || error == -EAGAIN || error == -ENOSPC || error == -EIO ||
+                   error == -ENOMEM
+               ? error
+               : 0;
 }

@@ -107,6 +107,26 @@ static int put_revoked(struct hub_store *store, const struct hub_ca *ca, const c
     return r;
 }
 
+int broker_config_look(struct hub_store *store, int64_t *mark, bool *changed,
+                       struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    PGresult *rows = NULL;
+
+    hub_value_integer(&values, *mark);
+    const int r = hub_db_run(store->db,
+                             "SELECT coalesce(max(number), $1)::bigint, "
+                             "coalesce(bool_or(what LIKE 'door-%'), false) "
+                             "FROM act WHERE number > $1",
+                             &values, &rows, fault);
+    if (r == 0) {
+        *mark = hub_row_integer(rows, 0, 0);
+        *changed = hub_row_switch(rows, 0, 1);
+        PQclear(rows);
+    }
+    return r;
+}
+
 int broker_config_follow(struct hub_store *store, const struct hub_ca *ca, const char *folder,
                          bool *changed, struct iso_fault *fault)
 {

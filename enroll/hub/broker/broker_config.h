@@ -26,6 +26,11 @@ int broker_config_write(struct hub_store *store, const struct hub_ca *ca,
                         const struct broker_places *places, const char *const *hosts, size_t n,
                         bool *changed, struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* Whether a door has changed after the act *mark (hub_act.h), which becomes the newest act. Cheap.
+ * An act that is committed after one with a higher number is overlooked. */
+int broker_config_look(struct hub_store *store, int64_t *mark, bool *changed,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
+
 /* Writes acl and crl.pem alone, which follow the doors. */
 int broker_config_follow(struct hub_store *store, const struct hub_ca *ca, const char *folder,
                          bool *changed, struct iso_fault *fault)

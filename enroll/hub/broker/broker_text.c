@@ -10,7 +10,7 @@ static const char head[] =
     "# Written by `isotherm-hub broker-config`: do not edit, it is written anew.\n"
     "# A whole configuration: mosquitto -c THIS_FILE, or in place of "
     "/etc/mosquitto/mosquitto.conf.\n"
-    "# After a change of doors: kill -HUP the broker; `isotherm-hub run` keeps the rights of the "
+    "# After a change of doors: kill -HUP the broker; `isotherm-hub serve` keeps the rights of the "
     "doors up by itself.\n"
     "per_listener_settings false\n"
     "allow_anonymous false\n"

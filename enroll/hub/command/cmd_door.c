@@ -13,8 +13,7 @@ static int add(struct hub_run *run)
 {
     struct iso_fleet_id zones[HUB_PERSON_ZONES_MAX], id;
     char code[HUB_CODE_SIZE];
-    int error = hub_address_check(run);
-    error = error ? error : hub_run_zones(run, zones);
+    int error = hub_run_zones(run, zones);
     error = error ? error
                   : hub_door_add(&run->store, run->arguments.words[0], zones,
                                  run->arguments.n_zones, &id, code, &run->fault);
@@ -25,8 +24,7 @@ static int new_code(struct hub_run *run)
 {
     struct hub_door door;
     char code[HUB_CODE_SIZE];
-    int error = hub_address_check(run);
-    error = error ? error : find(run, &door);
+    int error = find(run, &door);
     error = error ? error : hub_door_new_code(&run->store, &door.id, code, &run->fault);
     return error ? error : hub_print_address(run, code);
 }
@@ -96,16 +94,17 @@ static int expel(struct hub_run *run)
 }
 
 const struct hub_command hub_door_commands[] = {
-    {"door add", "NAME --zone ZONE...", "add a door, and print the address with which it joins",
-     HUB_OPTION_ZONE, 1, 1, false, add},
-    {"door code", "DOOR", "print a new address for a door that has not joined", 0, 1, 1, false,
-     new_code},
-    {"door list", "[--all]", "list the doors; --all: also expelled ones", HUB_OPTION_ALL, 0, 0,
-     false, list},
-    {"door show", "DOOR", "show what a door has reported", 0, 1, 1, false, show},
-    {"door move", "DOOR --zone ZONE...", "move a door to other zones; the first is its home",
-     HUB_OPTION_ZONE, 1, 1, false, move},
-    {"door expel", "DOOR", "take a door out of the fleet; its zones get new keys", 0, 1, 1, false,
-     expel},
+    HUB_COMMAND("door add", "NAME --zone ZONE...",
+                "add a door, and print the address with which it joins", HUB_OPTION_ZONE, 1, 1,
+                add),
+    HUB_COMMAND("door code", "DOOR", "print a new address for a door that has not joined", 0, 1, 1,
+                new_code),
+    HUB_COMMAND("door list", "[--all]", "list the doors; --all: also expelled ones", HUB_OPTION_ALL,
+                0, 0, list),
+    HUB_COMMAND("door show", "DOOR", "show what a door has reported", 0, 1, 1, show),
+    HUB_COMMAND("door move", "DOOR --zone ZONE...",
+                "move a door to other zones; the first is its home", HUB_OPTION_ZONE, 1, 1, move),
+    HUB_COMMAND("door expel", "DOOR", "take a door out of the fleet; its zones get new keys", 0, 1,
+                1, expel),
     {.words = NULL},
 };

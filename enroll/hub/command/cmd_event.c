@@ -48,11 +48,13 @@ static int list_acts(struct hub_run *run)
 }
 
 const struct hub_command hub_event_commands[] = {
-    {"event list", "[--door DOOR] [--person NAME] [--event WORD] [--since TIME] [--count N]",
-     "list the newest records of the doors' logs",
-     HUB_OPTION_DOOR | HUB_OPTION_PERSON | HUB_OPTION_EVENT | HUB_OPTION_SINCE | HUB_OPTION_COUNT,
-     0, 0, false, list},
-    {"act list", "[--count N]", "list what people have changed at the hub", HUB_OPTION_COUNT, 0, 0,
-     false, list_acts},
+    HUB_COMMAND("event list",
+                "[--door DOOR] [--person NAME] [--event WORD] [--since TIME] [--count N]",
+                "list the newest records of the doors' logs",
+                HUB_OPTION_DOOR | HUB_OPTION_PERSON | HUB_OPTION_EVENT | HUB_OPTION_SINCE |
+                    HUB_OPTION_COUNT,
+                0, 0, list),
+    HUB_COMMAND("act list", "[--count N]", "list what people have changed at the hub",
+                HUB_OPTION_COUNT, 0, 0, list_acts),
     {.words = NULL},
 };

@@ -44,12 +44,13 @@ static int reject(struct hub_run *run)
 }
 
 const struct hub_command hub_request_commands[] = {
-    {"request list", "[--all]", "list the people who were enrolled at doors and wait for approval",
-     HUB_OPTION_ALL, 0, 0, false, list},
-    {"request approve", "PERSON [--zone ZONE...]",
-     "let such a person into zones; not given: the home zone of the door", HUB_OPTION_ZONE, 1, 1,
-     false, approve},
-    {"request reject", "PERSON", "refuse such a person; the door forgets the face", 0, 1, 1, false,
-     reject},
+    HUB_COMMAND("request list", "[--all]",
+                "list the people who were enrolled at doors and wait for approval", HUB_OPTION_ALL,
+                0, 0, list),
+    HUB_COMMAND("request approve", "PERSON [--zone ZONE...]",
+                "let such a person into zones; not given: the home zone of the door",
+                HUB_OPTION_ZONE, 1, 1, approve),
+    HUB_COMMAND("request reject", "PERSON", "refuse such a person; the door forgets the face", 0, 1,
+                1, reject),
     {.words = NULL},
 };

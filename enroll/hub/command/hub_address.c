@@ -32,15 +32,6 @@ static void print_code(const QRcode *code)
     }
 }
 
-int hub_address_check(struct hub_run *run)
-{
-    return *run->config.host
-               ? 0
-               : iso_fault_set(&run->fault, -ENODATA,
-                               "%s: [hub] host is missing: where do the doors reach the hub?",
-                               run->arguments.config);
-}
-
 int hub_print_address(struct hub_run *run, const char *secret)
 {
     char address[HUB_JOIN_ADDRESS_SIZE];

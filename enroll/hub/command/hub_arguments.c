@@ -142,7 +142,7 @@ int hub_arguments_read(const struct hub_command *command, int argc, char **argv,
                        struct hub_arguments *out, struct iso_fault *fault)
 {
     int option;
-    *out = (struct hub_arguments){.config = "/etc/isotherm-hub/hub.conf"};
+    *out = (struct hub_arguments){.config = NULL};
     optind = 1;
     opterr = 0;
     while ((option = getopt_long(argc, argv, "", longs, NULL)) != -1) {

@@ -94,21 +94,50 @@ static int open_and_run(const struct hub_command *command, struct hub_run *run)
     return error ? error : command->run(run);
 }
 
-static int run_command(const struct hub_command *command, int argc, char **argv)
+static int read_config(struct hub_run *run, const char *path)
 {
-    static struct hub_run run;
-    run.actor = actor();
-    int error = hub_arguments_read(command, argc, argv, &run.arguments, &run.fault);
-    error = error ? error : hub_config_read(run.arguments.config, &run.config, &run.fault);
-    error = error ? error : open_and_run(command, &run);
-    hub_store_close(&run.store);
+    return hub_config_read(path ? path : HUB_CONFIG_PATH, !path, &run->config, &run->fault);
+}
+
+static int end(const struct hub_run *run, int error, int status)
+{
     if (error) {
-        fprintf(stderr, "isotherm-hub: %s\n", run.fault.text);
-    } else if (fflush(stdout)) {
+        fprintf(stderr, "isotherm-hub: %s\n", run->fault.text);
+        return exit_of(error);
+    }
+    if (fflush(stdout)) {
         fprintf(stderr, "isotherm-hub: standard output: %s\n", strerror(errno));
         return HUB_EXIT_FAULT;
     }
-    return error ? exit_of(error) : run.unconfirmed ? HUB_EXIT_NO : HUB_EXIT_OK;
+    return status;
+}
+
+static int run_command(const struct hub_command *command, struct hub_run *run, int argc,
+                       char **argv)
+{
+    int error = hub_arguments_read(command, argc, argv, &run->arguments, &run->fault);
+    error = error ? error : read_config(run, run->arguments.config);
+    error = error ? error : open_and_run(command, run);
+    hub_store_close(&run->store);
+    return end(run, error, run->unconfirmed ? HUB_EXIT_NO : HUB_EXIT_OK);
+}
+
+/* A command with options of its own: only --config is taken out of them. */
+static int run_whole(const struct hub_command *command, struct hub_run *run, int argc, char **argv)
+{
+    const char *path = NULL;
+    int status = HUB_EXIT_OK;
+    for (int i = 1; i + 1 < argc; i++) {
+        if (strcmp(argv[i], "--config") == 0) {
+            path = argv[i + 1];
+            memmove(&argv[i], &argv[i + 2], (size_t)(argc - i - 1) * sizeof *argv);
+            argc -= 2;
+            break;
+        }
+    }
+    int error = read_config(run, path);
+    error = error ? error : command->run_whole(run, argc, argv, &status);
+    return end(run, error, status);
 }
 
 int hub_command_main(int argc, char **argv)
@@ -128,7 +157,10 @@ int hub_command_main(int argc, char **argv)
                 argc > 1 ? argv[1] : "a command is missing");
         return HUB_EXIT_USAGE;
     }
-    return run_command(command, argc - own, argv + own);
+    static struct hub_run run;
+    run.actor = actor();
+    return command->run_whole ? run_whole(command, &run, argc - own, argv + own)
+                              : run_command(command, &run, argc - own, argv + own);
 }
 
 /* ---- for several commands ---- */

@@ -37,8 +37,8 @@ enum hub_option {
 enum { HUB_WORDS_MAX = 4 };
 
 struct hub_arguments {
-    const char *config;
-    unsigned given; /* bits of enum hub_option */
+    const char *config; /* NULL: HUB_CONFIG_PATH, which may be missing */
+    unsigned given;     /* bits of enum hub_option */
     size_t n_words, n_zones;
     const char *words[HUB_WORDS_MAX]; /* behind the words of the command */
     const char *zones[HUB_PERSON_ZONES_MAX];
@@ -66,7 +66,17 @@ struct hub_command {
     uint8_t least, most;  /* words behind its own */
     bool without_store;
     int (*run)(struct hub_run *run); /* 0, or a negative errno with run->fault */
+    /* In its place, for a command that reads its own options: argv[0] is its word. It opens the
+     * store itself; *status is the exit code. */
+    int (*run_whole)(struct hub_run *run, int argc, char **argv, int *status);
 };
+
+/* An entry of a table, for a command with an open store. */
+#define HUB_COMMAND(WORDS, SYNOPSIS, HELP, OPTIONS, LEAST, MOST, RUN)                   \
+    {                                                                                   \
+        .words = (WORDS), .synopsis = (SYNOPSIS), .help = (HELP), .options = (OPTIONS), \
+        .least = (LEAST), .most = (MOST), .run = (RUN)                                  \
+    }
 
 /* The tables of the files cmd_*.c; each ends with an entry without words. */
 extern const struct hub_command hub_setup_commands[], hub_zone_commands[], hub_door_commands[],
@@ -95,9 +105,6 @@ int hub_run_zones(struct hub_run *run, struct iso_fleet_id ids[HUB_PERSON_ZONES_
  * is not given), and lists the others. */
 int hub_run_confirm(struct hub_run *run, const struct iso_fleet_id *zones, size_t n)
     __attribute__((warn_unused_result));
-
-/* Whether the configuration says where the doors reach the hub. -ENODATA. */
-int hub_address_check(struct hub_run *run) __attribute__((warn_unused_result));
 
 /* Prints a join address, and its QR code on a terminal. */
 int hub_print_address(struct hub_run *run, const char *code) __attribute__((warn_unused_result));

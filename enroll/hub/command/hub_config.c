@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "drivers/file/ini_table.h"
 #include "drivers/file/text.h"
@@ -63,27 +64,41 @@ static const struct iso_ini_key keys[] = {
     KEY("broker", "persistence", parse_text, broker_persistence),
 };
 
-int hub_config_read(const char *path, struct hub_config *out, struct iso_fault *fault)
+static int read_file(const char *path, struct hub_config *config, struct iso_fault *fault)
 {
-    struct hub_config config = {.conninfo = "dbname=isotherm-hub",
-                                .name = "isotherm-hub",
-                                .folder = "/var/lib/isotherm-hub",
-                                .pages = ISOTHERM_HUB_PAGES,
-                                .listen = "[::]:8444",
-                                .port = 8444,
-                                .broker_hub_host = "localhost",
-                                .broker_persistence = "/var/lib/mosquitto",
-                                .broker_port = 8883,
-                                .broker_hub_port = 8884};
     uint64_t seen = 0;
     char *text = NULL;
     int error = iso_text_read(path, FILE_BYTES_MAX, &text, fault);
     error = error
                 ? error
-                : iso_ini_read(path, text, keys, sizeof keys / sizeof *keys, &config, &seen, fault);
+                : iso_ini_read(path, text, keys, sizeof keys / sizeof *keys, config, &seen, fault);
     free(text);
+    return error;
+}
+
+int hub_config_read(const char *path, bool may_be_missing, struct hub_config *out,
+                    struct iso_fault *fault)
+{
+    struct hub_config config = {.conninfo = "dbname=isotherm-hub",
+                                .name = "isotherm-hub",
+                                .folder = "/var/lib/isotherm-hub",
+                                .pages = ISOTHERM_HUB_PAGES,
+                                .listen = "[::]:8443",
+                                .port = 8443,
+                                .broker_hub_host = "localhost",
+                                .broker_folder = "/var/lib/isotherm-broker",
+                                .broker_persistence = "/var/lib/mosquitto",
+                                .broker_port = 8883,
+                                .broker_hub_port = 8884};
+    int error = read_file(path, &config, fault);
+    if (error == -ENOENT && may_be_missing) {
+        error = 0;
+    }
     if (error) {
         return error;
+    }
+    if (!*config.host) {
+        (void)gethostname(config.host, sizeof config.host - 1);
     }
     if (!*config.broker_host) {
         memcpy(config.broker_host, config.host, sizeof config.broker_host);

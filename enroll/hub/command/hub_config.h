@@ -15,7 +15,8 @@ struct hub_config {
     /* [hub] */
     char name[HUB_CONFIG_TEXT_SIZE];    /* for people */
     char folder[HUB_CONFIG_TEXT_SIZE];  /* keys, authority, certificates */
-    char host[HUB_CONFIG_TEXT_SIZE];    /* where the doors reach the HTTPS server; "": not set */
+    char host[HUB_CONFIG_TEXT_SIZE];    /* where the doors reach the HTTPS server; the name of the
+                                           machine */
     char listen[HUB_CONFIG_TEXT_SIZE];  /* ADDRESS:PORT */
     char hosts[HUB_CONFIG_TEXT_SIZE];   /* further names in the certificates, between blanks */
     char pages[HUB_CONFIG_TEXT_SIZE];   /* the folder of the pages; "": none */
@@ -25,16 +26,20 @@ struct hub_config {
     /* [broker] */
     char broker_host[HUB_CONFIG_TEXT_SIZE];        /* where the doors reach it; "": as host */
     char broker_hub_host[HUB_CONFIG_TEXT_SIZE];    /* where the hub reaches it */
-    char broker_folder[HUB_CONFIG_TEXT_SIZE];      /* its configuration; "": not kept up */
+    char broker_folder[HUB_CONFIG_TEXT_SIZE];      /* its configuration */
     char broker_persistence[HUB_CONFIG_TEXT_SIZE]; /* its own folder */
     int broker_port, broker_hub_port;
     /* Made of the folder. */
     char key_file[HUB_CONFIG_TEXT_SIZE + 16];
 };
 
-/* Reads the file. -EBADMSG with a line for a bad line, key or value; the errors of iso_file_open.
+/* Where the file is if nobody names another one. */
+#define HUB_CONFIG_PATH "/etc/isotherm-hub/hub.conf"
+
+/* Reads the file. A file that may be missing is then as an empty one. -EBADMSG with a line for a
+ * bad line, key or value; the errors of iso_file_open.
  */
-int hub_config_read(const char *path, struct hub_config *out, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+int hub_config_read(const char *path, bool may_be_missing, struct hub_config *out,
+                    struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

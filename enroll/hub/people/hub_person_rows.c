@@ -168,6 +168,25 @@ static int store_templates(struct hub_store *store, const struct iso_fleet_perso
     return error;
 }
 
+/* A person who is seen by a third algorithm has too many templates: those go that no door uses. */
+static int drop_unused(struct hub_store *store, const struct iso_fleet_person *person,
+                       struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    if (person->n == 0) {
+        return 0;
+    }
+    hub_value_id(&values, &person->id);
+    hub_value_integer(&values, person->templates[0].algorithm);
+    hub_value_integer(&values, ISO_FLEET_TEMPLATES_MAX);
+    return hub_db_run(store->db,
+                      "DELETE FROM template t WHERE t.person = $1 AND t.algorithm <> $2 "
+                      "AND (SELECT count(*) FROM template WHERE person = $1) > $3 "
+                      "AND NOT EXISTS (SELECT 1 FROM door d WHERE d.algorithm = t.algorithm "
+                      "AND d.joined_s > 0 AND d.expelled_s = 0)",
+                      &values, NULL, fault);
+}
+
 static int upsert(struct hub_store *store, const struct iso_fleet_person *person, const char *name,
                   const char *folded, bool *is_new, struct iso_fault *fault)
 {
@@ -216,6 +235,7 @@ int hub__person_store(struct hub_store *store, const struct iso_fleet_person *pe
     }
     error = upsert(store, person, name, folded, is_new, fault);
     error = error ? error : store_templates(store, person, fault);
+    error = error ? error : drop_unused(store, person, fault);
     free(folded);
     return error;
 }

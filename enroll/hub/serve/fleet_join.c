@@ -170,7 +170,6 @@ void hub__post_join(void *context, struct web_exchange *exchange)
         return;
     }
     service->totals.joins++;
-    service->followed_s = 0; /* the broker has to let the door in soon */
     web_exchange_json(exchange, 200, reply);
 }
 

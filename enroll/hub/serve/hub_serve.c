@@ -81,6 +81,7 @@ static int open_all(struct hub_service *service, struct iso_fault *fault)
     int r = iso_fleet_start(fault);
 
     (void)setenv("PGOPTIONS", database_limits, 0);
+    (void)setenv("PGCONNECT_TIMEOUT", "5", 0);
     r = r < 0 ? r : open_loop(service, fault);
     r = r < 0 ? r : hub_store_open(&options->store, &service->store, fault);
     r = r < 0 ? r : hub_ca_open(options->folder, &service->ca, fault);

@@ -14,7 +14,7 @@
 enum {
     DELTAS_AT_ONCE = 200,
     FLUSH_MS = 5000,
-    FOLLOW_S = 5, /* between two comparisons of the broker's folder with the doors */
+    FOLLOW_S = 60, /* the broker's folder is compared with the doors at least so often */
 };
 
 /* The broker gives each message to one process of the hub. */
@@ -218,6 +218,7 @@ static void become(struct hub_service *service, bool is_leader)
     }
 }
 
+/* Rights and list follow the doors when a door has changed, and now and then in any case. */
 static void follow_broker(struct hub_service *service)
 {
     const struct hub_serve_options *options = service->options;
@@ -225,12 +226,17 @@ static void follow_broker(struct hub_service *service)
     struct iso_fault fault = {.text = ""};
     bool changed = false;
 
-    if (!options->broker_folder || now_s - service->followed_s < FOLLOW_S) {
+    if (!options->broker_folder) {
         return;
     }
-    service->followed_s = now_s;
-    if (broker_config_follow(&service->store, service->ca, options->broker_folder, &changed,
-                             &fault)) {
+    int r = broker_config_look(&service->store, &service->followed, &changed, &fault);
+    if (r || (!changed && now_s < service->follow_s)) {
+        return;
+    }
+    r = broker_config_follow(&service->store, service->ca, options->broker_folder, &changed,
+                             &fault);
+    service->follow_s = now_s + (r ? 0 : FOLLOW_S);
+    if (r) {
         fprintf(stderr, SD_WARNING "isotherm-hub: %s\n", fault.text);
     } else if (changed) {
         fprintf(stderr, SD_INFO "isotherm-hub: %s follows the doors\n", options->broker_folder);

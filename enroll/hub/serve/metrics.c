@@ -7,19 +7,13 @@
 
 #include "drivers/file/data_file.h"
 #include "enroll/hub/serve/service.h"
-#include "enroll/hub/store/hub_door.h"
 #include "enroll/hub/store/hub_zone.h"
 
 enum { EVERY_S = 15 };
 
-struct writing {
-    FILE *out;
-    unsigned joined, online;
-};
-
 static int write_zone(void *context, const struct hub_zone *zone)
 {
-    FILE *out = ((struct writing *)context)->out;
+    FILE *out = context;
     char id[ISO_FLEET_ID_TEXT_SIZE];
 
     (void)iso_fleet_id_text(&zone->place.zone, id);
@@ -34,13 +28,19 @@ static int write_zone(void *context, const struct hub_zone *zone)
     return 0;
 }
 
-static int count_door(void *context, const struct hub_door *door)
+static void write_doors(FILE *out, struct hub_service *service)
 {
-    struct writing *writing = context;
+    PGresult *rows = NULL;
 
-    writing->joined += door->joined_s != 0;
-    writing->online += door->online;
-    return 0;
+    if (hub_db_run(service->store.db,
+                   "SELECT count(*) FILTER (WHERE joined_s > 0), count(*) FILTER (WHERE online) "
+                   "FROM door WHERE expelled_s = 0",
+                   NULL, &rows, NULL) == 0) {
+        (void)fprintf(out, "isotherm_hub_doors_joined %lld\nisotherm_hub_doors_online %lld\n",
+                      (long long)hub_row_integer(rows, 0, 0),
+                      (long long)hub_row_integer(rows, 0, 1));
+        PQclear(rows);
+    }
 }
 
 static void write_totals(FILE *out, const struct hub_service *service)
@@ -82,21 +82,21 @@ void hub__metrics_write(struct hub_service *service)
     const char *path = service->options->metrics_file;
     const int64_t now_s = (int64_t)hub__clock_s();
     struct iso_fault fault = {.text = ""};
-    struct writing writing = {.joined = 0};
     char *text = NULL;
     size_t size = 0;
 
-    if (!path || now_s - service->measured_s < EVERY_S ||
-        !(writing.out = open_memstream(&text, &size))) {
+    if (!path || now_s - service->measured_s < EVERY_S) {
+        return;
+    }
+    FILE *out = open_memstream(&text, &size);
+    if (!out) {
         return;
     }
     service->measured_s = now_s;
-    write_totals(writing.out, service);
-    (void)!hub_zone_each(&service->store, write_zone, &writing, NULL);
-    (void)!hub_door_each(&service->store, false, count_door, &writing, NULL);
-    (void)fprintf(writing.out, "isotherm_hub_doors_joined %u\nisotherm_hub_doors_online %u\n",
-                  writing.joined, writing.online);
-    if (fclose(writing.out) == 0 && iso_data_file_replace(path, text, size, &fault)) {
+    write_totals(out, service);
+    (void)!hub_zone_each(&service->store, write_zone, out, NULL);
+    write_doors(out, service);
+    if (fclose(out) == 0 && iso_data_file_replace(path, text, size, &fault)) {
         fprintf(stderr, SD_WARNING "isotherm-hub: %s\n", fault.text);
     }
     (void)chmod(path, 0644);

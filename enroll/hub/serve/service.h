@@ -66,7 +66,8 @@ struct hub_service {
     int64_t homed_s;
 
     sd_event_source *hourly;
-    int64_t followed_s; /* when the broker's folder was compared last */
+    int64_t followed;   /* the newest act that the broker's folder follows */
+    int64_t follow_s;   /* when the folder is compared in any case */
     int64_t measured_s; /* when the file of metrics was written last */
     struct hub_totals totals;
 };

@@ -171,8 +171,8 @@ int hub__zone_next_epoch(struct hub_store *store, struct hub__zone *zone, struct
 int hub__zone_renew(struct hub_store *store, const struct iso_fleet_id *id, struct iso_fault *fault)
 {
     struct hub__zone zone;
-    int error = hub__zone_lock(store, id, &zone, fault);
-    error = error ? error : hub__zone_next_epoch(store, &zone, fault);
+    int error = hub__zone_lock_any(store, id, &zone, fault);
+    error = error || zone.behind ? error : hub__zone_next_epoch(store, &zone, fault);
     hub__zone_wipe(&zone);
     return error;
 }

@@ -42,7 +42,9 @@ int hub__zone_change(struct hub_store *store, const struct iso_fleet_id *id,
 int hub__zone_next_epoch(struct hub_store *store, struct hub__zone *zone, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Locks a zone, begins its next epoch and wipes the zone. */
+/* Locks a zone, begins its next epoch and wipes the zone. A zone that is behind its doors stays as
+ * it is: nothing changes in it until a recovery, which brings a new key. So a door that says it is
+ * ahead can be expelled. */
 int hub__zone_renew(struct hub_store *store, const struct iso_fleet_id *id, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

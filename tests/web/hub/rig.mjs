@@ -60,10 +60,11 @@ pages = ${this.hubPages}
 [broker]
 hub_host = localhost
 hub_port = ${await freePort()}
+folder =
 `);
     const made = this.hub('init');
     expectEqual(made.status, 0, `isotherm-hub init (${made.stderr})`);
-    this.server = start(join(this.build, 'enroll/hub/command/isotherm-hub'), ['run', '--config', this.config], this.log('isotherm-hub'));
+    this.server = start(join(this.build, 'enroll/hub/command/isotherm-hub'), ['serve', '--config', this.config], this.log('isotherm-hub'));
     const server = this.server;
     server.ended.then((code) => { server.code = code; });
     await eventually('isotherm-hub answers', () => {

@@ -1,6 +1,6 @@
 // What an administrator does with a fleet: zones, doors, people, and lockdown.
 import { eventually, expect, expectEqual, need, step } from '../check.mjs';
-import { fillAll, find, press, seesText } from '../browser.mjs';
+import { fill, fillAll, find, press, seesText } from '../browser.mjs';
 import { goTo } from '../story_login.mjs';
 
 const closes = (page) => eventually('the dialog closes', () => page.evaluate(() => !document.querySelector('dialog[open]')));
@@ -77,7 +77,7 @@ async function approves(run) {
 async function changesPerson(run) {
   const page = run.first;
   await goTo(page, /^people$/i);
-  await fillAll(page, [[/search by name/i, 'dor']]);
+  await fill(page, 'searchbox', /search by name/i, 'dor');
   await press(page, 'button', 'Dora');
   await find(page, 'dialog', 'Dora');
   await fillAll(page, [[/^name$/i, 'Dora Maar']]);
@@ -87,6 +87,7 @@ async function changesPerson(run) {
   await press(page, 'button', /^save$/i);
   await closes(page);
   await find(page, 'button', 'Dora Maar');
+  expectEqual(await page.evaluate(() => document.querySelector('main tbody tr').innerText.split('\t').map((text) => text.trim()).join('|')), 'Dora Maar|Garden, House|no limit|no limit|yes', 'the row of Dora');
   const dora = (await run.admin.ask('GET', '/people/Dora%20Maar')).body;
   expect(dora.offline_ok && dora.zones.length === 2, `offline_ok and two zones were expected: ${JSON.stringify(dora)}`);
 }

@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include <errno.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "enroll/hub/command/hub_config.h"
+#include "enroll/hub/command/hub_command.h"
 #include "enroll/hub/people/hub_request.h"
 #include "tests/enroll/hub/rigs/played_door.h"
 #include "tests/support/programs/run.h"
@@ -174,7 +175,7 @@ static void a_fleet_is_run_by_commands(void **state)
     expect(0, "zone list", "lease 60 s  local people yes  approve auto");
 
     char *address = hub(0, "door add front --zone office --zone lab");
-    assert_int_equal(strncmp(address, "isotherm://hub.example:8444/?ca=", 32), 0);
+    assert_int_equal(strncmp(address, "isotherm://hub.example:8443/?ca=", 32), 0);
     assert_int_equal(strlen(address), 32 + 64 + strlen("&code=") + 32 + 1);
     expect(0, "door list", "not joined");
     join(&door, &store, address);
@@ -207,6 +208,20 @@ static void a_fleet_is_run_by_commands(void **state)
     hub_store_close(&store);
 }
 
+static void the_broker_is_configured(void **state)
+{
+    char words[200];
+    (void)snprintf(words, sizeof words, "broker-config --output %s",
+                   scratch_path(*state, "broker"));
+    scratch_mkdir(scratch_path(*state, "broker"));
+    free(hub(0, words));
+    char *text = scratch_read_text(scratch_path(*state, "broker/mosquitto.conf"));
+    assert_non_null(strstr(text, "8884"));
+    free(text);
+    expect(0, "serve --help", "--door-broker");
+    free(hub(2, "serve --sing"));
+}
+
 static void wrong_words_are_one_line(void **state)
 {
     (void)state;
@@ -236,13 +251,45 @@ static void a_wrong_configuration_is_one_line(void **state)
     const char *path = scratch_path(*state, "wrong.conf");
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         scratch_write_text(path, texts[i]);
-        assert_true(hub_config_read(path, &read, &fault) < 0);
+        assert_true(hub_config_read(path, false, &read, &fault) < 0);
         assert_null(strchr(fault.text, '\n'));
         assert_non_null(strstr(fault.text, "wrong.conf"));
     }
+    assert_int_equal(hub_config_read("/nowhere/hub.conf", false, &read, &fault), -ENOENT);
+    store_rig_fine(hub_config_read("/nowhere/hub.conf", true, &read, &fault), &fault);
     scratch_write_text(path, "");
-    store_rig_fine(hub_config_read(path, &read, &fault), &fault);
+    store_rig_fine(hub_config_read(path, false, &read, &fault), &fault);
     assert_string_equal(read.key_file, "/var/lib/isotherm-hub/hub.keys");
+}
+
+static void every_command_and_option_stands_in_the_manual(void **state)
+{
+    const struct hub_command *const tables[] = {
+        hub_setup_commands,  hub_serve_commands,   hub_zone_commands, hub_door_commands,
+        hub_person_commands, hub_request_commands, hub_event_commands};
+    char *manual = scratch_read_text(ISOTHERM_SOURCE_DIR "/enroll/man/isotherm-hub.8");
+    int n = 0;
+    (void)state;
+    for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
+        for (const struct hub_command *c = tables[t]; c->words; c++, n++) {
+            char item[64];
+            (void)snprintf(item, sizeof item, "\n.It Ic %s", c->words);
+            char *at = strstr(manual, item);
+            if (!at) {
+                fail_msg("isotherm-hub(8) does not have %s", c->words);
+            }
+            const size_t length = strcspn(at + 1, "\n");
+            for (const char *o = strstr(c->synopsis, "--"); o; o = strstr(o + 2, "--")) {
+                (void)snprintf(item, sizeof item, "Fl Fl %.*s", (int)strcspn(o + 2, " ]"), o + 2);
+                const char *found = strstr(at, item);
+                if (!found || found > at + 1 + length) {
+                    fail_msg("isotherm-hub(8): %s: %s is missing", c->words, item);
+                }
+            }
+        }
+    }
+    assert_true(n > 25);
+    free(manual);
 }
 
 int main(void)
@@ -250,8 +297,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(init_makes_keys_and_tables_once),
         cmocka_unit_test(a_fleet_is_run_by_commands),
+        cmocka_unit_test(the_broker_is_configured),
         cmocka_unit_test(wrong_words_are_one_line),
         cmocka_unit_test(a_wrong_configuration_is_one_line),
+        cmocka_unit_test(every_command_and_option_stands_in_the_manual),
     };
     return cmocka_run_group_tests(tests, start, stop);
 }

@@ -266,7 +266,9 @@ void broker_client_end(struct broker_client *client)
     if (fd >= 0) {
         (void)shutdown(fd, SHUT_RDWR);
     }
-    (void)mosquitto_loop_stop(client->mosquitto, true);
+    /* The thread ends by itself; one that is cancelled would leave what TLS has allocated. */
+    (void)mosquitto_disconnect(client->mosquitto);
+    (void)mosquitto_loop_stop(client->mosquitto, false);
     mosquitto_destroy(client->mosquitto);
     client->mosquitto = NULL;
     for (size_t i = 0; i < client->n; i++) {

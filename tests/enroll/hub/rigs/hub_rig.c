@@ -26,6 +26,21 @@ static void ok(int error, const struct iso_fault *fault)
     }
 }
 
+static struct rig_postgres postgres;
+
+static bool start_postgres(struct hub_rig *rig)
+{
+    rig->postgres = &postgres;
+    return postgres.pid != 0 || rig_postgres_start(&postgres);
+}
+
+int hub_rig_end(void **state)
+{
+    (void)state;
+    rig_postgres_stop(&postgres);
+    return 0;
+}
+
 static void make_store(struct hub_rig *rig)
 {
     struct iso_fault fault = {.text = ""};
@@ -35,10 +50,10 @@ static void make_store(struct hub_rig *rig)
 
     ok(hub_keys_make(key_file, &keys, &fault), &fault);
     hub_keys_wipe(&keys);
-    ok(hub_db_open(rig->postgres.conninfo, &db, &fault), &fault);
+    ok(hub_db_open(rig->postgres->conninfo, &db, &fault), &fault);
     ok(hub_schema_migrate(db, (int64_t)hub_migrations_n, &fault), &fault);
     hub_db_close(db);
-    const struct hub_store_options options = {.conninfo = rig->postgres.conninfo,
+    const struct hub_store_options options = {.conninfo = rig->postgres->conninfo,
                                               .key_file = key_file,
                                               .hub_name = "Test",
                                               .actor = "anna"};
@@ -80,7 +95,7 @@ bool hub_rig_start(struct hub_rig *rig, const char *folder)
     memset(rig, 0, sizeof *rig);
     rig->folder = folder;
     rig->broker_folder = strdup(scratch_path(folder, "broker"));
-    if (!broker_rig_is_possible() || !rig_postgres_start(&rig->postgres)) {
+    if (!broker_rig_is_possible() || !start_postgres(rig)) {
         return false;
     }
     ok(iso_fleet_start(&fault), &fault);
@@ -101,7 +116,9 @@ void hub_rig_stop(struct hub_rig *rig)
     }
     broker_rig_stop(&rig->broker);
     hub_store_close(&rig->store);
-    rig_postgres_stop(&rig->postgres);
+    if (postgres.pid) {
+        rig_postgres_empty(&postgres);
+    }
     free((char *)(uintptr_t)rig->broker_folder);
 }
 
@@ -124,7 +141,7 @@ void hub_rig_serve(struct hub_rig *rig, int i)
         const int fd = open(rig->hubs[i].log, O_WRONLY | O_CREAT | O_APPEND, 0600);
         (void)dup2(fd, STDOUT_FILENO);
         (void)dup2(fd, STDERR_FILENO);
-        (void)execl(HUB_PROCESS, HUB_PROCESS, rig->postgres.conninfo, keys, rig->folder, listen,
+        (void)execl(HUB_PROCESS, HUB_PROCESS, rig->postgres->conninfo, keys, rig->folder, listen,
                     hub_port, door_port, rig->broker_folder, rig->hubs[i].metrics, (char *)NULL);
         _exit(127);
     }

@@ -11,7 +11,7 @@ enum { HUB_RIG_PROCESSES = 2 };
 
 struct hub_rig {
     const char *folder, *broker_folder; /* the authority; what mosquitto reads */
-    struct rig_postgres postgres;
+    struct rig_postgres *postgres;      /* one for all tests of the program */
     struct broker_rig broker;
     uint16_t broker_port, hub_broker_port;
     struct hub_store store; /* of the test, who is the administrator */
@@ -26,6 +26,9 @@ struct hub_rig {
 /* Starts the database with one zone, "Office", and the broker. False: a program is missing. */
 bool hub_rig_start(struct hub_rig *rig, const char *folder);
 void hub_rig_stop(struct hub_rig *rig);
+
+/* Stops the server of the database after the last test: a tear-down of the group for cmocka. */
+int hub_rig_end(void **state);
 
 /* Starts a process of the hub and waits until it listens. */
 void hub_rig_serve(struct hub_rig *rig, int i);

@@ -173,12 +173,53 @@ static void an_administrator_sees_doors_and_closes_them(void **state)
     json_decref(json);
 }
 
+static void home_assistant_sees_the_door_and_can_command_nothing(void **state)
+{
+    struct broker_client *home = calloc(1, sizeof *home);
+    struct iso_fleet_lease lease;
+    char topic[128], in[ISO_FLEET_TOPIC_SIZE];
+    (void)state;
+
+    served_door_begin();
+    served_door_connect(&lease);
+    assert_true(door_rig_ask(&door, "{\"door-state\":\"opened\"}", 0, &lease, 10));
+    broker_client_begin(home, "home", rig.broker_port, scratch_path(rig.folder, "ca.pem"),
+                        scratch_path(rig.broker_folder, "home-assistant.pem"),
+                        scratch_path(rig.broker_folder, "home-assistant-key.pem"));
+    assert_true(broker_client_connects(home));
+    broker_client_subscribe(home, "homeassistant/#");
+    broker_client_subscribe(home, "isotherm/#");
+    (void)snprintf(topic, sizeof topic, "homeassistant/binary_sensor/isotherm-%s/contact/config",
+                   door.id);
+    assert_true(broker_client_wait(home, topic, 0, 20) >= 0);
+    (void)snprintf(topic, sizeof topic, "isotherm/door/%s/state", door.id);
+    bool is_open = false;
+    for (int at = 0; !is_open; at++) {
+        at = broker_client_wait(home, topic, (size_t)at, 20);
+        assert_true(at >= 0);
+        is_open = strstr(home->messages[at].bytes, "\"contact\":\"ON\"") != NULL;
+    }
+    /* It reads neither deltas nor mail of doors, and writes to no door. */
+    const size_t from = door.client.n;
+    broker_client_publish(home, iso_fleet_topic_in(&door.membership.door, in), "open", 4, false);
+    assert_int_equal(broker_client_wait(&door.client, in, from, 1), -1);
+    for (size_t i = 0; i < home->n; i++) {
+        assert_null(strstr(home->messages[i].topic, "/in"));
+        assert_null(strstr(home->messages[i].topic, "/out"));
+        assert_null(strstr(home->messages[i].topic, "/zone/"));
+    }
+    broker_client_end(home);
+    free(home);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(nothing_is_shown_without_a_login, setup, teardown),
+        cmocka_unit_test_setup_teardown(home_assistant_sees_the_door_and_can_command_nothing, setup,
+                                        teardown),
         cmocka_unit_test_setup_teardown(an_administrator_sees_doors_and_closes_them, setup,
                                         teardown),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, hub_rig_end);
 }

@@ -67,9 +67,9 @@ static void the_database_may_go_away_for_a_while(void **state)
 
     served_door_begin();
     served_door_connect(&lease);
-    rig_postgres_down(&rig.postgres);
+    rig_postgres_down(rig.postgres);
     assert_false(door_rig_ask(&door, "{}", 0, &lease, 2));
-    rig_postgres_up(&rig.postgres);
+    rig_postgres_up(rig.postgres);
     assert_true(door_rig_ask(&door, "{}", 0, &lease, 10));
     const size_t from = door.client.n;
     /* The first statement finds the connection of the test lost. */
@@ -116,5 +116,5 @@ int main(void)
         SERVED_TEST(the_database_may_go_away_for_a_while),
         SERVED_TEST(the_broker_may_go_away_for_a_while),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, hub_rig_end);
 }

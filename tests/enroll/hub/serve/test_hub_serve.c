@@ -364,16 +364,15 @@ static void joining_is_tried_so_often_and_not_more(void **state)
     (void)state;
 
     served_door_begin();
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 200 && too_many == 0; i++) {
         door_rig_post(&door, rig.hubs[0].port, "/fleet/v1/join", "application/json", "{}", 2,
                       &reply);
         forbidden += reply.status == 400;
         too_many += reply.status == 429;
         free(reply.bytes);
     }
-    assert_int_equal(forbidden + too_many, 40);
     assert_true(forbidden >= 20);
-    assert_true(too_many >= 10);
+    assert_int_equal(too_many, 1);
 }
 
 int main(void)
@@ -388,5 +387,5 @@ int main(void)
         SERVED_TEST(an_expelled_door_gets_nothing_more),
         SERVED_TEST(joining_is_tried_so_often_and_not_more),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, hub_rig_end);
 }

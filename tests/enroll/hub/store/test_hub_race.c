@@ -279,6 +279,36 @@ static void another_history_is_noticed(void **state)
     assert_int_equal(door.zones[0].place.epoch, 3);
 }
 
+/* A door that says it is far ahead stops the changes of its zone, is named, and can be expelled. */
+static void a_door_that_lies_can_be_expelled(void **state)
+{
+    struct store_rig *rig = *state;
+    struct hub_store *store = &rig->store;
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    static struct played_door liar, honest;
+    played_door_join(&liar, rig, "liar", &zone, 1);
+    played_door_join(&honest, rig, "honest", &zone, 1);
+    store_rig_fine(played_door_ask(&liar, store, &fault), &fault);
+    store_rig_fine(played_door_ask(&honest, store, &fault), &fault);
+    liar.zones[0].place.sequence = UINT64_C(1) << 60;
+    assert_int_equal(played_door_ask(&liar, store, &fault), -EBADMSG);
+    assert_false(store_rig_zone_now(rig, &zone).behind);
+    liar.zones[0].place.sequence = 1000;
+    store_rig_fine(played_door_ask(&liar, store, &fault), &fault);
+    assert_true(store_rig_zone_now(rig, &zone).behind);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM act WHERE what = 'zone-behind' "
+                                           "AND after ->> 'door' = 'liar'"),
+                     1);
+    store_rig_fine(hub_door_expel(store, &liar.id, &fault), &fault);
+    assert_int_equal(played_door_ask(&liar, store, &fault), -EACCES);
+    store_rig_fine(hub_zone_recover(store, &zone, &fault), &fault);
+    assert_int_equal(store_rig_zone_now(rig, &zone).place.sequence, 1);
+    (void)store_rig_put(rig, "anna", &zone, 1);
+    store_rig_fine(played_door_ask(&honest, store, &fault), &fault);
+    played_door_fetch(&honest, store);
+    assert_int_equal(played_door_count(&honest, &zone), 1);
+}
+
 #define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, store_rig_setup, store_rig_teardown)
 
 int main(void)
@@ -286,7 +316,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(changes_at_once_are_one_chain), TEST(a_deadlock_is_tried_again),
         TEST(the_connection_comes_back),     TEST(a_restored_database_is_noticed),
-        TEST(another_history_is_noticed),
+        TEST(another_history_is_noticed),    TEST(a_door_that_lies_can_be_expelled),
     };
     return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);
 }

@@ -237,6 +237,26 @@ static void people_who_must_be_seen_again(void **state)
                      4);
 }
 
+static void templates_that_no_door_uses_make_room(void **state)
+{
+    struct store_rig *rig = *state;
+    struct iso_fault fault = {.text = ""};
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    struct iso_fleet_person person = store_rig_person("anna", 3, 16, 1);
+    struct played_door door;
+    played_door_join(&door, rig, "front", &zone, 1);
+    store_rig_fine(played_door_ask(&door, &rig->store, &fault), &fault); /* algorithm 3 */
+    for (uint32_t algorithm = 3; algorithm <= 5; algorithm++) {
+        person = store_rig_person("anna", algorithm, 16, (uint8_t)algorithm);
+        store_rig_fine(hub_person_put(&rig->store, &person, &zone, 1, &fault), &fault);
+    }
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM template WHERE algorithm = 3"),
+                     16);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM template WHERE algorithm = 4"), 0);
+    assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM template WHERE algorithm = 5"),
+                     16);
+}
+
 static void bad_inputs_are_refused(void **state)
 {
     struct store_rig *rig = *state;
@@ -324,6 +344,7 @@ int main(void)
         TEST(the_dump_has_no_template_and_no_key),
         TEST(names_are_found_in_any_spelling),
         TEST(people_who_must_be_seen_again),
+        TEST(templates_that_no_door_uses_make_room),
         TEST(bad_inputs_are_refused),
         TEST(a_code_is_used_once_and_in_time),
         TEST(another_key_file_is_noticed),

@@ -13,7 +13,7 @@ const PAGE = 100;
 
 function row(person, open) {
     const nowS = Date.now() / 1000;
-    const ended = person.valid_until_s && person.valid_until_s <= nowS;
+    const ended = person.valid_until_s > 0 && person.valid_until_s <= nowS;
     return h(
         'tr', {},
         h('th', { scope: 'row' },

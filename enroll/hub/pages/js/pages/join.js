@@ -25,7 +25,7 @@ export function showJoin({name, join}) {
     return openDialog(
         _f('{name} may join now', { name }),
         (close) =>
-            [h('p', {}, _('Type this on the appliance, or show it the code. It works once, and nobody sees it again.')),
+            [h('p', {}, _('Type this on the appliance; a phone reads it from the code. It works once, and is not shown again.')),
              picture(join.qr_svg),
              h('p', {}, h('code', { class: 'long' }, `sudo isotherm-link join '${join.address}'`)),
              h('p', { class: 'quiet' }, _f('It holds until {time}.', { time: dateTime(join.until_s * 1000) })),

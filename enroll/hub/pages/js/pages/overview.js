@@ -49,7 +49,7 @@ function make(context) {
     const tiles = h('div', {});
     const body = h('tbody', {});
     const place = h('div', {});
-    const head = (text) => h('th', { scope: 'col' }, text);
+    const head = (text, kind = '') => h('th', { scope: 'col', class: kind }, text);
 
     async function load() {
         try {
@@ -80,7 +80,7 @@ function make(context) {
                   stack(
                       h('table', {}, h('caption', { class: 'unseen' }, _('Zones')),
                         h('thead', {},
-                          h('tr', {}, head(_('Zone')), head(_('State')), head(_('Doors')), head(_('People')),
+                          h('tr', {}, head(_('Zone')), head(_('State')), head(_('Doors'), 'number'), head(_('People'), 'number'),
                             head(_('Without the hub')))),
                         body))),
                 may('administrator') &&
