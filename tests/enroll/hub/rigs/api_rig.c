@@ -5,6 +5,8 @@
 #include <string.h>
 #include <time.h>
 
+#include <sodium.h>
+
 #include "enroll/web/login/turns.h"
 #include "tests/firmware/rigs/cmocka_headers.h"
 #include "tests/support/scratch.h"
@@ -155,4 +157,60 @@ int64_t api_rig_number(const json_t *json, const char *path)
 
     assert_true(json_is_integer(value));
     return json_integer_value(value);
+}
+
+/* The newest act; the caller frees it. */
+static char *last_act(void)
+{
+    json_t *acts = api_rig_ask(WEB_ROLE_ADMINISTRATOR, "GET", "/acts?max=1", NULL, 200);
+    char *text = NULL;
+
+    assert_true(asprintf(&text, "%s %s %s", api_rig_text(acts, "acts.0.actor"),
+                         api_rig_text(acts, "acts.0.act"),
+                         api_rig_text(acts, "acts.0.object")) > 0);
+    json_decref(acts);
+    return text;
+}
+
+/* Nobody waits for the record of a login, so it may come a little later. */
+void api_rig_expect_act(const char *wanted)
+{
+    char *found = last_act();
+
+    for (int i = 0; i < 100 && strcmp(found, wanted) != 0; i++) {
+        free(found);
+        found = last_act();
+    }
+    assert_string_equal(found, wanted);
+    free(found);
+}
+
+/* Adds a door by the API, and lets the rig join with the code of its address. */
+void api_rig_join(struct played_door *door, const char *name)
+{
+    struct iso_fault fault = {.text = ""};
+    char body[160];
+
+    *door = (struct played_door){.algorithm = 3};
+    (void)crypto_sign_keypair(door->signs.public, door->signs.secret);
+    (void)crypto_box_keypair(door->receives.public, door->receives.secret);
+    (void)snprintf(body, sizeof body, "{'name': '%s', 'zones': ['house']}", name);
+    json_t *added = api_rig_ask(WEB_ROLE_ADMINISTRATOR, "POST", "/doors", body, 201);
+    const char *address = api_rig_text(added, "join.address");
+    const char *code = strstr(address, "&code=");
+    assert_int_equal(strncmp(address, "isotherm://hub.example:8444/?ca=abcd", 36), 0);
+    assert_int_equal(strncmp(api_rig_text(added, "join.qr_svg"), "<svg ", 5), 0);
+    assert_string_equal(api_rig_text(added, "state"), "waiting");
+    assert_non_null(code);
+    store_rig_fine(played_door_join_with(door, &api_rig.hub->store, code + 6, &fault), &fault);
+    json_decref(added);
+}
+
+void api_rig_ask_hub(struct played_door *door)
+{
+    struct iso_fault fault = {.text = ""};
+
+    store_rig_fine(played_door_ask(door, &api_rig.hub->store, &fault), &fault);
+    played_door_fetch(door, &api_rig.hub->store);
+    store_rig_fine(played_door_ask(door, &api_rig.hub->store, &fault), &fault);
 }

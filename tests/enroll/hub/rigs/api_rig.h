@@ -6,6 +6,7 @@
 #include <jansson.h>
 
 #include "enroll/hub/api/hub_api.h"
+#include "tests/enroll/hub/rigs/played_door.h"
 #include "tests/enroll/hub/rigs/store_rig.h"
 #include "tests/enroll/web/rigs/web_rig.h"
 
@@ -40,6 +41,15 @@ void api_rig_do(const char *method, const char *path, const char *body, int stat
 /* Asks, and expects a problem with this code. */
 void api_rig_refused(enum web_role role, const char *method, const char *path, const char *body,
                      int status, const char *code);
+
+/* Expects the newest act: "ACCOUNT ACT OBJECT". It may come a little later. */
+void api_rig_expect_act(const char *wanted);
+
+/* Adds a door of the zone "house" by the API, and lets it join with the code of its address. */
+void api_rig_join(struct played_door *door, const char *name);
+
+/* The door asks the hub, fetches what it lacks, and confirms. */
+void api_rig_ask_hub(struct played_door *door);
 
 /* A text or number of an answer by a path such as "zones.0.name". It fails if there is none. */
 const char *api_rig_text(const json_t *json, const char *path);

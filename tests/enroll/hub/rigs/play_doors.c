@@ -1,5 +1,5 @@
-/* Doors of a fleet for the browser test of the hub's pages: each line of the input is a command, and is
- * answered by a line "ok" or a fault.
+/* Doors of a fleet for the browser test of the hub's pages: each line of the input is a command,
+ * and is answered by a line "ok" or a fault.
  *
  *   join DOOR CODE             a door joins with the code of its address
  *   ask DOOR                   it asks the hub, and fetches what it lacks
