@@ -24,6 +24,7 @@
 #   make packages-arm64  cross-builds the packages for arm64 in build/packages-arm64
 #   make install-check  installs the packages, and also runs `make install`, each in a fresh Debian in a container: needs root
 #   make web-check  tests the web server and its pages in a browser, with a daemon on stored frames; pictures are in out/web-check
+#   make hub-web-check  tests the pages of the hub of a fleet in a browser, with a PostgreSQL of its own; pictures are in out/hub-web-check
 #   make install  PREFIX=/usr/local, DESTDIR= for packagers
 #   make docs     makes the reference of the library for programmers, in build/docs: HTML and manual pages
 #   make clean    removes everything that the other commands made
@@ -37,7 +38,7 @@ NIGHTLY_FUZZ_SECONDS ?= 300
 ICT ?= ict
 JOBS := $(shell nproc)
 
-.PHONY: demo check check-clang check-asan vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check web-check install docs clean
+.PHONY: demo check check-clang check-asan vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check web-check hub-web-check install docs clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -160,6 +161,12 @@ web-check:
 	cmake --preset dev
 	cmake --build --preset dev --target isothermd isotherm isotherm-web isotherm-web-pages bench_gallery test_screen_picture
 	tests/web/run.sh build/dev out/web-check
+
+hub-web-check:
+	cmake/install_packages.sh build test web
+	cmake --preset dev
+	cmake --build --preset dev --target isotherm-hub isotherm-hub-pages play_doors
+	tests/web/hub/run.sh build/dev out/hub-web-check
 
 install:
 	cmake/install_packages.sh build

@@ -14,11 +14,11 @@
 #include "enroll/web/account/setup_code.h"
 #include "enroll/web/api/api.h"
 #include "enroll/web/api/document.h"
-#include "enroll/web/api/turns.h"
 #include "enroll/web/daemon/enrolment.h"
 #include "enroll/web/daemon/feed.h"
 #include "enroll/web/daemon/last_seen.h"
 #include "enroll/web/listener.h"
+#include "enroll/web/login/turns.h"
 #include "enroll/web/options.h"
 #include "enroll/web/published.h"
 
@@ -80,18 +80,19 @@ static int open_state(struct program *program, const struct web_options *options
     int r = path_of(program->accounts, options->state, "accounts.json", fault);
 
     r = r < 0 ? r : path_of(program->setup_code, options->state, "setup.code", fault);
-    r = r < 0 ? r : web_accounts_open(program->accounts, &api->accounts, fault);
+    r = r < 0 ? r : web_accounts_open(program->accounts, &api->login.accounts, fault);
     r = r < 0 ? r : web_certificate_open(options->state, &program->certificate, fault);
     if (r < 0) {
         return r;
     }
     web_guess_init(&program->guess);
-    api->sessions = &program->sessions;
-    api->guess = &program->guess;
-    api->setup_code = program->setup_code;
+    web_api_record_by_daemon(api);
+    api->login.sessions = &program->sessions;
+    api->login.guess = &program->guess;
+    api->login.setup_code = program->setup_code;
     api->document = (const char *)web_api_document;
     api->certificate = &program->certificate;
-    if (web_accounts_count(api->accounts) == 0) {
+    if (web_accounts_count(api->login.accounts) == 0) {
         fprintf(stderr, "isotherm-web: there is no account yet; `isotherm-web setup-code` prints a "
                         "code for the first one\n");
     }
@@ -125,13 +126,13 @@ static int open_server(struct program *program, const struct web_options *option
                                      .sessions = &program->sessions,
                                      .routes = web_api_routes,
                                      .context = &program->api};
-    int r = web_turns_new(program->event, &program->api, &program->api.turns);
+    int r = web_turns_new(program->event, &program->api.login, &program->api.login.turns);
 
     if (r < 0) {
         return iso_fault_set(fault, r, "the event loop: %s", strerror(-r));
     }
     r = web_listener_open(options->listen, &setup.listen_fd, fault);
-    return r < 0 ? r : web_server_new(&setup, &program->api.server, fault);
+    return r < 0 ? r : web_server_new(&setup, &program->api.login.server, fault);
 }
 
 /* First the calls of the daemon and the logins that still wait are answered, for exchanges that
@@ -143,14 +144,14 @@ static void close_all(struct program *program)
     if (api->daemon) {
         web_daemon_close(api->daemon);
     }
-    web_turns_free(api->turns);
-    web_server_free(api->server);
-    api->server = NULL;
+    web_turns_free(api->login.turns);
+    web_server_free(api->login.server);
+    api->login.server = NULL;
     web_enrolment_free(api->enrolment);
     web_last_seen_free(api->last_seen);
     web_feed_free(api->feed);
     web_daemon_free(api->daemon);
-    web_accounts_close(api->accounts);
+    web_accounts_close(api->login.accounts);
     web_certificate_free(&program->certificate);
     sd_event_unref(program->event);
     sodium_memzero(&program->sessions, sizeof program->sessions);

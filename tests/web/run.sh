@@ -24,24 +24,12 @@ for program in firmware/isothermd enroll/isotherm enroll/web/isotherm-web tests/
         exit 2
     }
 done
-for command in node npm dbus-daemon "${CHROMIUM:-chromium}"; do
-    command -v "$command" >/dev/null || {
-        echo "$0: there is no command $command: cmake/install_packages.sh web" >&2
-        exit 2
-    }
-done
-
-# The programs of the test stand beside their packages, so that Node.js finds these, and the tree of the project stays as it is.
-web=$build/web
-mkdir -p "$web"
-rm -f "$web"/*.mjs
-cp "$here"/*.mjs "$web"
-if ! cmp -s "$here/package-lock.json" "$web/installed.json"; then
-    rm -f "$web/installed.json"
-    cp "$here/package.json" "$here/package-lock.json" "$web"
-    (cd "$web" && npm ci --ignore-scripts --no-audit --no-fund --cache "$web/cache")
-    cp "$here/package-lock.json" "$web/installed.json"
-fi
+command -v dbus-daemon >/dev/null || {
+    echo "$0: there is no command dbus-daemon: cmake/install_packages.sh web" >&2
+    exit 2
+}
+# shellcheck source=tests/web/packages.sh
+. "$here/packages.sh"
 
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/isotherm-web.XXXXXX")
 trap 'rm -rf "$scratch"' EXIT

@@ -54,7 +54,7 @@ export function pagesOf(page) {
   return page.evaluate(() => [...document.querySelectorAll('nav a[href]')].map((link) => ({ name: link.innerText.trim(), href: link.href })));
 }
 
-async function everyPage(run) {
+export async function everyPage(run) {
   const page = run.first;
   const pages = await pagesOf(page);
   expect(pages.length >= 6, `at least six pages were expected in the navigation: ${JSON.stringify(pages)}`);
@@ -69,7 +69,7 @@ async function everyPage(run) {
 }
 
 // Presses the tabulator until the element that has the focus has this role and name.
-async function tabTo(page, test, what) {
+export async function tabTo(page, test, what) {
   for (let i = 0; i < 80; i++) {
     await page.keyboard.press('Tab');
     const found = await page.evaluate((text) => {
@@ -112,7 +112,7 @@ async function keyboardAlone(run) {
 
 // Texts of several words that the English pages have, too, are not translated. Names of people are the same in all languages; what the
 // daemon says in English is marked as English.
-async function language(run, tag, direction) {
+export async function language(run, tag, direction) {
   const browser = await new Browser({ base: run.rig.base, keyHash: run.rig.keyHash(), scratch: run.rig.scratch }).start(tag);
   run.browsers.push(browser);
   const texts = (page) => page.evaluate(() => {
@@ -153,7 +153,7 @@ async function language(run, tag, direction) {
   }
 }
 
-async function collectEnglish(run) {
+export async function collectEnglish(run) {
   run.englishTexts = [];
   const page = run.first;
   for (const { href } of await pagesOf(page)) {

@@ -152,20 +152,23 @@ int hub_take_events(struct hub_store *store, const void *bytes, size_t size,
     return error ? error : emit_ack(&w, emit, fault);
 }
 
-/* The newest events of a filter: $1 door, $2 person, $3 event, $4 since, $5 how many. */
+/* The newest events of a filter: $1 door, $2 person, $3 event, $4 since, $5 how many, $6 until, and
+ * $7, $8, $9 the place before which they are. */
 static const char each_sql[] =
     "SELECT e.door, d.name, e.number, e.time, e.record::text FROM "
     "(SELECT * FROM event WHERE ($1::uuid IS NULL OR door = $1) "
     "AND ($2::text IS NULL OR record ->> 'person' = $2) "
     "AND ($3::text IS NULL OR record ->> 'event' = $3) "
-    "AND ($4::text IS NULL OR time >= $4) "
-    "ORDER BY time DESC, number DESC LIMIT $5) e "
-    "LEFT JOIN door d ON d.id = e.door ORDER BY e.time, e.door, e.number";
+    "AND ($4::text IS NULL OR time >= $4) AND ($6::text IS NULL OR time < $6) "
+    "AND ($7::text IS NULL OR (time, number, door) < ($7, $8, $9)) "
+    "ORDER BY time DESC, number DESC, door DESC LIMIT $5) e "
+    "LEFT JOIN door d ON d.id = e.door ORDER BY e.time, e.number, e.door";
 
 int hub_event_each(struct hub_store *store, const struct hub_event_filter *filter,
                    int (*each)(void *context, const struct hub_event *event), void *context,
                    struct iso_fault *fault)
 {
+    const struct hub_event_place *before = filter->before;
     struct hub_values values = {.n = 0};
     PGresult *rows = NULL;
     hub_value_id(&values, filter->door);
@@ -173,6 +176,10 @@ int hub_event_each(struct hub_store *store, const struct hub_event_filter *filte
     hub_value_text(&values, filter->event);
     hub_value_text(&values, filter->since);
     hub_value_integer(&values, filter->most ? (int64_t)filter->most : INT64_MAX);
+    hub_value_text(&values, filter->until);
+    hub_value_text(&values, before ? before->time : NULL);
+    hub_value_integer(&values, before ? (int64_t)before->number : 0);
+    hub_value_id(&values, before ? &before->door : NULL);
     int error = hub_db_run(store->db, each_sql, &values, &rows, fault);
     for (int i = 0; !error && i < PQntuples(rows); i++) {
         const struct hub_event event = {.door = hub_row_id(rows, i, 0),

@@ -1,124 +1,70 @@
-/* People, and those who wait for approval. */
+/* People of the fleet: lists and one person. */
 #include <errno.h>
-#include <stdlib.h>
+#include <string.h>
 
-#include "enroll/hub/api/api_inner.h"
-#include "enroll/hub/people/hub_person.h"
-#include "enroll/hub/people/hub_request.h"
-#include "enroll/hub/store/hub_zone.h"
+#include "enroll/hub/api/api.h"
+#include "enroll/hub/api/look.h"
 
-enum { PEOPLE_MOST = 20000 };
+enum { PEOPLE_MOST = 1000, PEOPLE_USUAL = 100 };
 
-static int add_person(void *context, const struct hub_person *person)
+struct list {
+    json_t *people;
+    uint32_t n, most;
+    bool has_more;
+    char last[ISO_FLEET_NAME_MAX + 1];
+};
+
+/* One more than was asked for: then there is a next page. */
+static int append_person(void *context, const struct hub_person *person)
 {
-    json_t *zones = json_array();
+    struct list *list = context;
 
-    for (size_t i = 0; i < person->n_zones; i++) {
-        (void)json_array_append_new(zones, json_string(person->zone_names[i]));
+    if (list->n == list->most) {
+        list->has_more = true;
+        return 0;
     }
-    return json_array_append_new(
-               context, json_pack("{s:o, s:s, s:o, s:I, s:I, s:I, s:b, s:I}", "id",
-                                  hub__api_id(&person->id), "name", person->name, "zones", zones,
-                                  "valid-from", (json_int_t)person->valid_from_s, "valid-until",
-                                  (json_int_t)person->valid_until_s, "enrolled",
-                                  (json_int_t)person->enrolled_s, "offline-ok", person->offline_ok,
-                                  "templates", (json_int_t)person->templates))
-               ? -ENOMEM
-               : 0;
+    list->n++;
+    (void)strcpy(list->last, person->name);
+    return json_array_append_new(list->people, hub__json_person(person)) ? -ENOMEM : 0;
 }
 
-void hub__api_list_people(void *context, struct web_exchange *exchange)
+static int list_people(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
 {
-    const struct hub_api *api = context;
-    const char *name = web_exchange_query(exchange, "zone");
-    struct hub_person_filter filter = {.part = web_exchange_query(exchange, "search")};
-    struct iso_fault fault = {.text = ""};
+    const char *zone_name = web_exchange_query(call->request, "zone");
+    struct list list = {.people = json_array()};
+    struct hub_person_filter filter = {.part = web_exchange_query(call->request, "search"),
+                                       .after = web_exchange_query(call->request, "after"),
+                                       .unseen = hub__call_asks(call, "unseen")};
     struct hub_zone zone;
-    int64_t most;
+    int error = hub__call_count(call, "max", PEOPLE_MOST, PEOPLE_USUAL, &list.most, fault);
 
-    if (!web_exchange_number(exchange, "most", 1, PEOPLE_MOST, PEOPLE_MOST, &most)) {
-        return;
+    if (!error && zone_name) {
+        error = hub__look_zone(call, store, zone_name, &zone, fault);
+        filter.zone = &zone.place.zone;
     }
-    filter.most = (uint32_t)most;
-    int r = name ? hub_zone_find(api->store, name, &zone, &fault) : 0;
-    filter.zone = name ? &zone.place.zone : NULL;
-    json_t *list = json_array();
-    r = r ? r : hub_person_each(api->store, &filter, add_person, list, &fault);
-    hub__api_list(exchange, "people", list, r, &fault);
+    filter.most = list.most + 1;
+    error = error ? error : hub_person_each(store, &filter, append_person, &list, fault);
+    call->json = json_pack("{s:o, s:o}", "people", list.people, "next",
+                           list.has_more ? json_string(list.last) : json_null());
+    return error == -ENOMEM ? hub__no_memory(fault) : error;
 }
 
-/* Ends a change of somebody: 204, or the problem. */
-static void end(struct hub_api *api, struct web_exchange *exchange,
-                const struct hub__api_actor *actor, int error, const struct iso_fault *fault)
+void hub__api_list_people(void *api, struct web_exchange *exchange)
 {
-    hub__api_acted(api, actor);
-    if (error) {
-        hub__api_problem(exchange, error, fault);
-    } else {
-        web_exchange_done(exchange);
-    }
+    hub__call(api, exchange, HUB_LANE_LOOKS, list_people);
 }
 
-void hub__api_revoke_person(void *context, struct web_exchange *exchange)
+static int get_person(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
 {
-    struct hub_api *api = context;
-    struct iso_fault fault = {.text = ""};
-    struct hub__api_actor actor;
-    struct hub_person *person = malloc(sizeof *person);
-    int r = person ? hub_person_find(api->store, web_exchange_part(exchange), person, &fault)
-                   : iso_fault_set(&fault, -ENOMEM, "out of memory");
+    struct hub_person person;
+    const int error = hub__look_person(call, store, web_exchange_part(call->request), &person,
+                                       fault);
 
-    hub__api_act(api, exchange, &actor);
-    r = r ? r : hub_person_revoke(api->store, &person->id, &fault);
-    free(person);
-    end(api, exchange, &actor, r, &fault);
+    call->json = error ? NULL : hub__json_person(&person);
+    return error;
 }
 
-/* ---- requests ---- */
-
-static int add_request(void *context, const struct hub_request *request)
+void hub__api_get_person(void *api, struct web_exchange *exchange)
 {
-    return json_array_append_new(context, json_pack("{s:o, s:o, s:s, s:s, s:I}", "id",
-                                                    hub__api_id(&request->person), "door",
-                                                    hub__api_id(&request->door), "name",
-                                                    request->name, "door-name", request->door_name,
-                                                    "time", (json_int_t)request->time_s))
-               ? -ENOMEM
-               : 0;
-}
-
-void hub__api_list_requests(void *context, struct web_exchange *exchange)
-{
-    const struct hub_api *api = context;
-    struct iso_fault fault = {.text = ""};
-    json_t *list = json_array();
-    const int r = hub_request_each(api->store, false, add_request, list, &fault);
-
-    hub__api_list(exchange, "requests", list, r, &fault);
-}
-
-void hub__api_approve(void *context, struct web_exchange *exchange)
-{
-    struct hub_api *api = context;
-    struct iso_fault fault = {.text = ""};
-    struct hub__api_actor actor;
-    struct hub_request request;
-    int r = hub_request_find(api->store, web_exchange_part(exchange), &request, &fault);
-
-    hub__api_act(api, exchange, &actor);
-    r = r ? r : hub_request_approve(api->store, &request.person, NULL, 0, &fault);
-    end(api, exchange, &actor, r, &fault);
-}
-
-void hub__api_reject(void *context, struct web_exchange *exchange)
-{
-    struct hub_api *api = context;
-    struct iso_fault fault = {.text = ""};
-    struct hub__api_actor actor;
-    struct hub_request request;
-    int r = hub_request_find(api->store, web_exchange_part(exchange), &request, &fault);
-
-    hub__api_act(api, exchange, &actor);
-    r = r ? r : hub_request_reject(api->store, &request.person, &fault);
-    end(api, exchange, &actor, r, &fault);
+    hub__call(api, exchange, HUB_LANE_LOOKS, get_person);
 }

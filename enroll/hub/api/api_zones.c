@@ -1,167 +1,185 @@
-/* Zones and doors. */
+/* Zones: what holds in them, their policy, their epochs. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/hub/api/api_inner.h"
-#include "enroll/hub/store/hub_door.h"
-#include "enroll/hub/store/hub_zone.h"
+#include "enroll/hub/api/api.h"
+#include "enroll/hub/api/look.h"
 
-static int add_zone(void *context, const struct hub_zone *zone)
+enum { LEASE_MOST_S = 366 * 86400 };
+
+static int append_zone(void *list, const struct hub_zone *zone)
 {
-    return json_array_append_new(
-               context,
-               json_pack("{s:o, s:s, s:I, s:I, s:b, s:b, s:I, s:b, s:b, s:I, s:I, s:I}", "id",
-                         hub__api_id(&zone->place.zone), "name", zone->name, "epoch",
-                         (json_int_t)zone->place.epoch, "sequence",
-                         (json_int_t)zone->place.sequence, "lockdown", zone->lockdown, "behind",
-                         zone->behind, "lease", (json_int_t)zone->settings.lease_s, "local-people",
-                         zone->settings.local_people, "approve-auto", zone->settings.approve_auto,
-                         "published", (json_int_t)zone->published, "people",
-                         (json_int_t)zone->people, "doors", (json_int_t)zone->doors))
-               ? -ENOMEM
-               : 0;
+    return json_array_append_new(list, hub__json_zone(zone)) ? -ENOMEM : 0;
 }
 
-void hub__api_list_zones(void *context, struct web_exchange *exchange)
+static int list_zones(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
 {
-    const struct hub_api *api = context;
-    struct iso_fault fault = {.text = ""};
     json_t *list = json_array();
-    const int r = hub_zone_each(api->store, add_zone, list, &fault);
+    const int error = hub_zone_each(store, append_zone, list, fault);
 
-    hub__api_list(exchange, "zones", list, r, &fault);
+    call->json = json_pack("{s:o}", "zones", list);
+    return error == -ENOMEM ? hub__no_memory(fault) : error;
 }
 
-/* ---- doors ---- */
-
-/* The ids of zones, and of the doors that have not confirmed one of them. */
-struct ids {
-    size_t n;
-    struct iso_fleet_id *items;
-};
-
-static int add_id(struct ids *ids, const struct iso_fleet_id *id)
+void hub__api_list_zones(void *api, struct web_exchange *exchange)
 {
-    struct iso_fleet_id *larger = reallocarray(ids->items, ids->n + 1, sizeof *larger);
-
-    if (!larger) {
-        return -ENOMEM;
-    }
-    ids->items = larger;
-    ids->items[ids->n++] = *id;
-    return 0;
+    hub__call(api, exchange, HUB_LANE_LOOKS, list_zones);
 }
 
-static int add_zone_id(void *context, const struct hub_zone *zone)
+/* Answers with a zone as it is now. */
+static int show(struct hub_call *call, struct hub_store *store, const char *name_or_id,
+                struct iso_fault *fault)
 {
-    return add_id(context, &zone->place.zone);
-}
-
-static int add_behind(void *context, const struct hub_behind *door)
-{
-    return add_id(context, &door->door);
-}
-
-static int compare(const void *a, const void *b)
-{
-    return memcmp(a, b, sizeof(struct iso_fleet_id));
-}
-
-/* The doors that have not confirmed, sorted. */
-static int find_behind(struct hub_store *store, struct ids *behind, struct iso_fault *fault)
-{
-    struct ids zones = {.n = 0};
-    int r = hub_zone_each(store, add_zone_id, &zones, fault);
-
-    for (size_t i = 0; r == 0 && i < zones.n; i++) {
-        r = hub_doors_behind(store, &zones.items[i], add_behind, behind, fault);
-    }
-    free(zones.items);
-    if (behind->n > 0) {
-        qsort(behind->items, behind->n, sizeof *behind->items, compare);
-    }
-    return r;
-}
-
-struct doors {
-    json_t *list;
-    struct ids behind;
-};
-
-static json_t *door_json(const struct hub_door *door, bool is_confirmed)
-{
-    json_t *zones = json_array(), *health = json_loads(door->health, 0, NULL);
-
-    for (size_t i = 0; i < door->n_zones; i++) {
-        (void)json_array_append_new(zones, json_string(door->zone_names[i]));
-    }
-    return json_pack("{s:o, s:s, s:o, s:I, s:I, s:b, s:b, s:I, s:I, s:I, s:I, s:I, s:o}", "id",
-                     hub__api_id(&door->id), "name", door->name, "zones", zones, "joined",
-                     (json_int_t)door->joined_s, "expelled", (json_int_t)door->expelled_s, "online",
-                     door->online, "confirmed", is_confirmed, "reported",
-                     (json_int_t)door->reported_s, "door-time", (json_int_t)door->door_time_s,
-                     "algorithm", (json_int_t)door->algorithm, "last-event",
-                     (json_int_t)door->last_event, "acked", (json_int_t)door->acked, "health",
-                     health ? health : json_object());
-}
-
-static int add_door(void *context, const struct hub_door *door)
-{
-    struct doors *doors = context;
-    const bool is_behind = doors->behind.n > 0 &&
-                           bsearch(&door->id, doors->behind.items, doors->behind.n,
-                                   sizeof *doors->behind.items, compare) != NULL;
-
-    return json_array_append_new(doors->list, door_json(door, !is_behind && door->joined_s != 0))
-               ? -ENOMEM
-               : 0;
-}
-
-void hub__api_list_doors(void *context, struct web_exchange *exchange)
-{
-    const struct hub_api *api = context;
-    struct iso_fault fault = {.text = ""};
-    struct doors doors = {.list = json_array()};
-    int r = find_behind(api->store, &doors.behind, &fault);
-
-    r = r ? r : hub_door_each(api->store, false, add_door, &doors, &fault);
-    free(doors.behind.items);
-    hub__api_list(exchange, "doors", doors.list, r, &fault);
-}
-
-/* ---- lockdown ---- */
-
-static void set_lockdown(struct hub_api *api, struct web_exchange *exchange, const char *name)
-{
-    const json_t *on = json_object_get(web_exchange_body(exchange), "on");
-    struct iso_fault fault = {.text = ""};
-    struct hub__api_actor actor;
     struct hub_zone zone;
+    json_t *doors = NULL;
+    int error = hub__look_zone(call, store, name_or_id, &zone, fault);
 
-    if (!json_is_boolean(on)) {
-        web_exchange_problem(exchange, 400, "invalid-member", "on has to be true or false");
-        return;
+    error = error ? error : hub__json_unconfirmed(store, &zone.place.zone, &doors, fault);
+    if (error) {
+        return error;
     }
-    int r = name ? hub_zone_find(api->store, name, &zone, &fault) : 0;
-    if (r == 0) {
-        hub__api_act(api, exchange, &actor);
-        r = hub_zone_lockdown(api->store, name ? &zone.place.zone : NULL, json_is_true(on), &fault);
-        hub__api_acted(api, &actor);
-    }
-    if (r) {
-        hub__api_problem(exchange, r, &fault);
-    } else {
-        web_exchange_done(exchange);
-    }
+    call->json = hub__json_zone(&zone);
+    return json_object_set_new(call->json, "unconfirmed", doors) ? hub__no_memory(fault) : 0;
 }
 
-void hub__api_zone_lockdown(void *context, struct web_exchange *exchange)
+static int show_id(struct hub_call *call, struct hub_store *store, const struct iso_fleet_id *id,
+                   struct iso_fault *fault)
 {
-    set_lockdown(context, exchange, web_exchange_part(exchange));
+    char text[ISO_FLEET_ID_TEXT_SIZE];
+
+    return show(call, store, iso_fleet_id_text(id, text), fault);
 }
 
-void hub__api_lockdown(void *context, struct web_exchange *exchange)
+static int add_zone(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
 {
-    set_lockdown(context, exchange, NULL);
+    struct iso_fleet_id id;
+    int error = 0;
+    const char *name = hub__call_text(call, "name", HUB_NAME_SIZE - 1, &error, fault);
+
+    error = name ? hub_zone_add(store, name, &id, fault) : error;
+    call->status = 201;
+    return error ? error : show_id(call, store, &id, fault);
+}
+
+void hub__api_add_zone(void *api, struct web_exchange *exchange)
+{
+    hub__call(api, exchange, HUB_LANE_CHANGES, add_zone);
+}
+
+static int get_zone(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
+{
+    return show(call, store, web_exchange_part(call->request), fault);
+}
+
+void hub__api_get_zone(void *api, struct web_exchange *exchange)
+{
+    hub__call(api, exchange, HUB_LANE_LOOKS, get_zone);
+}
+
+static int change_zone(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
+{
+    struct hub_zone zone;
+    bool has_lease, has_local, has_auto;
+    int error = hub__look_zone(call, store, web_exchange_part(call->request), &zone, fault);
+
+    if (error) {
+        return error;
+    }
+    struct hub_zone_settings settings = zone.settings;
+    int64_t lease_s = settings.lease_s;
+    error = hub__call_number(call, "lease_s", LEASE_MOST_S, &has_lease, &lease_s, fault);
+    error = error ? error
+                  : hub__call_flag(call, "local_people", &has_local, &settings.local_people, fault);
+    error = error ? error
+                  : hub__call_flag(call, "approve_auto", &has_auto, &settings.approve_auto, fault);
+    settings.lease_s = (uint32_t)lease_s;
+    error = error ? error : hub_zone_set(store, &zone.place.zone, &settings, fault);
+    return error ? error : show_id(call, store, &zone.place.zone, fault);
+}
+
+void hub__api_change_zone(void *api, struct web_exchange *exchange)
+{
+    hub__call(api, exchange, HUB_LANE_CHANGES, change_zone);
+}
+
+/* ---- the policy ---- */
+
+static int get_policy(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
+{
+    struct hub_zone zone;
+    char *document = NULL;
+    int error = hub__look_zone(call, store, web_exchange_part(call->request), &zone, fault);
+
+    error = error ? error : hub_zone_get_policy(store, &zone.place.zone, &document, fault);
+    if (error) {
+        return error;
+    }
+    json_t *policy = *document ? json_loads(document, 0, NULL) : NULL;
+    call->json = json_pack("{s:o}", "document", policy ? policy : json_null());
+    free(document);
+    return call->json ? 0 : hub__no_memory(fault);
+}
+
+void hub__api_get_policy(void *api, struct web_exchange *exchange)
+{
+    hub__call(api, exchange, HUB_LANE_LOOKS, get_policy);
+}
+
+static int set_policy(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
+{
+    const json_t *document = json_object_get(web_exchange_body(call->request), "document");
+    struct hub_zone zone;
+    int error = hub__look_zone(call, store, web_exchange_part(call->request), &zone, fault);
+
+    if (error) {
+        return error;
+    }
+    if (!json_is_object(document) && !json_is_null(document)) {
+        return hub__call_refuse(call, fault, 400, "invalid-member",
+                                "document has to be an object, or null for no policy");
+    }
+    char *text = json_is_null(document) ? strdup("") : json_dumps(document, JSON_COMPACT);
+    error = text ? hub_zone_set_policy(store, &zone.place.zone, text, fault)
+                 : hub__no_memory(fault);
+    free(text);
+    if (error == -EINVAL) {
+        call->refusal = (struct web_problem){400, "invalid-policy", NULL};
+    }
+    return error ? error : show_id(call, store, &zone.place.zone, fault);
+}
+
+void hub__api_set_policy(void *api, struct web_exchange *exchange)
+{
+    hub__call(api, exchange, HUB_LANE_CHANGES, set_policy);
+}
+
+/* ---- epochs ---- */
+
+static int renew_zone(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
+{
+    struct hub_zone zone;
+    int error = hub__look_zone(call, store, web_exchange_part(call->request), &zone, fault);
+
+    error = error ? error : hub_zone_new_epoch(store, &zone.place.zone, fault);
+    return error ? error : show_id(call, store, &zone.place.zone, fault);
+}
+
+void hub__api_renew_zone(void *api, struct web_exchange *exchange)
+{
+    hub__call(api, exchange, HUB_LANE_CHANGES, renew_zone);
+}
+
+static int recover_zone(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
+{
+    struct hub_zone zone;
+    int error = hub__look_zone(call, store, web_exchange_part(call->request), &zone, fault);
+
+    error = error ? error : hub_zone_recover(store, &zone.place.zone, fault);
+    return error ? error : show_id(call, store, &zone.place.zone, fault);
+}
+
+void hub__api_recover_zone(void *api, struct web_exchange *exchange)
+{
+    hub__call(api, exchange, HUB_LANE_CHANGES, recover_zone);
 }

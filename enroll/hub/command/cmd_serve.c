@@ -1,15 +1,16 @@
-/* serve, broker-config: the configuration becomes options of these commands, and options of the
- * command line follow them. */
+/* serve, setup-code, broker-config: the configuration becomes options of these commands, and
+ * options of the command line follow them. */
 #include <errno.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 
-#include "enroll/hub/api/hub_api.h"
 #include "enroll/hub/broker/broker_command.h"
 #include "enroll/hub/command/hub_command.h"
 #include "enroll/hub/serve/serve_command.h"
+#include "enroll/web/account/setup_code.h"
 
 enum { OPTIONS_MAX = 96, PLACE_SIZE = HUB_CONFIG_TEXT_SIZE + 16 };
 
@@ -17,7 +18,8 @@ enum { OPTIONS_MAX = 96, PLACE_SIZE = HUB_CONFIG_TEXT_SIZE + 16 };
 struct options {
     char *words[OPTIONS_MAX];
     int n;
-    char hosts[HUB_CONFIG_TEXT_SIZE], broker[PLACE_SIZE], door_broker[PLACE_SIZE], ports[2][8];
+    char hosts[HUB_CONFIG_TEXT_SIZE], broker[PLACE_SIZE], door_broker[PLACE_SIZE], ports[2][8],
+        door_port[8];
 };
 
 static void add(struct options *options, const char *word)
@@ -90,6 +92,9 @@ static int serve(struct hub_run *run, int argc, char **argv, int *status)
     add(&options, argv[0]);
     add_pair(&options, "--listen", c->listen);
     add_hosts(&options, c->host, c->hosts);
+    (void)snprintf(options.door_port, sizeof options.door_port, "%d", c->port);
+    add_pair(&options, "--door-port", options.door_port);
+    add_pair(&options, "--pages", c->pages);
     add_pair(&options, "--broker", place(options.broker, c->broker_hub_host, c->broker_hub_port));
     add_pair(&options, "--door-broker", place(options.door_broker, c->broker_host, c->broker_port));
     add_pair(&options, "--broker-folder", is_folder(c->broker_folder) ? c->broker_folder : "");
@@ -132,12 +137,13 @@ static int configure_broker(struct hub_run *run, int argc, char **argv, int *sta
 
 static int make_code(struct hub_run *run)
 {
-    char code[HUB_API_CODE_SIZE];
-    const int error = hub_api_make_code(run->config.folder, code, &run->fault);
+    char path[PLACE_SIZE], code[WEB_SETUP_CODE_SIZE];
+    (void)snprintf(path, sizeof path, "%s/setup.code", run->config.folder);
+    const int error = web_setup_code_make(path, time(NULL), code, &run->fault);
     if (!error) {
         puts(code);
         fprintf(stderr,
-                "The code makes one account of an administrator at the API, within a day.\n");
+                "isotherm-hub: the code makes one account of an administrator, within a day\n");
         sodium_memzero(code, sizeof code);
     }
     return error;
@@ -154,7 +160,7 @@ const struct hub_command hub_serve_commands[] = {
      .run_whole = configure_broker},
     {.words = "setup-code",
      .synopsis = "",
-     .help = "print a code for an administrator's account at the API",
+     .help = "print a code that makes the first account of the pages",
      .without_store = true,
      .run = make_code},
     {.words = NULL},

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "enroll/hub/api/hub_join_address.h"
 #include "enroll/hub/broker/hub_ca.h"
 #include "enroll/hub/command/hub_command.h"
 
@@ -33,16 +34,19 @@ static void print_code(const QRcode *code)
 
 int hub_print_address(struct hub_run *run, const char *secret)
 {
-    char digest[2 * HUB_CA_DIGEST_BYTES + 1], address[512];
+    char address[HUB_JOIN_ADDRESS_SIZE];
     struct hub_ca *ca = NULL;
-    const int error = hub_ca_open(run->config.folder, &ca, &run->fault);
+    int error = hub_ca_open(run->config.folder, &ca, &run->fault);
     if (error) {
         return error;
     }
-    (void)sodium_bin2hex(digest, sizeof digest, hub_ca_digest(ca), HUB_CA_DIGEST_BYTES);
+    error = hub_join_address(run->config.host, (uint16_t)run->config.port, hub_ca_digest(ca),
+                             secret, address);
     hub_ca_free(ca);
-    (void)snprintf(address, sizeof address, "isotherm://%s:%d/?ca=%s&code=%s", run->config.host,
-                   run->config.port, digest, secret);
+    if (error) {
+        return iso_fault_set(&run->fault, error, "%s: [hub] host is too long",
+                             run->arguments.config);
+    }
     puts(address);
     QRcode *code = isatty(STDOUT_FILENO) ? QRcode_encodeString8bit(address, 0, QR_ECLEVEL_L) : NULL;
     if (code) {

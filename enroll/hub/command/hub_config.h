@@ -19,6 +19,7 @@ struct hub_config {
                                            machine */
     char listen[HUB_CONFIG_TEXT_SIZE];  /* ADDRESS:PORT */
     char hosts[HUB_CONFIG_TEXT_SIZE];   /* further names in the certificates, between blanks */
+    char pages[HUB_CONFIG_TEXT_SIZE];   /* the folder of the pages; "": none */
     char metrics[HUB_CONFIG_TEXT_SIZE]; /* a file for node_exporter; "": none */
     int port;
     bool home_assistant;

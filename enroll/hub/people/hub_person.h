@@ -58,7 +58,9 @@ struct hub_person_filter {
     const struct iso_fleet_id *zone; /* NULL: all */
     bool unseen; /* only people without a template of an algorithm that a door of their zones uses:
                   * they must be seen again */
-    uint32_t most; /* 0: all */
+    uint32_t most;     /* 0: all */
+    const char *after; /* only people whose name comes after this one, which need not exist any
+                        * more: the next page of a list; NULL: from the beginning */
 };
 
 /* People by name. */

@@ -78,16 +78,18 @@ int hub_person_find(struct hub_store *store, const char *name_or_id, struct hub_
 }
 
 /* The people of a filter in a table "p", then their zones. $1 is a part of the folded name, $2 a
- * zone, $3 whether only unseen people are wanted, $4 how many. */
-static const char each_sql[] = COLUMNS
+ * zone, $3 whether only unseen people are wanted, $4 how many, $5 the folded name after which they
+ * begin. */
+static const char each_sql[] =
+    "WITH used AS (SELECT DISTINCT dz.zone, d.algorithm FROM door_zone dz "
+    "JOIN door d ON d.id = dz.door AND d.reported_s > 0 AND d.expelled_s = 0) " COLUMNS
     "FROM (SELECT * FROM person q WHERE position($1 in q.folded) > 0 "
     "AND ($2::uuid IS NULL OR EXISTS (SELECT 1 FROM person_zone x WHERE x.person = q.id "
     "AND x.zone = $2)) "
-    "AND (NOT $3 OR EXISTS (SELECT 1 FROM person_zone x JOIN door_zone dz ON dz.zone = x.zone "
-    "JOIN door d ON d.id = dz.door AND d.reported_s > 0 AND d.expelled_s = 0 "
+    "AND (NOT $3 OR EXISTS (SELECT 1 FROM person_zone x JOIN used u ON u.zone = x.zone "
     "WHERE x.person = q.id AND NOT EXISTS (SELECT 1 FROM template t WHERE t.person = q.id "
-    "AND t.algorithm = d.algorithm))) "
-    "ORDER BY q.folded LIMIT $4) p "
+    "AND t.algorithm = u.algorithm))) "
+    "AND q.folded > $5 ORDER BY q.folded LIMIT $4) p "
     "LEFT JOIN person_zone pz ON pz.person = p.id LEFT JOIN zone z ON z.id = pz.zone "
     "ORDER BY p.folded, z.name";
 
@@ -97,17 +99,21 @@ int hub_person_each(struct hub_store *store, const struct hub_person_filter *fil
 {
     struct hub_values values = {.n = 0};
     PGresult *rows = NULL;
-    char *folded = NULL;
+    char *folded = NULL, *after = NULL;
     int error = fold(filter->part ? filter->part : "", &folded, fault);
+    error = error ? error : fold(filter->after ? filter->after : "", &after, fault);
     if (error) {
+        free(folded);
         return error;
     }
     hub_value_text(&values, folded);
     hub_value_id(&values, filter->zone);
     hub_value_switch(&values, filter->unseen);
     hub_value_integer(&values, filter->most ? (int64_t)filter->most : INT64_MAX);
+    hub_value_text(&values, after);
     error = hub_db_run(store->db, each_sql, &values, &rows, fault);
     free(folded);
+    free(after);
     for (int i = 0; !error && i < PQntuples(rows);) {
         struct hub_person person;
         i = take_rows(rows, i, &person);

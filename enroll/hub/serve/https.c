@@ -23,7 +23,8 @@ static int start_server(struct hub_service *service, struct iso_fault *fault)
 {
     struct web_server_setup setup = {.event = service->event,
                                      .certificate = &service->certificate,
-                                     .sessions = &service->api.sessions,
+                                     .sessions = &service->sessions,
+                                     .pages = hub__administration_pages(service),
                                      .routes = hub_api_routes,
                                      .plain = plain,
                                      .context = service};
@@ -32,7 +33,9 @@ static int start_server(struct hub_service *service, struct iso_fault *fault)
     if (setup.listen_fd < 0) {
         return iso_fault_set(fault, -errno, "the socket of HTTPS: %s", strerror(errno));
     }
-    return web_server_new(&setup, &service->server, fault);
+    const int r = web_server_new(&setup, &service->server, fault);
+    service->api.login.server = r < 0 ? NULL : service->server;
+    return r;
 }
 
 /* Opens the certificate, which is made anew when that is due. *is_new: it is another one than
@@ -83,7 +86,7 @@ int hub__https_renew(struct hub_service *service, struct iso_fault *fault)
     if (r == 0 && is_new && service->server) {
         /* Answers that are being sent are cut off, some times in the life of a hub. */
         web_server_free(service->server);
-        service->server = NULL;
+        service->server = service->api.login.server = NULL;
         r = start_server(service, fault);
     }
     return r;
@@ -110,8 +113,7 @@ int hub__https_start(struct hub_service *service, struct iso_fault *fault)
     }
     service->joins = hub_bucket_of(20, 2);
     service->renewals = hub_bucket_of(100, 20);
-    r = hub_api_open(&service->api, &service->store, service->options->folder, fault);
-    r = r < 0 ? r : hub__https_renew(service, fault);
+    r = hub__https_renew(service, fault);
     r = r < 0 ? r : start_server(service, fault);
     if (r == 0) {
         r = sd_event_add_time_relative(service->event, &service->hourly, CLOCK_MONOTONIC, RENEW_US,
@@ -126,11 +128,10 @@ void hub__https_stop(struct hub_service *service)
 {
     service->hourly = sd_event_source_disable_unref(service->hourly);
     web_server_free(service->server);
-    service->server = NULL;
+    service->server = service->api.login.server = NULL;
     web_certificate_free(&service->certificate);
     if (service->listen_fd >= 0) {
         (void)close(service->listen_fd);
         service->listen_fd = -1;
     }
-    hub_api_close(&service->api);
 }

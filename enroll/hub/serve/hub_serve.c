@@ -86,6 +86,7 @@ static int open_all(struct hub_service *service, struct iso_fault *fault)
     r = r < 0 ? r : hub_store_open(&options->store, &service->store, fault);
     r = r < 0 ? r : hub_ca_open(options->folder, &service->ca, fault);
     r = r < 0 ? r : hub_fetch_new(service->event, &options->store, &service->fetch, fault);
+    r = r < 0 ? r : hub__administration_open(service, fault);
     r = r < 0 ? r : hub__https_start(service, fault);
     r = r < 0 ? r : open_broker(service, fault);
     return r < 0 ? r : start(service, fault);
@@ -97,7 +98,9 @@ static void close_all(struct hub_service *service)
     hub__leader_stop(service);
     hub__mail_stop(service);
     hub_fetch_free(service->fetch);
+    hub__administration_end(service);
     hub__https_stop(service);
+    hub__administration_close(service);
     hub_mqtt_free(service->mqtt);
     hub_ca_free(service->ca);
     hub_store_close(&service->store);

@@ -26,6 +26,8 @@ struct hub_serve_options {
     const char *listen; /* HTTPS: "ADDRESS:PORT" */
     const char *hosts[HUB_PAIR_HOSTS_MOST]; /* names and addresses of the HTTPS server */
     size_t n_hosts;
+    uint16_t door_port;      /* where the doors reach HTTPS, by the first of its names */
+    const char *pages;       /* the folder of the pages for administrators; NULL: none */
     const char *broker_host; /* where the hub reaches the broker */
     uint16_t broker_port;
     bool broker_plain;            /* without TLS, for tests alone */

@@ -19,6 +19,8 @@ static const char usage[] =
     "  --listen ADDRESS:PORT     of HTTPS, unless systemd passes a socket ([::]:8443)\n"
     "  --host NAME               by which doors reach HTTPS, once for each name or address (this "
     "machine's name)\n"
+    "  --door-port PORT          by which doors reach HTTPS (that of --listen)\n"
+    "  --pages DIR               the pages for administrators (none)\n"
     "  --broker HOST[:PORT]      where the hub reaches the broker (localhost:8884)\n"
     "  --door-broker HOST[:PORT] where the doors reach it (the first --host, port 8883)\n"
     "  --broker-folder DIR       its acl and crl.pem follow the doors\n"
@@ -27,11 +29,25 @@ static const char usage[] =
     "  --broker-plain            no TLS to the broker, for tests alone\n"
     "  --help                    print this and end\n";
 
-enum choice { LISTEN = 1, HOST, BROKER, DOOR_BROKER, FOLDER, METRICS, HOME, PLAIN, HELP };
+enum choice {
+    LISTEN = 1,
+    HOST,
+    PORT,
+    PAGES,
+    BROKER,
+    DOOR_BROKER,
+    FOLDER,
+    METRICS,
+    HOME,
+    PLAIN,
+    HELP
+};
 
 static const struct option longs[] = {
     {"listen", required_argument, NULL, LISTEN},
     {"host", required_argument, NULL, HOST},
+    {"door-port", required_argument, NULL, PORT},
+    {"pages", required_argument, NULL, PAGES},
     {"broker", required_argument, NULL, BROKER},
     {"door-broker", required_argument, NULL, DOOR_BROKER},
     {"broker-folder", required_argument, NULL, FOLDER},
@@ -90,6 +106,18 @@ static int add_host(struct hub_serve_options *options, const char *host)
     return 0;
 }
 
+static int take_port(const char *text, uint16_t *port)
+{
+    char *rest = NULL;
+    const unsigned long value = strtoul(text, &rest, 10);
+
+    if (rest == text || *rest || value == 0 || value > UINT16_MAX) {
+        return -EINVAL;
+    }
+    *port = (uint16_t)value;
+    return 0;
+}
+
 static int take(int option, const char *value, struct words *words)
 {
     struct hub_serve_options *options = &words->options;
@@ -100,6 +128,11 @@ static int take(int option, const char *value, struct words *words)
         return 0;
     case HOST:
         return add_host(options, value);
+    case PORT:
+        return take_port(value, &options->door_port);
+    case PAGES:
+        options->pages = value;
+        return 0;
     case BROKER:
         options->broker_host = words->broker;
         return split(value, words->broker, &options->broker_port);
@@ -144,6 +177,10 @@ static int read_options(struct words *words, int argc, char **argv)
     if (r == 0 && words->options.n_hosts == 0) {
         (void)gethostname(words->host, sizeof words->host - 1);
         (void)add_host(&words->options, words->host);
+    }
+    if (r == 0 && words->options.door_port == 0) {
+        const char *colon = strrchr(words->options.listen, ':');
+        r = colon ? take_port(colon + 1, &words->options.door_port) : 0;
     }
     if (r == 0 && !words->options.door_broker_host) {
         words->options.door_broker_host = words->options.hosts[0];

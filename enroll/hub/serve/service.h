@@ -4,19 +4,22 @@
 #define HUB_SERVE_SERVICE_H
 
 #include <jansson.h>
+#include <limits.h>
 #include <systemd/sd-event.h>
 
 #include "enroll/hub/answer/hub_outbox.h"
 #include "enroll/hub/api/hub_api.h"
 #include "enroll/hub/broker/hub_ca.h"
 #include "enroll/hub/outlet/run/hub_outlets.h"
+#include "enroll/hub/serve/bucket.h"
 #include "enroll/hub/serve/fetch_worker.h"
 #include "enroll/hub/serve/hub_serve.h"
 #include "enroll/hub/serve/mail_queue.h"
 #include "enroll/hub/serve/mqtt.h"
+#include "enroll/web/account/guess.h"
 #include "enroll/web/http/server.h"
 
-enum { HUB_TICK_MS = 1000 };
+enum { HUB_TICK_MS = 1000, HUB_API_HOST_SIZE = 256 };
 
 /* What is counted since the start. */
 struct hub_totals {
@@ -28,7 +31,7 @@ struct hub_totals {
 };
 
 struct hub_service {
-    struct hub_api api; /* the first member: handlers of the API get its address */
+    struct hub_api api; /* the first, because its handlers have it as their context */
     const struct hub_serve_options *options;
     sd_event *event;
     struct hub_store store;
@@ -39,6 +42,9 @@ struct hub_service {
     /* HTTPS */
     int listen_fd;
     struct web_certificate certificate;
+    struct web_sessions sessions;
+    struct web_guess guess;
+    char accounts[PATH_MAX], setup_code[PATH_MAX], api_host[HUB_API_HOST_SIZE];
     struct web_server *server;
     struct hub_bucket joins, renewals;
 
@@ -92,6 +98,16 @@ int hub__https_start(struct hub_service *service, struct iso_fault *fault);
 void hub__https_stop(struct hub_service *service);
 /* Renews the certificates that end soon. Returns 0 or an error with a fault. */
 int hub__https_renew(struct hub_service *service, struct iso_fault *fault);
+
+/* ---- administration.c ---- */
+/* Opens the accounts and what the API needs besides; before HTTPS starts. */
+int hub__administration_open(struct hub_service *service, struct iso_fault *fault);
+/* The folder of the pages; NULL: there is none, which is said once. */
+const char *hub__administration_pages(const struct hub_service *service);
+/* Answers all requests of the API that wait; before HTTPS stops. */
+void hub__administration_end(struct hub_service *service);
+/* After HTTPS has stopped. */
+void hub__administration_close(struct hub_service *service);
 
 /* ---- fleet_join.c, fleet_fetch.c: plain routes ---- */
 void hub__post_join(void *service, struct web_exchange *exchange);

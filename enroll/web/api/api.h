@@ -3,49 +3,31 @@
 #ifndef WEB_API_API_H
 #define WEB_API_API_H
 
-#include "enroll/web/account/account.h"
-#include "enroll/web/account/guess.h"
 #include "enroll/web/daemon/daemon.h"
-#include "enroll/web/http/route.h"
-#include "enroll/web/http/server.h"
-#include "enroll/web/session/note_limit.h"
-#include "enroll/web/session/session.h"
+#include "enroll/web/login/login.h"
 
 struct web_feed;      /* enroll/web/daemon/feed.h: what the daemon reports, for the streams */
 struct web_enrolment; /* enroll/web/daemon/enrolment.h: the enrolment that goes on */
-struct web_turns;     /* enroll/web/api/turns.h: requests with a password */
 struct web_last_seen; /* enroll/web/daemon/last_seen.h: when each person was let in last */
 
 /* The context of all handlers. */
 struct web_api {
-    struct web_accounts *accounts;
-    struct web_sessions *sessions;
-    struct web_guess *guess;
-    struct web_note_limit notes; /* of logins and logouts */
-    const char *setup_code;      /* the file of the one-time code */
-    const char *document;        /* the text of openapi.json */
+    struct web_login login; /* the first, because its handlers have it as their context */
+    const char *document;   /* the text of openapi.json */
     const struct web_certificate *certificate;
     struct web_daemon *daemon;
     struct web_feed *feed;
     struct web_enrolment *enrolment;
     struct web_last_seen *last_seen;
-    struct web_turns *turns;
-    struct web_server *server; /* NULL until it runs */
 };
+
+/* Lets the daemon put on record what the accounts do. */
+void web_api_record_by_daemon(struct web_api *api);
 
 /* All routes; ends with a method of NULL. */
 extern const struct web_route web_api_routes[];
 
-/* ---- sessions and accounts (api_session.c, api_accounts.c, api_document.c) ---- */
-void web_api_get_session(void *api, struct web_exchange *exchange);
-void web_api_login(void *api, struct web_exchange *exchange);
-void web_api_logout(void *api, struct web_exchange *exchange);
-void web_api_set_own_password(void *api, struct web_exchange *exchange);
-void web_api_setup(void *api, struct web_exchange *exchange);
-void web_api_list_accounts(void *api, struct web_exchange *exchange);
-void web_api_add_account(void *api, struct web_exchange *exchange);
-void web_api_change_account(void *api, struct web_exchange *exchange);
-void web_api_remove_account(void *api, struct web_exchange *exchange);
+/* ---- the description (api_document.c) ---- */
 void web_api_get_document(void *api, struct web_exchange *exchange);
 
 /* ---- the door (api_door.c) ---- */
@@ -96,9 +78,5 @@ void web_api_daemon_problem(struct web_exchange *exchange, const sd_bus_error *e
  * Asked after the daemon has put an act on record and before the act is done: meanwhile the account
  * may have been removed, or have got another role. */
 bool web_api_goes_on(const struct web_api *api, struct web_exchange *exchange);
-
-/* The text of a member of the body. Returns NULL after answering 400 "invalid-member" if it is
- * missing, is no text, or has no or more than `most` bytes. */
-const char *web_api_text(struct web_exchange *exchange, const char *member, size_t most);
 
 #endif

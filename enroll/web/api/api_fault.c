@@ -1,8 +1,7 @@
 /* Problems that several handlers answer. */
-#include <stdio.h>
 #include <string.h>
 
-#include "enroll/web/api/api.h"
+#include "enroll/web/api/act.h"
 #include "firmware/contract/contract.h"
 
 struct problem {
@@ -47,31 +46,23 @@ static const struct problem problems[] = {
     {"System.Error.ENOENT", 503, "no-daemon", no_daemon},
 };
 
-void web_api_daemon_problem(struct web_exchange *exchange, const sd_bus_error *error)
+struct web_problem web__api_problem_of(const sd_bus_error *error)
 {
     const char *name = error->name ? error->name : "";
     const char *text = error->message ? error->message : "the daemon reports an error";
 
     for (size_t i = 0; i < sizeof problems / sizeof *problems; i++) {
         if (strcmp(problems[i].name, name) == 0) {
-            web_exchange_problem(exchange, problems[i].status, problems[i].code,
-                                 problems[i].detail ? problems[i].detail : text);
-            return;
+            return (struct web_problem){problems[i].status, problems[i].code,
+                                        problems[i].detail ? problems[i].detail : text};
         }
     }
-    web_exchange_problem(exchange, 500, "internal", text);
+    return (struct web_problem){500, "internal", text};
 }
 
-const char *web_api_text(struct web_exchange *exchange, const char *member, size_t most)
+void web_api_daemon_problem(struct web_exchange *exchange, const sd_bus_error *error)
 {
-    const json_t *value = json_object_get(web_exchange_body(exchange), member);
-    char detail[96];
+    const struct web_problem problem = web__api_problem_of(error);
 
-    if (json_is_string(value) && json_string_length(value) > 0 &&
-        json_string_length(value) <= most) {
-        return json_string_value(value);
-    }
-    (void)snprintf(detail, sizeof detail, "%s has to be a text of 1 to %zu bytes", member, most);
-    web_exchange_problem(exchange, 400, "invalid-member", detail);
-    return NULL;
+    web_exchange_problem(exchange, problem.status, problem.code, problem.detail);
 }

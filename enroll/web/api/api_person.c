@@ -101,7 +101,7 @@ static bool may_act(struct request *request, const sd_bus_error *error)
         refuse(request, error);
         return false;
     }
-    if (!web_session_goes_on(request->api->sessions, web_exchange_session(request->exchange),
+    if (!web_session_goes_on(request->api->login.sessions, web_exchange_session(request->exchange),
                              web_now_ns())) {
         char detail[DONE_SIZE + 32];
         say_done(request, detail, sizeof detail);

@@ -161,7 +161,7 @@ static void begin(const struct web_api *api, struct web_exchange *exchange, cons
 
 void web_api_set_setting(void *context, struct web_exchange *exchange)
 {
-    const char *value = web_api_text(exchange, "value", VALUE_MOST_BYTES);
+    const char *value = web_exchange_member(exchange, "value", VALUE_MOST_BYTES);
     if (value) {
         begin(context, exchange, "setting-set", value);
     }

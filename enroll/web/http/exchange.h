@@ -38,6 +38,11 @@ bool web_exchange_number(struct web_exchange *exchange, const char *name, int64_
  * is valid until the answer. */
 json_t *web_exchange_body(const struct web_exchange *exchange);
 
+/* The text of a member of the body. Returns NULL after answering 400 "invalid-member" if it is
+ * missing, is no text, or has no or more than `most` bytes. */
+const char *web_exchange_member(struct web_exchange *exchange, const char *member, size_t most)
+    __attribute__((warn_unused_result));
+
 /* The body of a plain route: *size bytes, which are valid until the answer; NULL for an empty one.
  */
 const void *web_exchange_bytes(const struct web_exchange *exchange, size_t *size);

@@ -1,18 +1,21 @@
 #!/bin/sh
 # Checks that every word of the pages has a translation in every language, that its places ({name}) are the same there, and that no
 # catalogue has words that are gone.
-# usage: catalogues.sh SOURCE_DIR
+# The pages of the hub share files with those of the door, and have catalogues of their own for the words that only they have.
+# usage: catalogues.sh SOURCE_DIR [hub]
 set -eu
 
-web=$1/enroll/web
+web=$1/enroll/${2:-web}
 scratch=$(mktemp -d)
 trap 'rm -r "$scratch"' EXIT
 
 sources=$(find "$web/pages/js" -name '*.js' | sort)
+least=300
+[ $# -eq 1 ] || least=100
 # shellcheck disable=SC2086 # a list of files
 xgettext --language=JavaScript --from-code=UTF-8 -k -k_ -k_f -kN_ --no-wrap -o "$scratch/words.pot" $sources
 wanted=$(grep -c '^msgid "[^"]' "$scratch/words.pot")
-[ "$wanted" -gt 300 ] || { echo "only $wanted words were found in $web"; exit 1; }
+[ "$wanted" -gt "$least" ] || { echo "only $wanted words were found in $web"; exit 1; }
 failed=0
 
 # xgettext may lose its way in the middle of a file, for instance in a template with quotation marks. Every text that a simple pattern finds
@@ -40,6 +43,15 @@ places() {
         /^msgid / { word = $0; from = places_of($0) }
         /^msgstr / { if (places_of($0) != from) print word }'
 }
+
+# The words that the pages of the door have, too.
+if [ $# -gt 1 ]; then
+    # shellcheck disable=SC2046 # a list of files
+    xgettext --language=JavaScript --from-code=UTF-8 -k -k_ -k_f -kN_ --no-wrap -o "$scratch/shared.pot" \
+        $(find "$1/enroll/web/pages/js" -name '*.js')
+    msgcomm --no-wrap --unique -o "$scratch/own.pot" "$scratch/words.pot" "$scratch/shared.pot"
+    msgcomm --no-wrap --more-than=1 -o "$scratch/words.pot" "$scratch/own.pot" "$scratch/words.pot"
+fi
 
 for language in de fr es ar zh_CN; do
     catalogue=$web/po/$language.po

@@ -27,10 +27,10 @@ static void accounts_are_added_changed_and_removed(void **state)
     api_rig_expect("PATCH", "/api/v1/accounts/bob", root, "{\"password\":\"" OTHER "\"}", 200,
                    NULL);
     api_rig_expect("GET", "/api/v1/session", bob, NULL, 401, "login-required");
-    assert_true(web_password_is(OTHER, web_accounts_find(api_rig.api.accounts, "bob")->hash));
-    assert_int_equal(web_accounts_find(api_rig.api.accounts, "bob")->role, WEB_ROLE_ENROLLER);
+    assert_true(web_password_is(OTHER, web_accounts_find(api_rig.api.login.accounts, "bob")->hash));
+    assert_int_equal(web_accounts_find(api_rig.api.login.accounts, "bob")->role, WEB_ROLE_ENROLLER);
     api_rig_expect("DELETE", "/api/v1/accounts/bob", root, NULL, 204, NULL);
-    assert_null(web_accounts_find(api_rig.api.accounts, "bob"));
+    assert_null(web_accounts_find(api_rig.api.login.accounts, "bob"));
     assert_string_equal(api_rig.said,
                         "root login \nroot account-add bob\nbob login \n"
                         "root account-change bob\nbob login \nroot account-change bob\n"
@@ -77,22 +77,23 @@ static void a_new_password_is_hashed_in_its_turn(void **state)
     send_request("POST", "/api/v1/accounts", root,
                  "{\"name\":\"bob\",\"password\":\"" PASSWORD "\",\"role\":\"observer\"}");
     answer_record();
-    assert_null(web_accounts_find(api_rig.api.accounts, "bob"));
+    assert_null(web_accounts_find(api_rig.api.login.accounts, "bob"));
     expect_status(201);
-    assert_non_null(web_accounts_find(api_rig.api.accounts, "bob"));
+    assert_non_null(web_accounts_find(api_rig.api.login.accounts, "bob"));
 
     send_request("PATCH", "/api/v1/accounts/bob", root, "{\"password\":\"" OTHER "\"}");
     answer_record();
-    assert_true(web_password_is(PASSWORD, web_accounts_find(api_rig.api.accounts, "bob")->hash));
+    assert_true(
+        web_password_is(PASSWORD, web_accounts_find(api_rig.api.login.accounts, "bob")->hash));
     expect_status(200);
-    assert_true(web_password_is(OTHER, web_accounts_find(api_rig.api.accounts, "bob")->hash));
+    assert_true(web_password_is(OTHER, web_accounts_find(api_rig.api.login.accounts, "bob")->hash));
 
     /* The session ends between the record and the turn. */
     send_request("PATCH", "/api/v1/accounts/bob", root, "{\"password\":\"" PASSWORD "\"}");
     answer_record();
-    web_session_end_account(api_rig.api.sessions, "root", 0);
+    web_session_end_account(api_rig.api.login.sessions, "root", 0);
     expect_status(401);
-    assert_true(web_password_is(OTHER, web_accounts_find(api_rig.api.accounts, "bob")->hash));
+    assert_true(web_password_is(OTHER, web_accounts_find(api_rig.api.login.accounts, "bob")->hash));
     free(root);
 }
 
@@ -131,12 +132,13 @@ static void wrong_changes_of_accounts_are_refused(void **state)
         api_rig_expect(cases[i].method, path, root, cases[i].body, cases[i].status, cases[i].code);
     }
     assert_string_equal(api_rig.said, "root login \n");
-    assert_int_equal(web_accounts_count(api_rig.api.accounts), 1);
+    assert_int_equal(web_accounts_count(api_rig.api.login.accounts), 1);
     for (int i = 1; i < WEB_ACCOUNTS_MOST; i++) {
         (void)snprintf(path, sizeof path, "a%d", i);
         struct iso_fault fault;
         assert_int_equal(
-            web_accounts_add(api_rig.api.accounts, path, PASSWORD, WEB_ROLE_OBSERVER, &fault), 0);
+            web_accounts_add(api_rig.api.login.accounts, path, PASSWORD, WEB_ROLE_OBSERVER, &fault),
+            0);
     }
     api_rig_expect("POST", "/api/v1/accounts", root,
                    "{\"name\":\"bob\",\"password\":\"" PASSWORD "\",\"role\":\"observer\"}", 409,
@@ -163,9 +165,10 @@ static void nothing_is_changed_without_a_record(void **state)
                    "no-daemon");
     api_rig_expect("PUT", "/api/v1/session/password", root,
                    "{\"old\":\"" PASSWORD "\",\"new\":\"" OTHER "\"}", 503, "no-daemon");
-    assert_int_equal(web_accounts_count(api_rig.api.accounts), 2);
-    assert_int_equal(web_accounts_find(api_rig.api.accounts, "bob")->role, WEB_ROLE_OBSERVER);
-    assert_true(web_password_is(PASSWORD, web_accounts_find(api_rig.api.accounts, "root")->hash));
+    assert_int_equal(web_accounts_count(api_rig.api.login.accounts), 2);
+    assert_int_equal(web_accounts_find(api_rig.api.login.accounts, "bob")->role, WEB_ROLE_OBSERVER);
+    assert_true(
+        web_password_is(PASSWORD, web_accounts_find(api_rig.api.login.accounts, "root")->hash));
     free(root);
 }
 
@@ -191,7 +194,7 @@ static void a_session_that_ends_before_the_record_changes_nothing(void **state)
     https_read(&api_rig.client, &answer);
     assert_int_equal(answer.status, 401);
     https_answer_free(&answer);
-    assert_non_null(web_accounts_find(api_rig.api.accounts, "bob"));
+    assert_non_null(web_accounts_find(api_rig.api.login.accounts, "bob"));
     free(request);
     free(root);
 }
@@ -250,7 +253,7 @@ static void a_disk_that_refuses_is_a_problem(void **state)
     api_rig_expect("POST", "/api/v1/accounts", root,
                    "{\"name\":\"bob\",\"password\":\"" PASSWORD "\",\"role\":\"observer\"}", 507,
                    "storage");
-    assert_int_equal(web_accounts_count(api_rig.api.accounts), 1);
+    assert_int_equal(web_accounts_count(api_rig.api.login.accounts), 1);
     free(root);
 }
 

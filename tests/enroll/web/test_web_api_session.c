@@ -109,7 +109,7 @@ static void logins_beyond_a_limit_are_counted(void **state)
 {
     (void)state;
     api_rig_add_account("ada", WEB_ROLE_OBSERVER);
-    api_rig.api.notes.items[0] = (struct web_note_count){
+    api_rig.api.login.notes.items[0] = (struct web_note_count){
         .account = "ada", .used = 1.5, .last_ns = web_now_ns(), .left_out = 17};
     free(api_rig_log_in_as("ada"));
     assert_string_equal(api_rig.said, "ada login-after-17 \n");
@@ -243,7 +243,7 @@ static void an_own_password_is_changed(void **state)
     api_rig_expect("PUT", path, own, "{\"old\":\"" PASSWORD "\",\"new\":\"" OTHER "\"}", 204, NULL);
     api_rig_expect("GET", "/api/v1/session", own, NULL, 200, NULL);
     api_rig_expect("GET", "/api/v1/session", elsewhere, NULL, 401, "login-required");
-    assert_true(web_password_is(OTHER, web_accounts_find(api_rig.api.accounts, "ada")->hash));
+    assert_true(web_password_is(OTHER, web_accounts_find(api_rig.api.login.accounts, "ada")->hash));
     assert_string_equal(api_rig.said, "ada login \nada login \nada password-change \n");
     free(own);
     free(elsewhere);

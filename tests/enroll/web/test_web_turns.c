@@ -4,12 +4,12 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "enroll/web/api/turns.h"
+#include "enroll/web/login/turns.h"
 #include "tests/enroll/web/rigs/exchange_rig.h"
 
-static void answer_in_turn(struct web_api *api, struct web_exchange *exchange)
+static void answer_in_turn(struct web_login *login, struct web_exchange *exchange)
 {
-    (void)api;
+    (void)login;
     web_exchange_done(exchange);
 }
 

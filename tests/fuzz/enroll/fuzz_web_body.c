@@ -11,11 +11,11 @@
 #include <unistd.h>
 
 #include "enroll/web/api/api.h"
-#include "enroll/web/api/turns.h"
 #include "enroll/web/daemon/enrolment.h"
 #include "enroll/web/daemon/feed.h"
 #include "enroll/web/daemon/last_seen.h"
 #include "enroll/web/http/now.h"
+#include "enroll/web/login/turns.h"
 #include "firmware/contract/contract.h"
 #include "tests/fuzz/enroll/web_stand_in.h"
 #include "tests/fuzz/fuzz.h"
@@ -58,8 +58,8 @@ static void open_accounts(void)
     struct iso_fault fault;
     FILE *file = fopen(world.accounts, "we");
     fuzz_check(file && fputs(accounts_text, file) >= 0 && fclose(file) == 0, "a file is written");
-    web_accounts_close(world.api.accounts);
-    fuzz_check(web_accounts_open(world.accounts, &world.api.accounts, &fault) == 0,
+    web_accounts_close(world.api.login.accounts);
+    fuzz_check(web_accounts_open(world.accounts, &world.api.login.accounts, &fault) == 0,
                "the accounts can be read");
 }
 
@@ -71,13 +71,14 @@ static void begin_world(void)
                    (int)getpid());
     fuzz_check(sd_event_new(&world.event) >= 0, "there is an event loop");
     fuzz_check(web_daemon_new(world.event, "", &api->daemon) == 0, "there is a stand-in");
-    api->sessions = &world.sessions;
+    web_api_record_by_daemon(api);
+    api->login.sessions = &world.sessions;
     web_guess_init(&world.guess);
-    api->guess = &world.guess;
-    api->setup_code = "/nonexistent/setup.code";
+    api->login.guess = &world.guess;
+    api->login.setup_code = "/nonexistent/setup.code";
     fuzz_check(web_feed_new(world.event, api->daemon, &api->feed) == 0 &&
                    web_last_seen_new(world.event, api->daemon, &api->last_seen) == 0 &&
-                   web_turns_new(world.event, api, &api->turns) == 0,
+                   web_turns_new(world.event, &api->login, &api->login.turns) == 0,
                "the parts are made");
     const struct web_enrolment_setup setup = {.event = world.event,
                                               .daemon = api->daemon,
@@ -98,9 +99,9 @@ static void begin_world(void)
 /* Whether the accounts are those of the file. */
 static bool accounts_are_as_before(void)
 {
-    const struct web_account *ada = web_accounts_find(world.api.accounts, "ada");
-    const struct web_account *eve = web_accounts_find(world.api.accounts, "eve");
-    return web_accounts_count(world.api.accounts) == 2 && ada && eve &&
+    const struct web_account *ada = web_accounts_find(world.api.login.accounts, "ada");
+    const struct web_account *eve = web_accounts_find(world.api.login.accounts, "eve");
+    return web_accounts_count(world.api.login.accounts) == 2 && ada && eve &&
            ada->role == WEB_ROLE_ADMINISTRATOR && eve->role == WEB_ROLE_OBSERVER &&
            strstr(accounts_text, ada->hash) && strstr(accounts_text, eve->hash);
 }
@@ -123,8 +124,9 @@ static void check_answer(const struct web_exchange *exchange, const json_t *body
     fuzz_check(daemon->n_calls == 0 || daemon->n_records > 0 || !daemon->changes,
                "a change is put on record before it is made");
     fuzz_check(!daemon->claimed || consents(body), "nobody is enrolled without a consent");
-    fuzz_check(web_accounts_find(world.api.accounts, "ada") != NULL &&
-                   web_accounts_find(world.api.accounts, "ada")->role == WEB_ROLE_ADMINISTRATOR,
+    fuzz_check(web_accounts_find(world.api.login.accounts, "ada") != NULL &&
+                   web_accounts_find(world.api.login.accounts, "ada")->role ==
+                       WEB_ROLE_ADMINISTRATOR,
                "the last administrator stays");
 }
 

@@ -3,12 +3,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "enroll/hub/api/hub_api.h"
 #include "enroll/hub/store/hub_zone.h"
+#include "enroll/web/account/setup_code.h"
 #include "tests/enroll/hub/rigs/served_door.h"
 #include "tests/support/scratch.h"
 
@@ -77,9 +78,10 @@ static int teardown(void **state)
 static void log_in(void)
 {
     struct iso_fault fault = {.text = ""};
-    char code[HUB_API_CODE_SIZE], body[256];
+    char code[WEB_SETUP_CODE_SIZE], body[256];
 
-    served_ok(hub_api_make_code(rig.folder, code, &fault), &fault);
+    served_ok(web_setup_code_make(scratch_path(rig.folder, "setup.code"), time(NULL), code, &fault),
+              &fault);
     (void)snprintf(body, sizeof body,
                    "{\"code\":\"%s\",\"account\":\"eva\",\"password\":\"correct horse battery\"}",
                    code);
@@ -91,6 +93,12 @@ static const char *text_at(const json_t *json, const char *list, size_t i, const
 {
     return json_string_value(
         json_object_get(json_array_get(json_object_get(json, list), i), member));
+}
+
+/* Whether the door has confirmed its first zone. */
+static const json_t *confirmed_of(const json_t *shown)
+{
+    return json_object_get(json_array_get(json_object_get(shown, "zones"), 0), "confirmed");
 }
 
 static void nothing_is_shown_without_a_login(void **state)
@@ -139,28 +147,28 @@ static void an_administrator_sees_doors_and_closes_them(void **state)
     assert_int_equal(ask("GET", "/doors", NULL, &json), 200);
     assert_string_equal(text_at(json, "doors", 0, "name"), "Gate");
     const json_t *shown = json_array_get(json_object_get(json, "doors"), 0);
-    assert_true(json_is_true(json_object_get(shown, "confirmed")));
-    assert_int_equal(json_integer_value(json_object_get(shown, "last-event")), 7);
+    assert_true(json_is_true(confirmed_of(shown)));
+    assert_int_equal(json_integer_value(json_object_get(shown, "last_event")), 7);
     assert_string_equal(
         json_string_value(json_object_get(json_object_get(shown, "health"), "door-state")),
         "locked");
     json_decref(json);
-    assert_int_equal(ask("PUT", "/zones/Office/lockdown", "{\"on\":true}", NULL), 204);
+    assert_int_equal(ask("PUT", "/lockdown", "{\"on\":true,\"zone\":\"Office\"}", NULL), 200);
     served_ok(hub_zone_find(&rig.store, "Office", &zone, &fault), &fault);
     assert_true(zone.lockdown);
     /* The door has not said yet that it has the change. */
     assert_int_equal(ask("GET", "/doors", NULL, &json), 200);
     shown = json_array_get(json_object_get(json, "doors"), 0);
-    assert_true(json_is_false(json_object_get(shown, "confirmed")));
+    assert_true(json_is_false(confirmed_of(shown)));
     json_decref(json);
-    assert_int_equal(ask("PUT", "/lockdown", "{\"on\":false}", NULL), 204);
+    assert_int_equal(ask("PUT", "/lockdown", "{\"on\":false}", NULL), 200);
     assert_int_equal(ask("PUT", "/lockdown", "{\"on\":1}", NULL), 400);
-    assert_int_equal(ask("PUT", "/zones/Nowhere/lockdown", "{\"on\":true}", NULL), 404);
+    assert_int_equal(ask("PUT", "/lockdown", "{\"on\":true,\"zone\":\"Nowhere\"}", NULL), 404);
     assert_int_equal(ask("DELETE", "/people/nobody", NULL, NULL), 404);
-    assert_int_equal(ask("POST", "/requests/nobody/approve", "{}", NULL), 404);
-    assert_int_equal(ask("GET", "/people?most=0", NULL, NULL), 400);
+    assert_int_equal(ask("POST", "/requests/nobody/approval", "{}", NULL), 404);
+    assert_int_equal(ask("GET", "/people?max=0", NULL, NULL), 400);
     /* What was done is recorded under the name of the account. */
-    assert_int_equal(ask("GET", "/acts?most=1", NULL, &json), 200);
+    assert_int_equal(ask("GET", "/acts?max=1", NULL, &json), 200);
     assert_string_equal(text_at(json, "acts", 0, "actor"), "eva");
     json_decref(json);
 }

@@ -3,7 +3,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
-#include "enroll/hub/api/bucket.h"
+#include "enroll/hub/serve/bucket.h"
 #include "enroll/hub/serve/mail_queue.h"
 
 static const char id_text[] = "0190b3f2-1111-4222-8333-444455556666";

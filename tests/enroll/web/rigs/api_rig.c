@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/web/api/turns.h"
+#include "enroll/web/login/turns.h"
 #include "tests/firmware/rigs/cmocka_headers.h"
 #include "tests/support/scratch.h"
 
@@ -45,15 +45,15 @@ size_t web_daemon_waiting(const struct web_daemon *daemon)
 
 static const struct web_route routes[] = {
     {"GET", "/openapi.json", WEB_ROLE_NONE, web_api_get_document},
-    {"GET", "/session", WEB_ROLE_NONE, web_api_get_session},
-    {"POST", "/session", WEB_ROLE_NONE, web_api_login},
-    {"DELETE", "/session", WEB_ROLE_NONE, web_api_logout},
-    {"PUT", "/session/password", WEB_ROLE_OBSERVER, web_api_set_own_password},
-    {"POST", "/setup", WEB_ROLE_NONE, web_api_setup},
-    {"GET", "/accounts", WEB_ROLE_ADMINISTRATOR, web_api_list_accounts},
-    {"POST", "/accounts", WEB_ROLE_ADMINISTRATOR, web_api_add_account},
-    {"PATCH", "/accounts/{name}", WEB_ROLE_ADMINISTRATOR, web_api_change_account},
-    {"DELETE", "/accounts/{name}", WEB_ROLE_ADMINISTRATOR, web_api_remove_account},
+    {"GET", "/session", WEB_ROLE_NONE, web_login_get_session},
+    {"POST", "/session", WEB_ROLE_NONE, web_login_log_in},
+    {"DELETE", "/session", WEB_ROLE_NONE, web_login_log_out},
+    {"PUT", "/session/password", WEB_ROLE_OBSERVER, web_login_set_own_password},
+    {"POST", "/setup", WEB_ROLE_NONE, web_login_set_up},
+    {"GET", "/accounts", WEB_ROLE_ADMINISTRATOR, web_login_list_accounts},
+    {"POST", "/accounts", WEB_ROLE_ADMINISTRATOR, web_login_add_account},
+    {"PATCH", "/accounts/{name}", WEB_ROLE_ADMINISTRATOR, web_login_change_account},
+    {"DELETE", "/accounts/{name}", WEB_ROLE_ADMINISTRATOR, web_login_remove_account},
     {NULL, NULL, WEB_ROLE_NONE, NULL},
 };
 
@@ -69,13 +69,16 @@ int api_rig_setup(void **state)
                    (const char *)*state);
     (void)snprintf(api_rig.accounts_path, sizeof api_rig.accounts_path, "%s/accounts.json",
                    (const char *)*state);
-    assert_int_equal(web_accounts_open(api_rig.accounts_path, &api_rig.api.accounts, &fault), 0);
-    api_rig.api.sessions = &api_rig.web.sessions;
-    api_rig.api.guess = &api_rig.guess;
-    api_rig.api.setup_code = api_rig.setup_code;
+    assert_int_equal(web_accounts_open(api_rig.accounts_path, &api_rig.api.login.accounts, &fault),
+                     0);
+    api_rig.api.login.sessions = &api_rig.web.sessions;
+    api_rig.api.login.guess = &api_rig.guess;
+    api_rig.api.login.setup_code = api_rig.setup_code;
     api_rig.api.document = "{\"openapi\": \"3.1.0\"}";
-    api_rig.api.server = api_rig.web.server;
-    assert_int_equal(web_turns_new(api_rig.web.event, &api_rig.api, &api_rig.api.turns), 0);
+    web_api_record_by_daemon(&api_rig.api);
+    api_rig.api.login.server = api_rig.web.server;
+    assert_int_equal(web_turns_new(api_rig.web.event, &api_rig.api.login, &api_rig.api.login.turns),
+                     0);
     web_rig_connect(&api_rig.web, &api_rig.client);
     return 0;
 }
@@ -83,9 +86,9 @@ int api_rig_setup(void **state)
 int api_rig_teardown(void **state)
 {
     https_close(&api_rig.client);
-    web_turns_free(api_rig.api.turns);
+    web_turns_free(api_rig.api.login.turns);
     web_rig_stop(&api_rig.web);
-    web_accounts_close(api_rig.api.accounts);
+    web_accounts_close(api_rig.api.login.accounts);
     return scratch_teardown(state);
 }
 
@@ -93,7 +96,7 @@ void api_rig_add_account(const char *name, enum web_role role)
 {
     struct iso_fault fault = {.text = ""};
 
-    assert_int_equal(web_accounts_add(api_rig.api.accounts, name, PASSWORD, role, &fault), 0);
+    assert_int_equal(web_accounts_add(api_rig.api.login.accounts, name, PASSWORD, role, &fault), 0);
 }
 
 char *api_rig_log_in(const char *path, const char *body)

@@ -18,7 +18,7 @@ void rig_begin(struct rig *rig, const char *address)
     struct web_enrolment_setup enrolment = setup;
     strcpy(rig->certificate.fingerprint, "AB:CD");
     rig->certificate.ends_s = (int64_t)time(NULL) + INT64_C(400) * 86400;
-    api->sessions = &rig->sessions;
+    api->login.sessions = &rig->sessions;
     api->certificate = &rig->certificate;
     assert_int_equal(web_daemon_new(rig->event, address, &api->daemon), 0);
     assert_int_equal(web_feed_new(rig->event, api->daemon, &api->feed), 0);
@@ -26,7 +26,7 @@ void rig_begin(struct rig *rig, const char *address)
     enrolment.event = rig->event;
     enrolment.daemon = api->daemon;
     enrolment.feed = api->feed;
-    enrolment.sessions = api->sessions;
+    enrolment.sessions = api->login.sessions;
     assert_int_equal(web_enrolment_new(&enrolment, &api->enrolment), 0);
     if (rig->sessions.last_id == 0) {
         assert_int_equal(rig_session(rig), RIG_SESSION);

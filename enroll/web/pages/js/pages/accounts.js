@@ -11,10 +11,10 @@ import {stack} from '../view/stack.js';
 
 const roleChoice = (value) => choice(Object.keys(ROLES).map((role) => [role, word(ROLES, role)]), value);
 
-function roleHelp() {
+function roleHelp(api) {
     return h(
         'ul', { class: 'help' },
-        Object.keys(ROLES).map((role) => h('li', {}, h('strong', {}, word(ROLES, role)), ` ${word(ROLE_HELP, role)}`)));
+        Object.keys(ROLES).map((role) => h('li', {}, h('strong', {}, word(ROLES, role)), ` ${word(api.roleHelp ?? ROLE_HELP, role)}`)));
 }
 
 function addAccount(api) {
@@ -33,7 +33,7 @@ function addAccount(api) {
         (close) => form(
             [
                 field(_('Name'), name, _('Small letters, digits, ".", "-" and "_"')), field(_('Role'), role),
-                roleHelp(), ...password.elements
+                roleHelp(api), ...password.elements
             ],
             _('Add'), () => api.addAccount(name.value.trim(), password.read(), role.value), () => close(true),
             { cancel: () => close() }));
@@ -53,7 +53,7 @@ function setRole(api, account) {
     return openDialog(
         _f('Role of {name}', { name: account.name }),
         (close) => form(
-            [field(_('Role'), role), roleHelp()], _('Save'),
+            [field(_('Role'), role), roleHelp(api)], _('Save'),
             () => api.changeAccount(account.name, { role: role.value }), () => close(true), { cancel: () => close() }));
 }
 

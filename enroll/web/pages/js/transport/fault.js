@@ -12,12 +12,18 @@ export class Fault extends Error {
     }
 }
 
+const tables = [FAULTS];
+
+/* Adds a table of codes that comes before those that are known. */
+export function addFaultWords(table) { tables.unshift(table); }
+
 /* Codes whose sentence of the server says more than the table does. */
-const SPECIFIC = /^invalid-(account|credential|limits|name|password|policy|setting)$|^(card-in-use|internal|storage)$/;
+const SPECIFIC = /^invalid-(account|credential|limits|name|password|policy|setting|value)$|^(card-in-use|internal|storage)$/;
 
 /* The sentence for people. */
 export function faultText(fault) {
-    const known = Object.hasOwn(FAULTS, fault.code ?? '') ? _(FAULTS[fault.code]) : '';
+    const table = tables.find((one) => Object.hasOwn(one, fault.code ?? ''));
+    const known = table ? _(table[fault.code]) : '';
     if (fault.code === 'too-many-attempts' && fault.retryAfterS > 0) {
         return _f('Too many attempts. Please try again in {time}.', { time: duration(fault.retryAfterS * 1000) });
     }

@@ -7,59 +7,9 @@ import {EventParser} from '../stream/event_parser.js';
 import {decodeOutline, decodeRelief} from '../stream/record.js';
 import {Splitter} from '../stream/splitter.js';
 import {steady} from '../stream/steady.js';
-import {Fault} from './fault.js';
+import {ask, onLoginRequired, open, part} from './ask.js';
 
-const BASE = '/api/v1';
 const SILENT_MS = 30000; /* the server sends a status every ten seconds */
-
-let loginRequired = () => {};
-
-async function problem(response) {
-    let body = {};
-    try {
-        body = await response.json();
-    } catch {
-        /* not from the web server: a proxy, for instance */
-    }
-    const fault = new Fault(body.code ?? `http-${response.status}`, {
-        status: response.status,
-        detail: body.detail ?? response.statusText,
-        setup: body.setup === true,
-        retryAfterS: Number(response.headers.get('Retry-After')) || 0,
-    });
-    return fault;
-}
-
-async function open(method, path, body, signal) {
-    let response;
-    try {
-        response = await fetch(BASE + path, {
-            method,
-            signal,
-            credentials: 'same-origin',
-            cache: 'no-store',
-            headers: body === undefined ? {} : { 'Content-Type': 'application/json' },
-            body: body === undefined ? undefined : JSON.stringify(body),
-        });
-    } catch (error) {
-        throw signal?.aborted ? error : new Fault('no-connection', { detail: error.message });
-    }
-    if (!response.ok) {
-        const fault = await problem(response);
-        if (fault.code === 'login-required' && path !== '/session') {
-            loginRequired();
-        }
-        throw fault;
-    }
-    return response;
-}
-
-async function ask(method, path, body) {
-    const response = await open(method, path, body);
-    return response.status === 204 ? null : response.json();
-}
-
-const part = (name) => encodeURIComponent(name);
 
 /* Reads a response without an end, and gives up on one that says nothing for a while. */
 async function pump(path, signal, silentMs, onBytes) {
@@ -131,9 +81,7 @@ function records(path, decode, onRecord, onState, endsWith = () => undefined) {
 export const http = {
     kind: 'http',
     can: {accounts: true, outline: true, relief: true, settings: true, login: true},
-    onLoginRequired: (handler) => {
-        loginRequired = handler;
-    },
+    onLoginRequired,
 
     session: () => ask('GET', '/session'),
     login: (account, password) => ask('POST', '/session', {account, password}),

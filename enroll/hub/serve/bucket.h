@@ -1,6 +1,6 @@
 /* Limits how often something is tried: so many at once, and then so many a second. Pure. */
-#ifndef HUB_API_BUCKET_H
-#define HUB_API_BUCKET_H
+#ifndef HUB_SERVE_BUCKET_H
+#define HUB_SERVE_BUCKET_H
 
 #include <stdbool.h>
 

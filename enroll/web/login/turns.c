@@ -1,4 +1,4 @@
-#include "enroll/web/api/turns.h"
+#include "enroll/web/login/turns.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -8,11 +8,11 @@
 struct turn {
     STAILQ_ENTRY(turn) link;
     struct web_exchange *exchange;
-    void (*go)(struct web_api *api, struct web_exchange *exchange);
+    void (*go)(struct web_login *login, struct web_exchange *exchange);
 };
 
 struct web_turns {
-    struct web_api *api;
+    struct web_login *login;
     sd_event_source *next;
     STAILQ_HEAD(, turn) waiting;
 };
@@ -44,20 +44,20 @@ static int on_next(sd_event_source *source, uint64_t usec, void *context)
     (void)usec;
 
     if (turn) {
-        turn->go(turns->api, turn->exchange);
+        turn->go(turns->login, turn->exchange);
         free(turn);
     }
     return STAILQ_EMPTY(&turns->waiting) ? 0 : soon(source);
 }
 
-int web_turns_new(sd_event *event, struct web_api *api, struct web_turns **out)
+int web_turns_new(sd_event *event, struct web_login *login, struct web_turns **out)
 {
     struct web_turns *turns = calloc(1, sizeof *turns);
 
     if (!turns) {
         return -ENOMEM;
     }
-    turns->api = api;
+    turns->login = login;
     STAILQ_INIT(&turns->waiting);
     int r = sd_event_add_time_relative(event, &turns->next, CLOCK_MONOTONIC, 0, 1, on_next, turns);
     r = r < 0 ? r : sd_event_source_set_enabled(turns->next, SD_EVENT_OFF);
@@ -87,7 +87,7 @@ void web_turns_free(struct web_turns *turns)
 }
 
 void web_turns_wait(struct web_turns *turns, struct web_exchange *exchange,
-                    void (*go)(struct web_api *api, struct web_exchange *exchange))
+                    void (*go)(struct web_login *login, struct web_exchange *exchange))
 {
     struct turn *turn = malloc(sizeof *turn);
 
