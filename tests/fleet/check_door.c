@@ -16,6 +16,7 @@
 #include "firmware/fleet/door/fleet_direct.h"
 #include "firmware/policy/zones/zone_file.h"
 #include "tests/firmware/rigs/puppets.h"
+#include "tests/fleet/check_events.h"
 #include "tests/fleet/check_files.h"
 
 /* LEFT_MS: after this time without a frame a visit is over. */
@@ -37,9 +38,8 @@ struct check_door {
     struct iso_appliance_borrowed borrowed;
     struct iso_appliance *appliance;
     struct check_files files;
-    struct link_door *link;
     int64_t shown_ns; /* when a face was shown last; 0: never */
-    char visit[300];  /* the last one, in words */
+    struct check_heard heard;
 };
 
 static const struct iso_zone_source zones = {iso_zone_file_read, ISO_ZONE_FOLDER};
@@ -55,81 +55,6 @@ static void expect(const struct check_door *door, int error, const char *what,
 {
     if (error) {
         end_with(door, what, fault->text[0] ? fault->text : strerror(-error));
-    }
-}
-
-/* ---- what the appliance reports ---- */
-
-static void on_visit(void *context, const struct iso_visit *visit)
-{
-    struct check_door *door = context;
-    (void)snprintf(door->visit, sizeof door->visit, "%s %s",
-                   visit->verdict.allow ? "allow" : "deny",
-                   visit->verdict.allow ? visit->person : iso_reason_name(visit->verdict.reason));
-}
-
-static void on_enroll_status(void *context, const char *result, bool done, unsigned stage,
-                             unsigned stages, double quality, const char *person)
-{
-    (void)context, (void)result, (void)done, (void)stage, (void)stages, (void)quality, (void)person;
-}
-
-static void on_enroll_step(void *context, const char *pose, const char *state, unsigned step,
-                           unsigned steps, double turn_deg)
-{
-    (void)context, (void)pose, (void)state, (void)step, (void)steps, (void)turn_deg;
-}
-
-static void on_recognition(void *context, enum iso_appliance_mode mode, const char *result,
-                           bool done, const char *person, double score, double threshold)
-{
-    (void)context, (void)mode, (void)result, (void)done, (void)person, (void)score;
-    (void)threshold;
-}
-
-static void on_wanted(void *context, const char *what)
-{
-    (void)context, (void)what;
-}
-
-static void on_hint(void *context, enum iso_capture capture)
-{
-    (void)context, (void)capture;
-}
-
-static void on_view(void *context, const struct iso_view *view)
-{
-    (void)context, (void)view;
-}
-
-static void on_picture(void *context, const struct iso_frame *frame)
-{
-    (void)context, (void)frame;
-}
-
-static void on_door_changed(void *context, const char *state, const char *cause)
-{
-    (void)context, (void)state, (void)cause;
-}
-
-static void on_claim_lost(void *context)
-{
-    (void)context;
-}
-
-static void on_fleet_work(void *context, const char *what)
-{
-    const struct check_door *door = context;
-    if (door->link) {
-        link_door_work(door->link, what);
-    }
-}
-
-static void on_message(void *context, int priority, const char *text)
-{
-    const struct check_door *door = context;
-    if (priority <= 4 && getenv("FLEET_DOORS_LOUD")) {
-        fprintf(stderr, "%s: %s\n", door->folder, text);
     }
 }
 
@@ -209,21 +134,7 @@ static void open_parts(struct check_door *door)
     door->borrowed.gallery = door->gallery;
     door->borrowed.audit = door->audit;
     door->borrowed.door_io = door->door_io;
-    door->borrowed.events = (struct iso_appliance_events){
-        .enroll_status = on_enroll_status,
-        .enroll_step = on_enroll_step,
-        .recognition_status = on_recognition,
-        .visit = on_visit,
-        .wanted = on_wanted,
-        .hint = on_hint,
-        .view = on_view,
-        .picture = on_picture,
-        .door_changed = on_door_changed,
-        .claim_lost = on_claim_lost,
-        .fleet_work = on_fleet_work,
-        .message = on_message,
-        .context = door,
-    };
+    door->borrowed.events = check_events(&door->heard);
     expect(door, iso_appliance_new(&door->borrowed, &door->appliance), "appliance", &fault);
     expect(door, iso_appliance_start(door->appliance, &fault), "appliance", &fault);
 }
@@ -258,7 +169,7 @@ static void start_link(struct check_door *door)
         .note_context = door,
         .note = note,
     };
-    expect(door, link_door_new(&setup, &door->link, &fault), "link", &fault);
+    expect(door, link_door_new(&setup, &door->heard.link, &fault), "link", &fault);
 }
 
 struct check_door *check_door_new(const struct check_door_setup *setup)
@@ -270,6 +181,7 @@ struct check_door *check_door_new(const struct check_door_setup *setup)
     }
     door->setup = *setup;
     (void)snprintf(door->folder, sizeof door->folder, "%s", setup->folder);
+    door->heard.folder = door->folder;
     if (mkdir(door->folder, 0700) && errno != EEXIST) {
         end_with(door, "mkdir", strerror(errno));
     }
@@ -280,7 +192,7 @@ struct check_door *check_door_new(const struct check_door_setup *setup)
 
 void check_door_free(struct check_door *door)
 {
-    link_door_free(door->link);
+    link_door_free(door->heard.link);
     iso_appliance_free(door->appliance);
     iso_audit_close(door->audit);
     iso_gallery_close(door->gallery);
@@ -314,7 +226,7 @@ void check_door_join(struct check_door *door, const char *path, char *answer, si
     }
     const int error = iso_fleet_join(iso_appliance_fleet(door->appliance), bytes, n, "check",
                                      &fault);
-    if (!error && !door->link) {
+    if (!error && !door->heard.link) {
         start_link(door);
     }
     (void)snprintf(answer, size, "%s", error ? fault.text : "ok");
@@ -328,7 +240,7 @@ static void step_for(struct check_door *const doors[], int n, int64_t ms, bool f
         waiting = 0;
         for (int i = 0; i < n; i++) {
             check_door_step(doors[i]);
-            waiting += !for_verdicts || !doors[i]->visit[0];
+            waiting += !for_verdicts || !doors[i]->heard.visit[0];
         }
         (void)usleep(2000);
     }
@@ -345,7 +257,7 @@ void check_doors_show(struct check_door *const doors[], int n, int face)
     step_for(doors, n, wait_ns / ISO_NS_PER_MS, false);
     const int64_t begin_ns = iso_monotonic_ns();
     for (int i = 0; i < n; i++) {
-        doors[i]->visit[0] = '\0';
+        doors[i]->heard.visit[0] = '\0';
         doors[i]->shown_ns = begin_ns;
         for (int k = 1; k <= FRAMES; k++) {
             puppet_sensor_add(&doors[i]->sensor, begin_ns + 33 * k * ISO_NS_PER_MS, face,
@@ -357,7 +269,7 @@ void check_doors_show(struct check_door *const doors[], int n, int face)
 
 const char *check_door_answer(const struct check_door *door)
 {
-    return door->visit[0] ? door->visit : "nothing";
+    return door->heard.visit[0] ? door->heard.visit : "nothing";
 }
 
 void check_door_enrol(struct check_door *door, const char *name, int face, char *answer,
@@ -369,8 +281,8 @@ void check_door_enrol(struct check_door *door, const char *name, int face, char 
     (void)snprintf(person.name, sizeof person.name, "%s", name);
     const int error = iso_gallery_add(door->gallery, &person, &tmpl, &fault);
     (void)snprintf(answer, size, "%s", error ? fault.text : "ok");
-    if (door->link) {
-        link_door_work(door->link, "requests");
+    if (door->heard.link) {
+        link_door_work(door->heard.link, "requests");
     }
 }
 
@@ -418,8 +330,8 @@ void check_door_describe(struct check_door *door, char *answer, size_t size)
     struct iso_fleet_status status;
     struct iso_fault fault = {.text = ""};
     const size_t n = digest_people(door, people);
-    const struct link_report report = door->link ? link_door_report(door->link)
-                                                 : (struct link_report){.phase = LINK_AWAY};
+    const struct link_report report = door->heard.link ? link_door_report(door->heard.link)
+                                                       : (struct link_report){.phase = LINK_AWAY};
     if (iso_fleet_get_status(iso_appliance_fleet(door->appliance), &status, &fault)) {
         (void)snprintf(answer, size, "none");
         return;

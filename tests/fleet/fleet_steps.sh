@@ -123,7 +123,7 @@ doors_that_say() { # WORDS FACE DOOR...
 enrol_everywhere() { # NAME FACE DOOR ZONE
     local begin
     ask enrol "$3" "$1" "$2" >/dev/null
-    wait_for 20 has_request "$1" || return 1
+    wait_for 100 has_request "$1" || return 1
     begin=$(now_ms)
     hub request approve "$1" --zone "$4" >/dev/null || return 1
     wait_for 20 is_level "$4" || return 1

@@ -88,6 +88,9 @@ void link_answered(struct link_door *door)
 {
     const bool asks_again = door->asks_again;
 
+    if (door->unanswered > 0) {
+        link_requests_start(door); /* the hub was away, and may have lost them */
+    }
     door->is_asking = false;
     door->asks_again = false;
     door->unanswered = 0;

@@ -58,6 +58,7 @@ struct link_events {
 struct link_requests {
     struct iso_fleet_id *sent; /* persons */
     size_t n, capacity;
+    uint64_t again_us;    /* when all are sent again; 0: nothing was sent */
     uint64_t round_bytes; /* of the present round */
     int round_id;         /* of its last message */
     bool is_cut;          /* some of them have to wait for the next round */

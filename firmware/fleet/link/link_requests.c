@@ -6,7 +6,9 @@
 
 #include "firmware/fleet/link/link_inner.h"
 
-enum { ROUND_BYTES = 1 << 20 };
+/* A hub that is started anew loses what it has not stored, and nobody acknowledges a REQUEST. So
+ * all are sent again after this time, as long as somebody waits for approval. */
+enum { ROUND_BYTES = 1 << 20, AGAIN_S = 600 };
 
 void link_requests_free(struct link_door *door)
 {
@@ -83,10 +85,19 @@ void link_requests_send(struct link_door *door)
     if (!door->has_daemon || !door->has_lease) {
         return;
     }
+    if (door->requests.again_us && link_now_us(door) >= door->requests.again_us) {
+        link_requests_free(door);
+    }
     door->requests.round_bytes = 0;
     door->requests.is_cut = false;
     (void)link_daemon_minor_result(
         door, door->daemon.requests(door->daemon.context, send_one, door, &fault), &fault);
+    if (door->requests.n > 0 && !door->requests.again_us) {
+        door->requests.again_us = link_now_us(door) + AGAIN_S * LINK_S_US;
+    }
+    if (door->requests.n > 0 && !door->requests.is_cut) {
+        link_at(door, LINK_DUE_REQUESTS, door->requests.again_us);
+    }
 }
 
 void link_requests_published(struct link_door *door, int id)

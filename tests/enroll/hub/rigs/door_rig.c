@@ -172,6 +172,12 @@ static bool take_mail(struct door_rig *door, const struct broker_message *messag
     return memcmp(lease->nonce, nonce, sizeof lease->nonce) == 0;
 }
 
+/* Whether a KEY comes behind the lease. */
+static bool lacks_key(const struct door_rig *door, const struct iso_fleet_lease *lease)
+{
+    return lease->n > 0 && lease->places[0].epoch != door->place.epoch;
+}
+
 bool door_rig_ask(struct door_rig *door, const char *health, uint64_t last_event,
                   struct iso_fleet_lease *lease, double seconds)
 {
@@ -193,15 +199,15 @@ bool door_rig_ask(struct door_rig *door, const char *health, uint64_t last_event
     broker_client_publish(&door->client, iso_fleet_topic_out(&door->membership.door, out),
                           bytes.bytes, bytes.size, false);
     iso_fleet_bytes_free(&bytes);
-    for (int at = (int)from;; at++) {
+    bool answered = false;
+    for (int at = (int)from; !answered || lacks_key(door, lease); at++) {
         at = broker_client_wait(&door->client, in, (size_t)at, seconds);
         if (at < 0) {
             return false;
         }
-        if (take_mail(door, &door->client.messages[at], question.nonce, lease)) {
-            return true;
-        }
+        answered |= take_mail(door, &door->client.messages[at], question.nonce, lease);
     }
+    return true;
 }
 
 unsigned door_rig_follow(struct door_rig *door, size_t from)
