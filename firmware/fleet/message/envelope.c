@@ -14,7 +14,13 @@ _Static_assert(ISO_FLEET_SIGNATURE_BYTES == crypto_sign_BYTES &&
 
 int iso_fleet_start(struct iso_fault *fault)
 {
-    return sodium_init() < 0 ? iso_fault_set(fault, -EIO, "libsodium does not start") : 0;
+    if (sodium_init() >= 0) {
+        return 0;
+    }
+    if (fault) { /* without iso_fault_set(), so that this library needs no other of the project */
+        *fault = (struct iso_fault){.text = "libsodium does not start"};
+    }
+    return -EIO;
 }
 
 void iso_fleet_begin(struct iso_fleet_bytes *out, enum iso_fleet_kind kind)
