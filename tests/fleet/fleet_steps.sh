@@ -24,8 +24,9 @@ wait_for() { # SECONDS COMMAND...
 # ---- joining ----
 
 # Joins one door by its one-time address, as isotherm-link does: a key, a request for a certificate, one HTTPS request.
-join_door() { # DOOR ADDRESS
-    local folder=$work/doors/$1 url code reply
+join_door() { # DOOR ADDRESS [FOLDER]
+    local folder=${3:-$work/doors/$1} url code reply
+    mkdir -p "$folder"
     url=$(sed -n 's|^isotherm://\([^/]*\)/.*|https://\1|p' <<<"$2")
     code=$(sed -n 's|.*[?&]code=\([^&]*\).*|\1|p' <<<"$2")
     openssl req -new -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj "/CN=door" \
@@ -97,7 +98,7 @@ step_join() {
     all_online || give_up "the doors are not online"
 }
 
-refuses_code() { ! join_door 0 "$1" 2>/dev/null; }
+refuses_code() { ! join_door 0 "$1" "$work/refused" 2>/dev/null; }
 
 all_online() {
     states >"$work/states"
@@ -278,7 +279,7 @@ step_restored() {
     start_hub 1
     start_hub 2
     enrol_everywhere hans 280 5 hq >/dev/null || bad "restored: hans does not arrive"
-    hub person revoke ada >/dev/null
+    hub person revoke ada >/dev/null || bad "restored: ada is not there"
     wait_for 20 is_level hq || bad "restored: the doors are not level"
     kill_hubs
     sql "DROP SCHEMA public CASCADE; CREATE SCHEMA public" 2>/dev/null
@@ -288,11 +289,11 @@ step_restored() {
     expect "restored: the doors say that the hub knows less than they do" wait_for 80 some_behind
     expect "restored: the hub changes nothing in the zone until it is recovered" refuses_changes
     expect "restored: ada, revoked before, stays out" [ -z "$(doors_that_say "allow ada" 100 0 20 39)" ]
-    hub recover hq >/dev/null
+    hub recover hq >/dev/null || bad "restored: the zone cannot be recovered"
     expect "restored: after a recovery all doors have what the hub has" wait_for 80 is_level hq
     n=$(states | grep -c 'behind 1') || true
     expect "restored: $n doors say that the hub is behind" [ "$n" -eq 0 ]
-    hub person revoke ada >/dev/null
+    hub person revoke ada >/dev/null || bad "restored: ada cannot be revoked again"
     wait_for 20 is_level hq || bad "restored: the doors are not level after a revocation"
 }
 
