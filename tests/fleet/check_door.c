@@ -20,7 +20,7 @@
 #include "tests/fleet/check_files.h"
 
 /* LEFT_MS: after this time without a frame a visit is over. */
-enum { PEOPLE_MOST = 20000, VISIT_MS = 3000, LEFT_MS = 2500, FRAMES = 5 };
+enum { PEOPLE_MOST = 20000, VISIT_MS = 3000, LEFT_MS = 4500, FRAMES = 5 };
 
 struct check_door {
     struct check_door_setup setup;

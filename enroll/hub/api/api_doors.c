@@ -93,7 +93,7 @@ static int show_join(struct hub_call *call, struct hub_store *store, const struc
     }
     char *svg = hub_qr_svg(address);
     json_t *join = svg ? json_pack("{s:s, s:s, s:I}", "address", address, "qr_svg", svg, "until_s",
-                                   (json_int_t)(store->now_s() + HUB_CODE_VALID_S))
+                                   (json_int_t)store->now_s() + HUB_CODE_VALID_S)
                        : NULL;
     error = json_object_set_new(call->json, "join", join) ? hub__no_memory(fault) : 0;
     free(svg);

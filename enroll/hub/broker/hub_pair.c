@@ -5,12 +5,14 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <sodium.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "core/base/bytes.h"
 #include "drivers/file/file.h"
 #include "enroll/hub/broker/ca_inner.h"
 
@@ -75,8 +77,7 @@ static int sign(const struct hub_ca *ca, const struct wanted *wanted, gnutls_x50
                                                       : "isotherm-hub";
     uint8_t serial[HUB_CA_SERIAL_BYTES];
     char cut[64]; /* the longest common name; the whole name is an alternative name */
-    cut[0] = '\0';
-    (void)strncat(cut, name, sizeof cut - 1);
+    (void)snprintf(cut, sizeof cut, "%s", name);
     int r = hub__describe(certificate, cut, ends_s < ca->ends_s ? ends_s : ca->ends_s, serial);
 
     for (size_t i = 0; r >= 0 && !is_client && i < wanted->n; i++) {
@@ -106,8 +107,7 @@ static int store_chain(const struct hub_ca *ca, gnutls_x509_crt_t certificate, c
         free(pem);
         return iso_fault_set(fault, -ENOMEM, "out of memory for %s", path);
     }
-    memcpy(chain, pem, n);
-    memcpy(chain + n, ca->pem, m);
+    (void)iso_put_bytes(iso_put_bytes((uint8_t *)chain, pem, n), ca->pem, m); /* without a NUL */
     r = hub__text_store(path, chain, n + m, fault);
     free(chain);
     free(pem);

@@ -99,9 +99,11 @@ static char *base64_of(const struct iso_fleet_bytes *bytes)
     const size_t size = sodium_base64_encoded_len(bytes->size, sodium_base64_VARIANT_ORIGINAL);
     char *text = malloc(size);
 
-    return text ? sodium_bin2base64(text, size, bytes->bytes, bytes->size,
-                                    sodium_base64_VARIANT_ORIGINAL)
-                : NULL;
+    if (text) {
+        (void)sodium_bin2base64(text, size, bytes->bytes, bytes->size,
+                                sodium_base64_VARIANT_ORIGINAL);
+    }
+    return text;
 }
 
 static json_t *reply_of(const struct hub_service *service, const struct iso_fleet_id *door,
