@@ -61,7 +61,7 @@ free_port() {
 }
 
 start_postgres() {
-    rm -f "$work/db/data/postmaster.pid"
+    rm -f "$work/db/data/postmaster.pid" "$work"/db/.s.PGSQL.*.lock
     as_postgres "$pg/postgres" -D "$work/db/data" -k "$work/db" -c listen_addresses= \
         -c max_connections=60 >>"$work/log/postgres" 2>&1 &
     pid_of_postgres=$!

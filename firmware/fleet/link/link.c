@@ -107,6 +107,11 @@ static void on_message(void *context, const char *topic, const void *bytes, size
     link_receive(context, topic, bytes, size);
 }
 
+static void on_unheard(void *context)
+{
+    link_requests_unheard(context);
+}
+
 static void on_published(void *context, int id)
 {
     link_requests_published(context, id);
@@ -127,7 +132,8 @@ static int open_broker(struct link_door *door, struct iso_fault *fault)
                                           .lost = on_lost,
                                           .subscribed = on_subscribed,
                                           .message = on_message,
-                                          .published = on_published};
+                                          .published = on_published,
+                                          .unheard = on_unheard};
     char client[ISO_FLEET_ID_TEXT_SIZE], will[ISO_FLEET_TOPIC_SIZE];
     const struct iso_fleet_id *id = &door->status.door;
 

@@ -186,6 +186,9 @@ void link_events_acked(struct link_door *door, uint64_t number);
 /* ---- link_requests.c ---- */
 
 void link_requests_start(struct link_door *door);
+
+/* The hub did not hear something: all are sent again soon. */
+void link_requests_unheard(struct link_door *door);
 void link_requests_send(struct link_door *door); /* LINK_DUE_REQUESTS */
 void link_requests_published(struct link_door *door, int id);
 void link_requests_free(struct link_door *door);

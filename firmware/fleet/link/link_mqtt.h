@@ -47,6 +47,8 @@ struct link_mqtt_calls {
     void (*message)(void *context, const char *topic, const void *bytes, size_t size);
     /* The broker has a message of QoS 1. */
     void (*published)(void *context, int id);
+    /* The broker had nobody to give a message to: the hub is away. May be NULL. */
+    void (*unheard)(void *context);
 };
 
 /* Makes a client, which connects after a random time of at most backoff_base_ms. `will_topic` is

@@ -60,8 +60,10 @@ static void on_publish(struct mosquitto *client, void *context, int id, int reas
     struct link_mqtt *mqtt = context;
 
     (void)client;
-    (void)reason;
     (void)properties;
+    if (reason == MQTT_RC_NO_MATCHING_SUBSCRIBERS && mqtt->calls.unheard) {
+        mqtt->calls.unheard(mqtt->calls.context);
+    }
     mqtt->calls.published(mqtt->calls.context, id);
 }
 

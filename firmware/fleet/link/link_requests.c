@@ -8,7 +8,7 @@
 
 /* A hub that is started anew loses what it has not stored, and nobody acknowledges a REQUEST. So
  * all are sent again after this time, as long as somebody waits for approval. */
-enum { ROUND_BYTES = 1 << 20, AGAIN_S = 600 };
+enum { ROUND_BYTES = 1 << 20, AGAIN_S = 600, UNHEARD_S = 5 };
 
 void link_requests_free(struct link_door *door)
 {
@@ -97,6 +97,14 @@ void link_requests_send(struct link_door *door)
     }
     if (door->requests.n > 0 && !door->requests.is_cut) {
         link_at(door, LINK_DUE_REQUESTS, door->requests.again_us);
+    }
+}
+
+void link_requests_unheard(struct link_door *door)
+{
+    if (door->requests.n > 0) {
+        link_requests_free(door);
+        link_in(door, LINK_DUE_REQUESTS, UNHEARD_S * LINK_S_US);
     }
 }
 

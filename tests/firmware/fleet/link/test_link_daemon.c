@@ -129,6 +129,25 @@ static void requests_are_sent_in_rounds(void **state)
     link_rig_until(rig, rig->hub.requests == 102);
 }
 
+/* While the hub is away, the broker says that nobody has heard a request. */
+static void a_request_that_nobody_hears_is_sent_again(void **state)
+{
+    struct link_rig *rig = *state;
+
+    (void)begin(rig);
+    const struct link_broker broker = {.host = "localhost", .port = rig->broker.port};
+    const uint64_t sent = link_rig_report(rig).requests;
+    fake_hub_stop(&rig->hub);
+    rig->hub.mqtt = NULL;
+    rig->daemon.requests = 1;
+    rig->daemon.request_bytes = 100;
+    link_door_work(rig->door, "requests");
+    link_rig_until(rig, link_rig_report(rig).requests == sent + 1);
+    link_rig_run(rig, 500);
+    fake_hub_connect(&rig->hub, rig->event, &broker);
+    link_rig_until(rig, rig->hub.requests == 1);
+}
+
 #define RIG_TEST(name) cmocka_unit_test_setup_teardown(name, link_rig_setup, link_rig_teardown)
 
 int main(void)
@@ -141,6 +160,7 @@ int main(void)
         RIG_TEST(a_silent_hub_is_not_asked_again_and_again),
         RIG_TEST(without_a_lease_the_link_asks_often),
         RIG_TEST(requests_are_sent_in_rounds),
+        RIG_TEST(a_request_that_nobody_hears_is_sent_again),
     };
 
     return mosquitto_rig_is_there() ? cmocka_run_group_tests(tests, NULL, NULL) : TEST_SKIPPED;
