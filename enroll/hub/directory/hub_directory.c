@@ -134,7 +134,7 @@ static int step(struct sync *sync, const struct hub__listed *own, const struct h
                                      &why);
     }
     if (error == -ENOTCONN || error == -EIO || error == -ENOSPC || error == -ENOMEM) {
-        return iso_fault_set(fault, error, "%s", why.text);
+        return iso_fault_set_code(fault, why.code, error, "%s", why.text);
     }
     if (error) {
         tell(sync, HUB_DIRECTORY_FAILED, named->name, why.text);

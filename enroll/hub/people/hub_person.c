@@ -21,7 +21,7 @@ struct work {
     size_t n_zones;
     /* The change of one thing: its statement, whose $1 is the person, and what the act says. */
     int (*change)(const struct work *w, struct iso_fault *fault);
-    const char *what, *text;
+    const char *what, *value;
     int64_t from_s, until_s;
     bool ok;
 };
@@ -140,7 +140,7 @@ static int change_credential(const struct work *w, struct iso_fault *fault)
 {
     struct iso_fleet_bytes sealed = {.bytes = NULL};
     struct hub_values values = {.n = 0};
-    int error = hub__credential_seal(w->store, &w->id, w->text, strlen(w->text), &sealed, fault);
+    int error = hub__credential_seal(w->store, &w->id, w->value, strlen(w->value), &sealed, fault);
     if (error) {
         return error;
     }
@@ -159,7 +159,7 @@ int hub_person_set_credential(struct hub_store *store, const struct iso_fleet_id
                      .id = *person,
                      .change = change_credential,
                      .what = "person-credential",
-                     .text = json};
+                     .value = json};
     if (strlen(json) > ISO_FLEET_CREDENTIAL_MAX) {
         return iso_fault_set(fault, -EINVAL, "a credential has at most %d bytes",
                              ISO_FLEET_CREDENTIAL_MAX);
@@ -172,17 +172,17 @@ static int change_name(const struct work *w, struct iso_fault *fault)
 {
     struct hub_values values = {.n = 0};
     char *folded = NULL;
-    int error = iso_name_fold(w->text, &folded);
+    int error = iso_name_fold(w->value, &folded);
     if (error) {
-        return iso_fault_set(fault, error, "%s: the name cannot be folded", w->text);
+        return iso_fault_set(fault, error, "%s: the name cannot be folded", w->value);
     }
     hub_value_id(&values, &w->id);
-    hub_value_text(&values, w->text);
+    hub_value_text(&values, w->value);
     hub_value_text(&values, folded);
     error = hub_db_run(w->store->db, "UPDATE person SET name = $2, folded = $3 WHERE id = $1",
                        &values, NULL, fault);
     free(folded);
-    return error == -EEXIST ? hub__person_name_taken(w->text, fault) : error;
+    return error == -EEXIST ? hub__person_name_taken(w->value, fault) : error;
 }
 
 int hub_person_rename(struct hub_store *store, const struct iso_fleet_id *person, const char *name,
@@ -192,7 +192,7 @@ int hub_person_rename(struct hub_store *store, const struct iso_fleet_id *person
                      .id = *person,
                      .change = change_name,
                      .what = "person-rename",
-                     .text = name};
+                     .value = name};
     const char *flaw = iso_person_name_flaw(name);
     return flaw ? iso_fault_set(fault, -EINVAL, "a person: %s", flaw) : run_change(&w, fault);
 }

@@ -192,7 +192,7 @@ static int commit(struct hub_db *db, struct iso_fault *fault)
                ? iso_fault_set(fault, error,
                                "the database: the connection was lost during the commit; whether "
                                "the change holds is not known")
-               : iso_fault_set(fault, error, "%s", why.text);
+               : iso_fault_set_code(fault, why.code, error, "%s", why.text);
 }
 
 /* One attempt. *again: nothing of it holds, and another one may succeed. */

@@ -323,7 +323,7 @@ int iso__fleet_put(struct iso__fleet_batch *batch, const struct iso_fleet_person
         return error ? error : iso__fleet_put(batch, person, fault); /* people may be others now */
     }
     if (error) {
-        return iso_fault_set(fault, error, "%s", why.text);
+        return iso_fault_set_code(fault, why.code, error, "%s", why.text);
     }
     if (plan.entry && plan.entry->revision >= person->revision) {
         struct iso__fleet_entry *own = iso__fleet_index_find(&batch->fleet->index, &person->id);

@@ -21,7 +21,7 @@ struct hub__delivery hub__delivery_failed(enum hub__outcome outcome, const char 
     struct hub__delivery delivery = {.outcome = outcome};
     va_list list;
     va_start(list, format);
-    (void)vsnprintf(delivery.text, sizeof delivery.text, format, list);
+    (void)vsnprintf(delivery.why, sizeof delivery.why, format, list);
     va_end(list);
     return delivery;
 }

@@ -20,7 +20,7 @@ enum hub__outcome {
 struct hub__delivery {
     enum hub__outcome outcome;
     int64_t asked_s; /* HUB__LATER: how long the receiver asks to wait; 0: it does not */
-    char text[HUB_OUTLET_TROUBLE_SIZE]; /* of a failure */
+    char why[HUB_OUTLET_TROUBLE_SIZE]; /* of a failure */
 };
 
 struct hub__carrier;

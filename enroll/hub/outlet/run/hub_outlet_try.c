@@ -27,7 +27,7 @@ static int hand(struct hub_store *store, const struct hub__outlet_row *row, stru
     hub__carrier_free(carrier);
     return delivery.outcome == HUB__TAKEN
                ? 0
-               : iso_fault_set(fault, -EREMOTEIO, "%s: %s", row->outlet.name, delivery.text);
+               : iso_fault_set(fault, -EREMOTEIO, "%s: %s", row->outlet.name, delivery.why);
 }
 
 int hub_outlet_try(struct hub_store *store, const char *name, struct iso_fault *fault)

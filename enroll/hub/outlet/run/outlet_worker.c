@@ -92,9 +92,9 @@ static int refused(struct hub__worker *worker, const struct hub_outlet *outlet,
     fprintf(stderr,
             SD_ERR "isotherm-hub: outlet %s has stopped: %s; `isotherm-hub outlet resume %s` lets "
                    "it go on\n",
-            outlet->name, delivery->text, outlet->name);
+            outlet->name, delivery->why, outlet->name);
     const int error = hub__batch_failed(&worker->store, &worker->id, outlet->failures + 1, 0, true,
-                                        delivery->text, &fault);
+                                        delivery->why, &fault);
     return error ? troubled(worker, error, &fault) : HUB__WORKER_TROUBLE_MS;
 }
 
@@ -108,11 +108,11 @@ static int failed(struct hub__worker *worker, const struct hub_outlet *outlet,
         fprintf(stderr,
                 SD_WARNING "isotherm-hub: outlet %s: %s; failure %llu, the next attempt is in "
                            "%lld s\n",
-                outlet->name, delivery->text, (unsigned long long)failures,
+                outlet->name, delivery->why, (unsigned long long)failures,
                 (long long)(wait_ms + 999) / 1000);
     }
     const int error = hub__batch_failed(&worker->store, &worker->id, failures, now_ms() + wait_ms,
-                                        false, delivery->text, &fault);
+                                        false, delivery->why, &fault);
     return error ? troubled(worker, error, &fault) : AT_ONCE;
 }
 
