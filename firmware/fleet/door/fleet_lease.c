@@ -177,7 +177,8 @@ static int take(struct iso_fleet *fleet, const struct iso_fleet_lease *lease,
     list_zones(fleet, &draft, lease);
     draft.lease_s = lease->lease_s;
     draft.local_people = lease->local_people;
-    draft.acked = lease->acked > draft.acked ? lease->acked : draft.acked;
+    /* Also a lower number: a hub that was restored has lost events, and gets them again. */
+    draft.acked = lease->acked;
     iso__fleet_give_term(fleet, &draft, lease);
     if (draft.local_people != fleet->record.local_people ||
         has_other_zones(&draft, &fleet->record) ||
