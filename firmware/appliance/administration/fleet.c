@@ -214,6 +214,8 @@ void iso__appliance_start_fleet(struct iso_appliance *appliance)
 {
     iso_site_access_set_admission(appliance->access.site, admission, appliance);
     appliance->fleet.due_ns = 0;
+    iso_fleet_close(appliance->fleet.door); /* of an earlier start */
+    appliance->fleet.door = NULL;
     if (open_fleet(appliance)) {
         iso__appliance_say(appliance, LOG_ERR,
                            "fleet: it cannot be read whether the door belongs to one: nobody is "
