@@ -144,7 +144,9 @@ int iso__fleet_index_refresh(struct iso__fleet_index *index, const struct iso_fl
         iso_credential_record_wipe(&record);
         index->entries[index->n++] = entry;
     }
-    qsort(index->entries, index->n, sizeof *index->entries, by_id);
+    if (index->n > 0) {
+        qsort(index->entries, index->n, sizeof *index->entries, by_id);
+    }
     index->version = now;
     return 0;
 }
