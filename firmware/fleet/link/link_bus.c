@@ -1,6 +1,7 @@
 #include "firmware/fleet/link/link_bus.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -109,7 +110,8 @@ int link__bus_send(struct link_bus *bus, sd_bus_message *call, uint64_t limit_us
                    sd_bus_message **reply, struct iso_fault *fault)
 {
     sd_bus_error error = SD_BUS_ERROR_NULL;
-    const char *method = sd_bus_message_get_member(call);
+    char method[64]; /* a message moves its texts when it is sent */
+    (void)snprintf(method, sizeof method, "%s", sd_bus_message_get_member(call));
     int r = sd_bus_call(bus->bus, call, limit_us, &error, reply);
 
     if (r < 0) {
