@@ -135,7 +135,7 @@ static void open_parts(struct rig *rig)
         .zones = &rig_zones,
         .events = {on_enroll_status, on_enroll_step, on_recognition_status, on_visit, on_wanted,
                    on_hint, on_view, NULL, on_picture, on_door_changed, on_claim_lost, on_message,
-                   rig},
+                   rig, NULL},
     };
     assert_int_equal(iso_door_io_open("null", NULL, 0, &clock, &unpowered, &rig->door_io, NULL), 0);
     struct iso_gallery_options gallery = stores_gallery(rig->directory);
