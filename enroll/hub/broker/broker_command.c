@@ -1,15 +1,11 @@
 #include "enroll/hub/broker/broker_command.h"
 
 #include <errno.h>
-#include <getopt.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 #include "enroll/hub/broker/broker_config.h"
-#include "enroll/hub/broker/hub_pair.h"
+#include "enroll/hub/broker/hub_options.h"
 
 enum { EXIT_USAGE = 2, EXIT_FAULT = 4 };
 
@@ -46,44 +42,23 @@ static const struct option longs[] = {
 
 struct words {
     struct broker_places places;
-    const char *hosts[HUB_PAIR_HOSTS_MOST];
-    size_t n;
-    char host[HOST_NAME_MAX + 1];
+    struct hub_hosts hosts;
 };
 
-static int read_port(const char *text, unsigned long least, uint16_t *out)
+static int take(int option, const char *value, void *context)
 {
-    char *end = NULL;
-    const unsigned long value = strtoul(text, &end, 10);
+    struct words *words = context;
 
-    if (end == text || *end || value < least || value > UINT16_MAX) {
-        return -EINVAL;
-    }
-    *out = (uint16_t)value;
-    return 0;
-}
-
-static int add_host(struct words *words, const char *host)
-{
-    if (words->n == HUB_PAIR_HOSTS_MOST) {
-        return -EINVAL;
-    }
-    words->hosts[words->n++] = host;
-    return 0;
-}
-
-static int take(int option, const char *value, struct words *words)
-{
     switch (option) {
     case OUTPUT:
         words->places.folder = value;
         return 0;
     case HOST:
-        return add_host(words, value);
+        return hub_hosts_add(&words->hosts, value);
     case PORT:
-        return read_port(value, 1, &words->places.port);
+        return hub_port_read(value, 1, &words->places.port);
     case HUB_PORT:
-        return read_port(value, 0, &words->places.hub_port);
+        return hub_port_read(value, 0, &words->places.hub_port);
     case HUB_ADDRESS:
         words->places.hub_address = value;
         return 0;
@@ -104,25 +79,13 @@ static int take(int option, const char *value, struct words *words)
 static int read_options(struct words *words, int argc, char **argv)
 {
     static const char *const local[] = {"localhost", "127.0.0.1", "::1"};
-    int option, r = 0;
+    const int r = hub_options_read(argc, argv, longs, take, words);
 
-    optind = 1;
-    while (r == 0 && (option = getopt_long(argc, argv, "", longs, NULL)) != -1) {
-        r = take(option, optarg, words);
-        if (r == -EINVAL) {
-            fprintf(stderr, "isotherm-hub: %s: is not allowed here\n", optarg);
-        }
-    }
-    if (r == 0 && optind < argc) {
-        fprintf(stderr, "isotherm-hub: broker-config: %s: takes no words\n", argv[optind]);
-        r = -EINVAL;
-    }
-    if (r == 0 && words->n == 0) {
-        (void)gethostname(words->host, sizeof words->host - 1);
-        r = add_host(words, words->host);
-    }
-    for (size_t i = 0; r == 0 && i < sizeof local / sizeof *local; i++) {
-        (void)add_host(words, local[i]);
+    hub_hosts_complete(&words->hosts);
+    /* As many of these as there is room for. */
+    for (size_t i = 0; i < sizeof local / sizeof *local && words->hosts.n < HUB_PAIR_HOSTS_MOST;
+         i++) {
+        words->hosts.names[words->hosts.n++] = local[i];
     }
     return r;
 }
@@ -137,8 +100,8 @@ static int run(const struct hub_store_options *options, const char *folder,
     r = r < 0 ? r : hub_store_open(options, &store, fault);
     r = r < 0 ? r : hub_ca_open(folder, &ca, fault);
     r = r < 0 ? r
-              : broker_config_write(&store, ca, &words->places, words->hosts, words->n, changed,
-                                    fault);
+              : broker_config_write(&store, ca, &words->places, words->hosts.names, words->hosts.n,
+                                    changed, fault);
     hub_ca_free(ca);
     hub_store_close(&store);
     return r;

@@ -1,14 +1,12 @@
 #include "enroll/hub/serve/serve_command.h"
 
 #include <errno.h>
-#include <getopt.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "enroll/hub/broker/broker_config.h"
+#include "enroll/hub/broker/hub_options.h"
 #include "enroll/hub/serve/hub_serve.h"
 
 enum { EXIT_USAGE = 2, EXIT_FAULT = 4 };
@@ -60,7 +58,8 @@ static const struct option longs[] = {
 
 struct words {
     struct hub_serve_options options;
-    char broker[HOST_NAME_MAX + 1], door_broker[HOST_NAME_MAX + 1], host[HOST_NAME_MAX + 1];
+    struct hub_hosts hosts;
+    char broker[HOST_NAME_MAX + 1], door_broker[HOST_NAME_MAX + 1];
 };
 
 /* Splits "HOST:PORT", "[ADDRESS]:PORT" or "HOST"; a bare IPv6 address has no port. */
@@ -68,7 +67,6 @@ static int split(const char *text, char host[HOST_NAME_MAX + 1], uint16_t *port)
 {
     const char *colon = strrchr(text, ':');
     const char *end = text + strlen(text);
-    char *rest = NULL;
 
     if (*text == '[') {
         const char *bracket = strchr(++text, ']');
@@ -82,12 +80,8 @@ static int split(const char *text, char host[HOST_NAME_MAX + 1], uint16_t *port)
     } else {
         colon = NULL;
     }
-    if (colon) {
-        const unsigned long value = strtoul(colon + 1, &rest, 10);
-        if (*rest || value == 0 || value > UINT16_MAX) {
-            return -EINVAL;
-        }
-        *port = (uint16_t)value;
+    if (colon && hub_port_read(colon + 1, 1, port)) {
+        return -EINVAL;
     }
     if (end == text || end - text > HOST_NAME_MAX) {
         return -EINVAL;
@@ -97,29 +91,9 @@ static int split(const char *text, char host[HOST_NAME_MAX + 1], uint16_t *port)
     return 0;
 }
 
-static int add_host(struct hub_serve_options *options, const char *host)
+static int take(int option, const char *value, void *context)
 {
-    if (options->n_hosts == HUB_PAIR_HOSTS_MOST) {
-        return -EINVAL;
-    }
-    options->hosts[options->n_hosts++] = host;
-    return 0;
-}
-
-static int take_port(const char *text, uint16_t *port)
-{
-    char *rest = NULL;
-    const unsigned long value = strtoul(text, &rest, 10);
-
-    if (rest == text || *rest || value == 0 || value > UINT16_MAX) {
-        return -EINVAL;
-    }
-    *port = (uint16_t)value;
-    return 0;
-}
-
-static int take(int option, const char *value, struct words *words)
-{
+    struct words *words = context;
     struct hub_serve_options *options = &words->options;
 
     switch (option) {
@@ -127,9 +101,9 @@ static int take(int option, const char *value, struct words *words)
         options->listen = value;
         return 0;
     case HOST:
-        return add_host(options, value);
+        return hub_hosts_add(&words->hosts, value);
     case PORT:
-        return take_port(value, &options->door_port);
+        return hub_port_read(value, 1, &options->door_port);
     case PAGES:
         options->pages = value;
         return 0;
@@ -161,29 +135,18 @@ static int take(int option, const char *value, struct words *words)
 
 static int read_options(struct words *words, int argc, char **argv)
 {
-    int option, r = 0;
+    struct hub_serve_options *options = &words->options;
+    int r = hub_options_read(argc, argv, longs, take, words);
 
-    optind = 1;
-    while (r == 0 && (option = getopt_long(argc, argv, "", longs, NULL)) != -1) {
-        r = take(option, optarg, words);
-        if (r == -EINVAL) {
-            fprintf(stderr, "isotherm-hub: %s: is not allowed here\n", optarg);
-        }
+    hub_hosts_complete(&words->hosts);
+    options->n_hosts = words->hosts.n;
+    memcpy(options->hosts, words->hosts.names, sizeof options->hosts);
+    if (r == 0 && options->door_port == 0) {
+        const char *colon = strrchr(options->listen, ':');
+        r = colon ? hub_port_read(colon + 1, 1, &options->door_port) : 0;
     }
-    if (r == 0 && optind < argc) {
-        fprintf(stderr, "isotherm-hub: serve: %s: takes no words\n", argv[optind]);
-        r = -EINVAL;
-    }
-    if (r == 0 && words->options.n_hosts == 0) {
-        (void)gethostname(words->host, sizeof words->host - 1);
-        (void)add_host(&words->options, words->host);
-    }
-    if (r == 0 && words->options.door_port == 0) {
-        const char *colon = strrchr(words->options.listen, ':');
-        r = colon ? take_port(colon + 1, &words->options.door_port) : 0;
-    }
-    if (r == 0 && !words->options.door_broker_host) {
-        words->options.door_broker_host = words->options.hosts[0];
+    if (r == 0 && !options->door_broker_host) {
+        options->door_broker_host = options->hosts[0];
     }
     return r;
 }
