@@ -2,7 +2,6 @@
  * goes on without it. */
 #include <errno.h>
 #include <limits.h>
-#include <signal.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +10,7 @@
 #include <systemd/sd-event.h>
 #include <time.h>
 
+#include "drivers/process/service_loop.h"
 #include "enroll/web/account/setup_code.h"
 #include "enroll/web/api/api.h"
 #include "enroll/web/api/document.h"
@@ -58,17 +58,8 @@ static int path_of(char path[PATH_MAX], const char *folder, const char *name,
 
 static int open_loop(struct program *program, struct iso_fault *fault)
 {
-    sigset_t signals;
+    const int r = iso_service_loop_open(&program->event);
 
-    (void)signal(SIGPIPE, SIG_IGN);
-    (void)sigemptyset(&signals);
-    (void)sigaddset(&signals, SIGTERM);
-    (void)sigaddset(&signals, SIGINT);
-    (void)sigprocmask(SIG_BLOCK, &signals, NULL);
-    int r = sd_event_default(&program->event);
-    r = r < 0 ? r : sd_event_add_signal(program->event, NULL, SIGTERM, NULL, NULL);
-    r = r < 0 ? r : sd_event_add_signal(program->event, NULL, SIGINT, NULL, NULL);
-    r = r < 0 ? r : sd_event_set_watchdog(program->event, 1);
     return r < 0 ? iso_fault_set(fault, r, "the event loop: %s", strerror(-r)) : 0;
 }
 

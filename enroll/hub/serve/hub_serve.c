@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <limits.h>
-#include <signal.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,6 +9,7 @@
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
 
+#include "drivers/process/service_loop.h"
 #include "enroll/hub/serve/service.h"
 
 /* A database that hangs must not hold the hub for ever, and the lock of a leader whose machine is
@@ -21,17 +21,8 @@ static const char database_limits[] =
 
 static int open_loop(struct hub_service *service, struct iso_fault *fault)
 {
-    sigset_t signals;
+    const int r = iso_service_loop_open(&service->event);
 
-    (void)signal(SIGPIPE, SIG_IGN);
-    (void)sigemptyset(&signals);
-    (void)sigaddset(&signals, SIGTERM);
-    (void)sigaddset(&signals, SIGINT);
-    (void)sigprocmask(SIG_BLOCK, &signals, NULL);
-    int r = sd_event_default(&service->event);
-    r = r < 0 ? r : sd_event_add_signal(service->event, NULL, SIGTERM, NULL, NULL);
-    r = r < 0 ? r : sd_event_add_signal(service->event, NULL, SIGINT, NULL, NULL);
-    r = r < 0 ? r : sd_event_set_watchdog(service->event, 1);
     return r < 0 ? iso_fault_set(fault, r, "the event loop: %s", strerror(-r)) : 0;
 }
 

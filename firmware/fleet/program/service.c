@@ -1,7 +1,6 @@
 #include "firmware/fleet/program/service.h"
 
 #include <errno.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -9,6 +8,7 @@
 #include <systemd/sd-event.h>
 #include <time.h>
 
+#include "drivers/process/service_loop.h"
 #include "firmware/fleet/link/link.h"
 #include "firmware/fleet/link/link_bus.h"
 #include "firmware/fleet/program/home.h"
@@ -193,17 +193,8 @@ static void on_work(void *context, const char *what)
 
 static int open_loop(struct service *service, struct iso_fault *fault)
 {
-    sigset_t signals;
+    int r = iso_service_loop_open(&service->event);
 
-    (void)signal(SIGPIPE, SIG_IGN);
-    (void)sigemptyset(&signals);
-    (void)sigaddset(&signals, SIGTERM);
-    (void)sigaddset(&signals, SIGINT);
-    (void)sigprocmask(SIG_BLOCK, &signals, NULL);
-    int r = sd_event_default(&service->event);
-    r = r < 0 ? r : sd_event_add_signal(service->event, NULL, SIGTERM, NULL, NULL);
-    r = r < 0 ? r : sd_event_add_signal(service->event, NULL, SIGINT, NULL, NULL);
-    r = r < 0 ? r : sd_event_set_watchdog(service->event, 1);
     r = r < 0 ? r
               : sd_event_add_time_relative(service->event, &service->look, CLOCK_BOOTTIME, 0,
                                            100000, on_look, service);
