@@ -8,10 +8,10 @@
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/mman.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "drivers/process/thread.h"
+#include "enroll/web/http/now.h"
 
 struct job {
     struct job *next;
@@ -83,18 +83,11 @@ static int write_all(void *context, const void *bytes, size_t size)
     return 0;
 }
 
-static double now_s(void)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static void answer(struct hub_store *store, struct job *job)
 {
     struct hub_fetch_result *result = &job->result;
     struct output out = {.fd = memfd_create("isotherm-fetch", MFD_CLOEXEC)};
-    const double begun = now_s();
+    const int64_t begun_ns = web_now_ns();
 
     result->error = out.fd < 0 ? iso_fault_set(&result->fault, -errno, "a file in memory: %s",
                                                strerror(errno))
@@ -106,7 +99,7 @@ static void answer(struct hub_store *store, struct job *job)
     }
     result->fd = out.fd;
     result->size = out.size;
-    result->seconds = now_s() - begun;
+    result->seconds = 1e-9 * (double)(web_now_ns() - begun_ns);
 }
 
 static void *run(void *context)

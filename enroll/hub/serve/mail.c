@@ -3,18 +3,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <systemd/sd-daemon.h>
-#include <time.h>
 
 #include "enroll/hub/serve/service.h"
 #include "enroll/hub/store/hub_door.h"
+#include "enroll/web/http/now.h"
 
 enum { RETRY_US = 1000000 };
 
 double hub__clock_s(void)
 {
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    return 1e-9 * (double)web_now_ns();
 }
 
 void hub__measured(struct hub_service *service, const char *what, double begun_s)

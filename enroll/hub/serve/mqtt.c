@@ -9,7 +9,8 @@
 #include <string.h>
 #include <sys/epoll.h>
 #include <systemd/sd-daemon.h>
-#include <time.h>
+
+#include "enroll/web/http/now.h"
 
 enum {
     KEEPALIVE_S = 30,
@@ -35,9 +36,7 @@ struct hub_mqtt {
 
 static int64_t now_ms(void)
 {
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+    return web_now_ns() / 1000000;
 }
 
 static void set_timer(struct hub_mqtt *mqtt, int64_t ms)
