@@ -2,34 +2,18 @@
  * seen. Events for listeners: "connection" (true or false), "changed" (the numbers, or the connection),
  * "tick" (asked again; for pages that show more than numbers). */
 
+import { makeListeners } from './base/listeners.js';
+
 const EVERY_MS = 5000;
 
 export function makeFleet(api) {
-    const listeners = new Map();
     let timer = 0;
     let running = false;
     const fleet = {
         connected: null, /* null: not known yet */
         status: null,
 
-        /* Calls listener(value) for each event of a name; returns a function that ends it. */
-        on(name, listener) {
-            if (!listeners.has(name)) {
-                listeners.set(name, new Set());
-            }
-            listeners.get(name).add(listener);
-            return () => listeners.get(name).delete(listener);
-        },
-
-        tell(name, value) {
-            for (const listener of [...(listeners.get(name) ?? [])]) {
-                try {
-                    listener(value);
-                } catch (error) {
-                    console.error(error); /* one page in trouble does not stop the others */
-                }
-            }
-        },
+        ...makeListeners(),
 
         start() {
             running = true;

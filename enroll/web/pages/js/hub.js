@@ -1,12 +1,13 @@
 /* What happens at the door, for all pages: one stream of events of the API, given to those who
  * listen. It remembers the last status, visits and enrolment. */
 
+import { makeListeners } from './base/listeners.js';
+
 const VISITS_MOST = 50;
 
 /* Events besides those of the API: "connection" (true or false) and "changed" (something that the
  * banner shows). */
 export function makeHub(api) {
-    const listeners = new Map();
     let stream = null;
     const hub = {
         connected: null, /* null: not known yet */
@@ -15,24 +16,7 @@ export function makeHub(api) {
         visits: [], /* the newest first */
         enrolment: null,
 
-        /* Calls listener(value) for each event of a name; returns a function that ends it. */
-        on(name, listener) {
-            if (!listeners.has(name)) {
-                listeners.set(name, new Set());
-            }
-            listeners.get(name).add(listener);
-            return () => listeners.get(name).delete(listener);
-        },
-
-        tell(name, value) {
-            for (const listener of [...(listeners.get(name) ?? [])]) {
-                try {
-                    listener(value);
-                } catch (error) {
-                    console.error(error); /* one page in trouble does not stop the others */
-                }
-            }
-        },
+        ...makeListeners(),
 
         start() {
             document.addEventListener('visibilitychange', follow);

@@ -4,8 +4,9 @@ import {_} from '../base/i18n.js';
 import {h} from '../base/dom.js';
 import {checkbox} from './fields.js';
 
-/* `zones` are all; `chosen` are ids. read() returns the ids that are chosen, those that were chosen
- * before in their order, or throws an Error with a sentence if there is none. */
+/* `zones` is the list of all zones, `chosen` the ids that are chosen at the beginning. read() returns
+ * the ids that are chosen now: first those of `chosen`, in their order, then the others. If no zone
+ * is chosen, it throws an Error whose message is a sentence for people. */
 export function zoneChoice(zones, chosen = [], label = _('Zones')) {
     const boxes = zones.map(({ id, name }) => {
         const { box, element } = checkbox(h('bdi', {}, name), { checked: chosen.includes(id) });
