@@ -110,7 +110,7 @@ step_faults() {
     expect "faults: after $kills kills all doors of hq have what the hub has" wait_for 120 is_level hq
     expect "faults: and those of lab" wait_for 60 is_level lab
     ok "faults: level again $((($(now_ms) - seconds) / 1000)) s after the last kill"
-    expect "faults: $lives people came and went, $(grep -c ' visit ' "$work/ledger") visits; $(admitted_too_late) let in longer after their revocation than the lease" \
+    expect "faults: $lives people came and went, $(grep -c ' visit ' "$work/ledger") visits, $(grep -c ' allow ' "$work/ledger") let in; $(admitted_too_late) longer after their revocation than the lease" \
         [ "$(admitted_too_late)" -eq 0 ]
     expect "faults: nobody who was revoked is left" [ -z "$(sql "SELECT name FROM person WHERE name ~ '^p[0-9]+\$'")" ]
     expect "faults: all events are at home" wait_for 90 events_are_home

@@ -98,7 +98,10 @@ step_join() {
     all_online || give_up "the doors are not online"
 }
 
-refuses_code() { ! join_door 0 "$1" "$work/refused" 2>/dev/null; }
+# The hub answers 403, and not another error.
+refuses_code() {
+    ! join_door 0 "$1" "$work/refused" 2>"$work/log/refused" && grep -q 'error: 403' "$work/log/refused"
+}
 
 all_online() {
     states >"$work/states"
@@ -131,12 +134,19 @@ enrol_everywhere() { # NAME FACE DOOR ZONE
     echo $(($(now_ms) - begin))
 }
 
+# Runs a command of the hub. Its status 1 says that some doors have not confirmed yet; what follows waits for them.
+act() { # WORD...
+    local status=0
+    hub "$@" >/dev/null || status=$?
+    [ "$status" -le 1 ] || bad "isotherm-hub $*: status $status"
+}
+
 has_request() { [ -n "$(sql "SELECT 1 FROM request WHERE name = '$1' AND state = 0")" ]; }
 
 step_enrol() {
     local ms hq lab
-    ms=$(enrol_everywhere ada 100 3 hq) || bad "enrol: ada does not arrive at the doors of hq"
-    ok "enrol: enrolled at one door, approved, at all doors of the zone after ${ms:-?} ms"
+    ms=$(enrol_everywhere ada 100 3 hq) || true
+    expect "enrol: enrolled at one door, approved, at all doors of the zone after ${ms:-too many} ms" [ -n "$ms" ]
     hq=$(doors_that_say "allow ada" 100 $(echo $(doors_of hq)) | wc -l)
     expect "enrol: $hq of 41 doors of hq let ada in" [ "$hq" -eq 41 ]
     lab=$(doors_that_say "allow ada" 100 $(doors_of lab | grep -vx "$BOTH") | wc -l)
@@ -159,7 +169,7 @@ step_revoke() {
         face=$((face_of_revoke = ${face_of_revoke:-140} + 20))
         enrol_everywhere "$name" "$face" 7 hq >/dev/null || bad "revoke: $name does not arrive"
         begin=$(now_ms)
-        hub person revoke "$name" >/dev/null
+        act person revoke "$name"
         wait_for 20 is_level hq || bad "revoke: the doors are not level after 20 s"
         ms=$(($(now_ms) - begin))
         all+=("$ms")
@@ -220,7 +230,7 @@ step_lockdown() {
     start_doors 10
     expect "lockdown: the others have it after their start" wait_for 30 is_level hq
     expect "lockdown: they keep ada out, too" [ -z "$(doors_that_say "allow ada" 100 10 19)" ]
-    hub lockdown off hq >/dev/null
+    act lockdown off hq
     wait_for 20 is_level hq || bad "lockdown: it does not end at all doors"
     expect "lockdown: after its end ada is let in" [ "$(doors_that_say "allow ada" 100 0 10 39 | wc -l)" -eq 3 ]
 }
@@ -253,8 +263,9 @@ kill_hubs() {
 
 step_expel() {
     local epoch
+    expect "expel: before, the broker accepts the certificates of the doors 48 and 49" accepts_certificates 48 49
     epoch=$(sql "SELECT epoch FROM zone WHERE name = 'lab'")
-    hub door expel door49 >/dev/null
+    act door expel door49
     DOORS_LEFT_OUT=49
     expect "expel: the zone has a new epoch" [ "$(sql "SELECT epoch FROM zone WHERE name = 'lab'")" -eq $((epoch + 1)) ]
     kill -HUP "$pid_of_broker"
@@ -262,8 +273,11 @@ step_expel() {
     sleep 1
     expect "expel: the stolen door cannot read what comes then" [ -z "$(doors_that_say "allow gina" 260 49)" ]
     expect "expel: the others go on" [ "$(doors_that_say "allow gina" 260 40 48 "$BOTH" | wc -l)" -eq 3 ]
-    expect "expel: the broker refuses its certificate" refuses_certificate 49
+    expect "expel: the broker refuses its certificate, and accepts that of another door" \
+        eval 'refuses_certificate 49 && ! refuses_certificate 48'
 }
+
+accepts_certificates() { ! refuses_certificate "$1" && ! refuses_certificate "$2"; }
 
 refuses_certificate() {
     ! timeout 10 mosquitto_pub -V mqttv5 -h localhost -p "$broker_port" --cafile "$work/broker/ca.pem" \
@@ -279,7 +293,7 @@ step_restored() {
     start_hub 1
     start_hub 2
     enrol_everywhere hans 280 5 hq >/dev/null || bad "restored: hans does not arrive"
-    hub person revoke ada >/dev/null || bad "restored: ada is not there"
+    act person revoke ada
     wait_for 20 is_level hq || bad "restored: the doors are not level"
     kill_hubs
     sql "DROP SCHEMA public CASCADE; CREATE SCHEMA public" 2>/dev/null
@@ -293,9 +307,9 @@ step_restored() {
     expect "restored: after a recovery all doors have what the hub has" wait_for 80 is_level hq
     n=$(states | grep -c 'behind 1') || true
     expect "restored: $n doors say that the hub is behind" [ "$n" -eq 0 ]
-    hub person revoke ada >/dev/null || bad "restored: ada cannot be revoked again"
+    act person revoke ada
     wait_for 20 is_level hq || bad "restored: the doors are not level after a revocation"
 }
 
 some_behind() { states | grep -q 'behind 1'; }
-refuses_changes() { ! hub person limit ben --until 2030-01-01 >/dev/null 2>&1 || ! hub zone policy hq none >/dev/null 2>&1; }
+refuses_changes() { ! hub person limit fritz --until 2030-01-01 >"$work/log/behind" 2>&1 && grep -q 'isotherm-hub recover' "$work/log/behind"; }

@@ -27,7 +27,7 @@ void door_rig_make(struct door_rig *door, const char *folder)
     assert_int_equal(system(line), 0);
 }
 
-static size_t collect(char *bytes, size_t size, size_t n, void *context)
+size_t door_reply_add(char *bytes, size_t size, size_t n, void *context)
 {
     struct door_reply *reply = context;
 
@@ -55,7 +55,7 @@ void door_rig_post(const struct door_rig *door, uint16_t port, const char *path,
     (void)curl_easy_setopt(curl, CURLOPT_HTTPHEADER, headers);
     (void)curl_easy_setopt(curl, CURLOPT_POSTFIELDS, size ? bytes : "");
     (void)curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE, (long)size);
-    (void)curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, collect);
+    (void)curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, door_reply_add);
     (void)curl_easy_setopt(curl, CURLOPT_WRITEDATA, reply);
     (void)curl_easy_setopt(curl, CURLOPT_TIMEOUT, 60L);
     (void)curl_easy_setopt(curl, CURLOPT_NOPROXY, "*");

@@ -30,6 +30,9 @@ struct door_reply {
     size_t size;
 };
 
+/* CURLOPT_WRITEFUNCTION: adds to a struct door_reply. */
+size_t door_reply_add(char *bytes, size_t size, size_t n, void *reply);
+
 /* Makes the keys and a certificate request: FOLDER/door.key, FOLDER/door.csr. */
 void door_rig_make(struct door_rig *door, const char *folder);
 

@@ -15,18 +15,6 @@
 
 static CURL *curl;
 
-static size_t collect(char *bytes, size_t size, size_t n, void *context)
-{
-    struct door_reply *reply = context;
-
-    reply->bytes = realloc(reply->bytes, reply->size + size * n + 1);
-    assert_non_null(reply->bytes);
-    memcpy(reply->bytes + reply->size, bytes, size * n);
-    reply->size += size * n;
-    reply->bytes[reply->size] = '\0';
-    return size * n;
-}
-
 /* Asks as the pages of the hub would. Returns the status; *json (NULL: not wanted) is the answer,
  * which the caller gives back. */
 static long ask(const char *method, const char *path, const char *body, json_t **json)
@@ -49,7 +37,7 @@ static long ask(const char *method, const char *path, const char *body, json_t *
     (void)curl_easy_setopt(curl, CURLOPT_HTTPGET, body ? 0L : 1L);
     (void)curl_easy_setopt(curl, CURLOPT_POST, body ? 1L : 0L);
     (void)curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, method);
-    (void)curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, collect);
+    (void)curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, door_reply_add);
     (void)curl_easy_setopt(curl, CURLOPT_WRITEDATA, &reply);
     (void)curl_easy_setopt(curl, CURLOPT_NOPROXY, "*");
     assert_int_equal(curl_easy_perform(curl), CURLE_OK);

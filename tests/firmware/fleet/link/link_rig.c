@@ -181,3 +181,13 @@ int link_rig_teardown(void **state)
     free(rig);
     return scratch_teardown(&directory);
 }
+
+struct hub_zone *link_rig_begin(struct link_rig *rig)
+{
+    struct hub_zone *zone = fake_hub_zone(&rig->hub, 0);
+
+    link_rig_start(rig);
+    link_rig_until_level(rig);
+    link_rig_until(rig, link_rig_report(rig).phase == LINK_ONLINE);
+    return zone;
+}

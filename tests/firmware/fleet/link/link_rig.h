@@ -56,6 +56,9 @@ void link_rig_run(struct link_rig *rig, int ms);
 /* Runs until the daemon is as far as the hub in all zones, and the hub knows it. */
 void link_rig_until_level(struct link_rig *rig);
 
+/* Starts the link with one empty zone, and runs until the door is online and level with the hub. */
+struct hub_zone *link_rig_begin(struct link_rig *rig);
+
 /* What the link reports. */
 #define link_rig_report(rig) link_door_report((rig)->door)
 

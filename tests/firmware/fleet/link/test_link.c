@@ -10,21 +10,10 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 #include "tests/support/programs/private_bus.h"
 
-/* A door with one empty zone that is level with the hub. */
-static struct hub_zone *begin(struct link_rig *rig)
-{
-    struct hub_zone *zone = fake_hub_zone(&rig->hub, 0);
-
-    link_rig_start(rig);
-    link_rig_until_level(rig);
-    link_rig_until(rig, link_rig_report(rig).phase == LINK_ONLINE);
-    return zone;
-}
-
 static void changes_arrive_and_are_confirmed(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *zone = begin(rig);
+    struct hub_zone *zone = link_rig_begin(rig);
 
     for (int i = 0; i < 20; i++) {
         fake_hub_change(&rig->hub, zone);
@@ -43,7 +32,7 @@ static void changes_arrive_and_are_confirmed(void **state)
 static void nothing_falls_between_subscription_and_comparison(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *zone = begin(rig);
+    struct hub_zone *zone = link_rig_begin(rig);
 
     link_door_free(rig->door);
     rig->hub.publishes_on_question = true;
@@ -57,7 +46,7 @@ static void nothing_falls_between_subscription_and_comparison(void **state)
 static void a_gap_is_fetched(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *zone = begin(rig);
+    struct hub_zone *zone = link_rig_begin(rig);
 
     for (int i = 0; i < 40; i++) {
         fake_hub_change(&rig->hub, zone);
@@ -74,7 +63,7 @@ static void a_gap_is_fetched(void **state)
 static void a_head_leads_to_fetches_until_level(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *zone = begin(rig);
+    struct hub_zone *zone = link_rig_begin(rig);
 
     rig->hub.reply_most = 15;
     for (int i = 0; i < 40; i++) {
@@ -88,7 +77,7 @@ static void a_head_leads_to_fetches_until_level(void **state)
 static void deltas_during_a_fetch_are_not_lost(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *zone = begin(rig);
+    struct hub_zone *zone = link_rig_begin(rig);
 
     rig->hub.server.holds = true;
     for (int i = 0; i < 3; i++) {
@@ -125,7 +114,7 @@ static void a_new_door_gets_a_snapshot(void **state)
 static void deltas_that_are_gone_are_replaced_by_a_snapshot(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *zone = begin(rig);
+    struct hub_zone *zone = link_rig_begin(rig);
 
     rig->hub.has_no_deltas = true;
     for (int i = 0; i < 5; i++) {
@@ -142,7 +131,7 @@ static void a_further_zone_is_subscribed(void **state)
 {
     struct link_rig *rig = *state;
 
-    (void)begin(rig);
+    (void)link_rig_begin(rig);
     struct hub_zone *second = fake_hub_zone(&rig->hub, 2);
     link_door_work(rig->door, "places");
     link_rig_until_level(rig);
@@ -158,7 +147,7 @@ static void a_further_zone_is_subscribed(void **state)
 static void a_lost_zone_is_unsubscribed(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *first = begin(rig);
+    struct hub_zone *first = link_rig_begin(rig);
     struct hub_zone *second = fake_hub_zone(&rig->hub, 0);
 
     link_door_work(rig->door, "places");
@@ -212,7 +201,7 @@ static void send_foreign(struct link_rig *rig, const struct iso_fleet_signer *si
 static void forged_messages_do_not_reach_the_daemon(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *zone = begin(rig);
+    struct hub_zone *zone = link_rig_begin(rig);
     struct iso_fleet_signer stranger;
     const struct iso_fleet_id other = iso_fleet_id_random();
     uint64_t sent = 0;
@@ -251,7 +240,7 @@ static void forged_messages_do_not_reach_the_daemon(void **state)
 static void forged_replies_do_not_reach_the_daemon(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *zone = begin(rig);
+    struct hub_zone *zone = link_rig_begin(rig);
 
     rig->hub.forges_reply = true;
     fake_hub_change(&rig->hub, zone);

@@ -6,21 +6,10 @@
 #include "tests/firmware/rigs/cmocka_headers.h"
 #include "tests/support/programs/private_bus.h"
 
-/* A door with one empty zone that is level with the hub. */
-static struct hub_zone *begin(struct link_rig *rig)
-{
-    struct hub_zone *zone = fake_hub_zone(&rig->hub, 0);
-
-    link_rig_start(rig);
-    link_rig_until_level(rig);
-    link_rig_until(rig, link_rig_report(rig).phase == LINK_ONLINE);
-    return zone;
-}
-
 static void a_daemon_that_was_away_catches_up(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *zone = begin(rig);
+    struct hub_zone *zone = link_rig_begin(rig);
 
     rig->daemon.is_away = true;
     fake_hub_change(&rig->hub, zone);
@@ -74,7 +63,7 @@ static void a_daemon_that_cannot_store_a_snapshot_keeps_its_lease(void **state)
 static void a_missing_key_is_asked_for(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *zone = begin(rig);
+    struct hub_zone *zone = link_rig_begin(rig);
 
     rig->daemon.zones[0].has_key = false;
     rig->daemon.zones[0].place.epoch = 0; /* so that the hub sends the key again */
@@ -88,7 +77,7 @@ static void a_missing_key_is_asked_for(void **state)
 static void a_silent_hub_is_not_asked_again_and_again(void **state)
 {
     struct link_rig *rig = *state;
-    struct hub_zone *zone = begin(rig);
+    struct hub_zone *zone = link_rig_begin(rig);
 
     link_rig_run(rig, 1100);
     rig->hub.is_silent = true;
@@ -107,7 +96,7 @@ static void without_a_lease_the_link_asks_often(void **state)
     struct link_rig *rig = *state;
 
     rig->hub.lease_s = 0;
-    (void)begin(rig);
+    (void)link_rig_begin(rig);
     link_rig_run(rig, 1100);
     const uint64_t questions = rig->hub.questions;
     link_rig_run(rig, 5200);
@@ -120,7 +109,7 @@ static void requests_are_sent_in_rounds(void **state)
 
     rig->daemon.requests = 100;
     rig->daemon.request_bytes = 40000; /* 4 MB together */
-    (void)begin(rig);
+    (void)link_rig_begin(rig);
     link_rig_until(rig, rig->hub.requests == 100);
     link_rig_run(rig, 200);
     assert_int_equal(rig->hub.requests, 100);
@@ -134,7 +123,7 @@ static void a_request_that_nobody_hears_is_sent_again(void **state)
 {
     struct link_rig *rig = *state;
 
-    (void)begin(rig);
+    (void)link_rig_begin(rig);
     const struct link_broker broker = {.host = "localhost", .port = rig->broker.port};
     const uint64_t sent = link_rig_report(rig).requests;
     fake_hub_stop(&rig->hub);

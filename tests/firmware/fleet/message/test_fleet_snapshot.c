@@ -92,8 +92,8 @@ static int no_change(void *context, const struct iso_fleet_change *change)
     return 0;
 }
 
-/* Signs a file again whose parts were changed, as one who has the hub's key could. The stream still
- * refuses it. */
+/* Signs a changed file with the hub's key, as somebody could who has stolen that key. The signature
+ * is valid then, but the chunks are still refused. */
 static void refused_though_signed(struct message_rig *rig, struct iso_fleet_bytes *file)
 {
     crypto_sign_state state;

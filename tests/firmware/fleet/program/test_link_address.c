@@ -102,7 +102,8 @@ static void a_certificate_is_renewed_when_a_third_is_left(void **state)
     assert_false(link_renew_is_due(1000, 1090, 1059));
     assert_true(link_renew_is_due(1000, 1090, 1060));
     assert_true(link_renew_is_due(1000, 1090, 2000));
-    /* Stored by a clock that was ahead: it is used until its end. */
+    /* The certificate was stored while the clock of the door was wrong and showed a later time. It
+     * is not renewed before its end. */
     assert_false(link_renew_is_due(5000, 1090, 1000));
     assert_true(link_renew_is_due(5000, 1090, 1090));
     assert_true(link_renew_is_due(INT64_MIN / 4, INT64_MAX / 4, INT64_MAX));
