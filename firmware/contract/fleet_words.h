@@ -1,7 +1,7 @@
 /* The part of the bus (contract.h) by which isotherm-link reaches the daemon of its door, and the
- * words of it. The user isotherm-link may call these methods but
- * FleetJoin and FleetLeave; root may call all of them. Whoever could do both could let the door
- * join another fleet, and so choose who is let in. */
+ * words of it. The user isotherm-link may call all of these methods except FleetJoin and
+ * FleetLeave, which are for root. A link that could join another fleet could choose who is let in.
+ */
 /* clang-format off */
 /*   GetFleet() -> a{sv}             the keys ISO_CONTRACT_FLEET_... below; {} : it belongs to no fleet
  *   FleetJoin(ay membership)        MEMBERSHIP of firmware/fleet/message/envelope.h, which names this

@@ -184,9 +184,10 @@ int iso_gallery_forget_learned(struct iso_gallery *gallery, size_t *n, struct is
 
 /* ---- who may enter, where and when ---- */
 
-/* An access record is bytes that the gallery seals and keeps, and does not interpret: of a person
- * (id 1 or more), of the site (0), or of the fleet to which the door belongs (-1). It moves with a
- * person who gets another id, and is deleted with the person. An earlier program, which does not
+/* An access record is a number of bytes that the gallery seals and stores, and does not interpret.
+ * Each record belongs to a person (the person's id, 1 or more), to the site (id 0), or to the fleet
+ * of which the door is a part (id -1). If a person gets another id, the record gets it, too; if the
+ * person is removed, the record is deleted. An earlier program, which does not
  * know such a record, refuses to open a gallery that has one; if it knows no access records at all,
  * it refuses a gallery that has ever had one. */
 enum { ISO_GALLERY_SITE = 0, ISO_GALLERY_FLEET = -1 };

@@ -32,9 +32,9 @@ int hub_take_question(struct hub_store *store, const void *bytes, size_t size,
                       const struct hub_emit *emit, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Stores each record once, and emits ACK with the highest number up to which there is no gap. The
- * message says that nothing but its records exists from its first to its last number: numbers
- * without a record in between are lost at the door, and count as stored. */
+/* Stores each record once. Emits an ACK with the highest number up to which no number is missing. A
+ * message contains all records that the door still has between its first and its last number. So a
+ * number in between without a record was deleted at the door, and counts as stored. */
 int hub_take_events(struct hub_store *store, const void *bytes, size_t size,
                     const struct hub_emit *emit, struct iso_fault *fault)
     __attribute__((warn_unused_result));

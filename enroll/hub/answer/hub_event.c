@@ -30,9 +30,10 @@ static int insert(const struct work *w, struct iso_fault *fault)
                       &values, NULL, fault);
 }
 
-/* Moves the acknowledged number as far as there is no gap: over the range of the message if it
- * adjoins, and then over records that had come earlier than it. The row of the door is locked, so
- * that two messages do not move it against each other. */
+/* Raises the acknowledged number as far as no number is missing. If the message begins behind the
+ * acknowledged number, all its numbers count as stored. After them come records of earlier messages
+ * that were stored already. The row of the door is locked meanwhile, so that two messages do not
+ * change the number at once. */
 static int acknowledge(struct work *w, struct iso_fault *fault)
 {
     struct hub_values values = {.n = 0};

@@ -136,10 +136,10 @@ static int publish(struct hub_store *store, struct pending *zone, uint32_t *most
     if (zone->published_epoch < zone->place.epoch) {
         error = emit_keys(store, &zone->place.zone, emit, fault);
     }
-    while (!error && zone->published<zone->place.sequence && * most> 0) {
+    while (!error && *most > 0 && zone->published < zone->place.sequence) {
         error = emit_deltas(store, zone, most, emit, fault);
     }
-    /* The head is the last, so that a door that follows it finds the deltas. */
+    /* HEAD is published after the deltas, so that a door which reads HEAD finds all of them. */
     if (!error && zone->published >= zone->place.sequence) {
         error = emit_head(store, &zone->place, zone->snapshot_sequence, emit, fault);
         zone->published_epoch = error ? zone->published_epoch : zone->place.epoch;

@@ -30,7 +30,7 @@ static const struct metric whole[] = {
     {"leader", "Whether a process of the hub leads and publishes"},
     {"doors_joined", "Doors that have joined"},
     {"doors_online", "Doors that the broker sees"},
-    {"events_total", "Numbers of events of the doors up to which nothing lacks"},
+    {"events_total", "Sum of the acknowledged numbers of the doors"},
     {"requests_pending", "People who wait for approval"},
     {"database_bytes", "Size of the database"},
 };
@@ -53,7 +53,7 @@ static const struct metric zones[] = {
 
 static const struct metric outlets[] = {
     {"outlet_delivered_total", "Events that were handed over"},
-    {"outlet_waiting", "Numbers of events that the outlet has not passed"},
+    {"outlet_waiting", "Acknowledged numbers that the outlet has not passed yet"},
     {"outlet_delivered_seconds", "The last success, in seconds since 1970; 0: none"},
     {"outlet_failures", "Failures since the last success"},
     {"outlet_stopped", "Whether the receiver has refused, so that the outlet was stopped"},

@@ -10,7 +10,8 @@ struct hub_migration {
     const char *name, *up, *down;
 };
 
-/* The migrations of this program, in their order; migration i makes version i + 1. */
+/* The migrations that this program knows, oldest first. hub_migrations[i] brings the database from
+ * version i to version i + 1. */
 extern const struct hub_migration hub_migrations[];
 extern const size_t hub_migrations_n;
 

@@ -1,13 +1,19 @@
 /* What a hub works with: its database, its keys, and in whose name it acts. One store belongs to
  * one thread; several stores, also of several processes, may work on the same database.
  *
- * Each function of the rooms store, people and answer is one transaction: it holds as a whole
- * or not at all. They return 0 or a negative errno with a one-line fault: the errors of hub_db.h,
- * and -ENOENT   there is no zone, door, person or request of this name or id -EEXIST   the name is
- * taken -EINVAL   a name or value is not allowed -ESTALE   the zone is behind its doors: the
- * database was restored from an old copy (hub_zone_recover) After an error the outputs are
- * untouched. Functions that list rows pass each to `each`, which may return a value other than 0 to
- * end the list; this value is then returned. `each` must not use the store. */
+ * Each function of the rooms store, people and answer is one transaction, which is done as a whole
+ * or not at all. The functions return 0 or a negative errno with a one-line fault: the errors of
+ * hub_db.h, and these:
+ *
+ *   -ENOENT  there is no zone, door, person or request of this name or id
+ *   -EEXIST  the name is taken
+ *   -EINVAL  a name or value is not allowed
+ *   -ESTALE  the zone is behind its doors, because the database was restored from an old copy
+ *            (hub_zone_recover)
+ *
+ * After an error the outputs are untouched. Functions that list rows pass each row to `each`, which
+ * may return a value other than 0 to end the list; this value is then returned. `each` must not use
+ * the store. */
 #ifndef ISO_ENROLL_HUB_STORE_HUB_STORE_H
 #define ISO_ENROLL_HUB_STORE_HUB_STORE_H
 

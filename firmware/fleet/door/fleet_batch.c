@@ -181,7 +181,8 @@ static int store_refused(struct iso__fleet_batch *batch, size_t i, const struct 
     return store_steps(batch, &batch->fleet->record, i, 1, fault);
 }
 
-/* Something of the batch cannot be stored as it is: stores one after the other. */
+/* Stores the changes of the batch one by one. It is called when the store has refused the whole
+ * batch because of the contents of one change. */
 static int store_singly(struct iso__fleet_batch *batch, struct iso_fault *fault)
 {
     int error = 0;

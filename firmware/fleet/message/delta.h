@@ -29,8 +29,8 @@ int iso_fleet_read_delta(const void *bytes, size_t size,
                          const uint8_t signer[ISO_FLEET_PUBLIC_BYTES], struct iso_fleet_delta *out)
     __attribute__((warn_unused_result));
 
-/* Opens the change of a delta that was read. The caller frees the bytes. -EKEYREJECTED the key is
- * another one, -ENOMEM, -EBADMSG. */
+/* Decrypts the change in a delta that iso_fleet_read_delta() has verified. The caller frees the
+ * bytes. -EKEYREJECTED the delta is sealed with another key, -EBADMSG it is too short, -ENOMEM. */
 int iso_fleet_open_delta(const void *bytes, size_t size, const struct iso_fleet_zone_key *key,
                          struct iso_fleet_bytes *change) __attribute__((warn_unused_result));
 

@@ -71,8 +71,8 @@ struct iso_fleet_zone_key {
     uint8_t bytes[ISO_FLEET_KEY_BYTES];
 };
 
-/* Must be called before all other functions of firmware/fleet/message; may be called again. -EIO:
- * the library does not start. */
+/* Starts libsodium. A program calls this function before any other of firmware/fleet/message; it
+ * may call it several times. -EIO libsodium does not start. */
 int iso_fleet_start(struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Begins a message in empty bytes. */
