@@ -130,8 +130,8 @@ export async function language(run, tag, direction) {
     const page = await browser.open();
     await eventually(`the language ${tag}`, () => page.evaluate((lang) => document.documentElement.lang.startsWith(lang), tag));
     expectEqual(await page.evaluate(() => document.documentElement.dir || 'ltr'), direction, `the direction of ${tag}`);
-    expectEqual(await page.evaluate(() => getComputedStyle(document.querySelector('main')).direction), direction, `the direction of main in ${tag}`);
     await page.waitForSelector('input[type=password]');
+    expectEqual(await page.evaluate(() => getComputedStyle(document.querySelector('main')).direction), direction, `the direction of main in ${tag}`);
     await page.type('input[autocomplete=username]', run.account);
     await page.type('input[type=password]', run.password);
     await page.keyboard.press('Enter');
