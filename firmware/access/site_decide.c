@@ -118,13 +118,6 @@ static struct iso_access refusal(enum iso_access_reason reason)
     return (struct iso_access){.outcome = ISO_ACCESS_DENY, .reason = reason};
 }
 
-static bool is_valid_at(const struct iso_person *person, const struct iso_site_request *request)
-{
-    return (person->valid_from_s == 0 && person->valid_until_s == 0) ||
-           (request->time_known && request->time_s >= person->valid_from_s &&
-            (person->valid_until_s == 0 || request->time_s <= person->valid_until_s));
-}
-
 static struct iso_access decide_without_policy(const struct iso_gallery *gallery,
                                                const struct iso_site_request *request)
 {
@@ -138,7 +131,7 @@ static struct iso_access decide_without_policy(const struct iso_gallery *gallery
     if (!enabled) {
         return refusal(ISO_ACCESS_NOT_ENABLED);
     }
-    if (!is_valid_at(person, request)) {
+    if (!iso_person_is_valid(person, request->time_known, request->time_s)) {
         return refusal(request->time_known && request->time_s < person->valid_from_s
                            ? ISO_ACCESS_NOT_ACTIVE
                            : ISO_ACCESS_EXPIRED);

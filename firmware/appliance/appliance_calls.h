@@ -315,7 +315,7 @@ void iso__appliance_forget_person(struct iso_appliance *appliance, const char *n
 int iso__appliance_take_policy(struct iso_appliance *appliance, const char *json, const char *who,
                                struct iso_fault *fault);
 
-/* ---- visits (appliance_visit.c, appliance_learn.c) ---- */
+/* ---- visits (appliance_visit.c, verdict/verdict_finish.c, appliance_learn.c) ---- */
 
 /* The options of the decision for this configuration. */
 struct iso_decision_options iso__appliance_decision_options(const struct iso_config *config);

@@ -62,7 +62,7 @@ struct iso_appliance_visit {
     struct iso_attack_tally attacks;
 };
 
-/* The outcome of visits. (appliance_visit.c) */
+/* The outcome of visits. (verdict/verdict_finish.c) */
 struct iso_appliance_outcome {
     char text[48 + ISO_PERSON_NAME_SIZE]; /* of the last visit, for the status */
     char person[ISO_PERSON_NAME_SIZE];    /* the person whom the text names; "": nobody */

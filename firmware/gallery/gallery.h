@@ -61,6 +61,16 @@ struct iso_person {
     uint32_t templates, usable; /* usable: templates of the running algorithm */
 };
 
+/* Whether the door opens to the person at now_s. Somebody without limits is valid at any time;
+ * somebody with a limit is not valid while the time is not known. */
+static inline bool iso_person_is_valid(const struct iso_person *person, bool time_known,
+                                       int64_t now_s)
+{
+    return (person->valid_from_s == 0 && person->valid_until_s == 0) ||
+           (time_known && now_s >= person->valid_from_s &&
+            (person->valid_until_s == 0 || now_s <= person->valid_until_s));
+}
+
 struct iso_gallery;
 
 struct iso_gallery_options {

@@ -252,10 +252,10 @@ mistake 'door: the queue is locked while the disk works' firmware/audit/audit_gr
 mistake 'grant: it waits for its record without an end' firmware/appliance/appliance_log.c \
     'iso_audit_writer_append(appliance->log, record, wait_ns, NULL, &own);' \
     'iso_audit_writer_append(appliance->log, record, ISO_NEVER_NS, NULL, &own);'
-mistake 'grant: the door opens while its record waits' firmware/appliance/appliance_visit.c \
+mistake 'grant: the door opens while its record waits' firmware/appliance/verdict/verdict_finish.c \
     'error ? reason_of(error) : open_door(appliance, visit);' \
     'error == -ETIMEDOUT ? open_door(appliance, visit) : error ? reason_of(error) : open_door(appliance, visit);'
-mistake 'grant: a full queue lets somebody in' firmware/appliance/appliance_visit.c \
+mistake 'grant: a full queue lets somebody in' firmware/appliance/verdict/verdict_finish.c \
     'error ? reason_of(error) : open_door(appliance, visit);' \
     'error == -ENOBUFS ? open_door(appliance, visit) : error ? reason_of(error) : open_door(appliance, visit);'
 mistake 'door: each edge of a contact that chatters is a record' firmware/door/event_limit.c \
@@ -304,7 +304,7 @@ elif [[ 'rule 2: log: a poster waits for the thread that it wakes' =~ $only ]]; 
     echo 'rule 2  log: a poster waits for the thread that it wakes    SKIPPED: no right to real-time priorities (chrt)'
 fi
 judges=('test_firmware_faults 40 500')
-mistake 'disk: the door opens without a record' firmware/appliance/appliance_visit.c \
+mistake 'disk: the door opens without a record' firmware/appliance/verdict/verdict_finish.c \
     'error ? reason_of(error) : open_door(appliance, visit);' 'error ? open_door(appliance, visit) : open_door(appliance, visit);'
 
 # ---- 3: the age of a grant's frames ----
@@ -454,7 +454,7 @@ mistake 'corrupt: a score that is no number counts' firmware/visit/decision.c \
     '!(frame->score < options->threshold) &&' \
     firmware/visit/decision.c 'frame->score - frame->second_score >= options->margin;' \
     '!(frame->score - frame->second_score < options->margin);' \
-    firmware/appliance/appliance_visit.c 'return person && is_valid_at(' 'return !person || is_valid_at('
+    firmware/appliance/appliance_visit.c 'return person && iso_person_is_valid(' 'return !person || iso_person_is_valid('
 mistake 'blank: a visit has no end' firmware/visit/decision.c \
     'decision->seen_ns + decision->options.gap_ns;' 'decision->seen_ns + 20 * decision->options.gap_ns;' \
     firmware/recognise/track.c 't_ns - track->t_ns < options->lost_ns' 't_ns - track->t_ns < 20 * options->lost_ns' \
