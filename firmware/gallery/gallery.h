@@ -170,8 +170,8 @@ struct iso_gallery_item {
 /* Adds people, all of them or none, in one transaction. A person whose name is known replaces the
  * one here if `replace` is set, and is left out otherwise; *added is the number of people who were
  * added or have replaced another. -EINVAL a bad name, a bad template or a repeated name, -EDQUOT
- * the gallery would be too full; else as iso_gallery_add. The listener counts people: first those
- * of the import as they are stored, then everybody as the whole gallery is read back. */
+ * the gallery would be too full; else as iso_gallery_add. Costs as much as the import has people,
+ * unless it replaces somebody: then the whole gallery is read back. The listener counts steps. */
 int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
                        bool replace, const struct iso_work_listener *listener, size_t *added,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
@@ -229,8 +229,7 @@ struct iso_gallery_change {
     bool remove;    /* removes the person; nothing below matters */
     bool keep;      /* the templates of the person stay, and so does the number; item.n is 0 */
     /* Name, dates and templates (0: somebody who is known by a card alone). Templates of another
-     * algorithm are kept and counted, and take no part in searches. `excluded` of a template is
-     * ignored. */
+     * algorithm are kept and counted, and take no part in searches. */
     struct iso_gallery_item item;
     const void *access; /* the access record; size 0: none */
     size_t access_size;

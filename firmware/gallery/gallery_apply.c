@@ -1,5 +1,5 @@
-/* The changes of a fleet: several people and one record in one transaction, and in memory only
- * these people are touched. */
+/* The changes of a fleet and the people of an import: several people and one record in one
+ * transaction, and in memory only these people are touched. */
 #include <errno.h>
 #include <sodium.h>
 #include <stdlib.h>
@@ -28,6 +28,7 @@ static int no_memory(struct iso_fault *fault)
 struct call {
     struct iso_gallery_change *changes;
     size_t n;
+    const struct iso_work_listener *listener;
 };
 
 /* Whether the same call removes this person, or gives the person another name; that the new name is
@@ -195,6 +196,10 @@ static int store_templates(struct iso_gallery *gallery, const struct iso_gallery
             gallery->db, prepared->row.id, change->item.templates[i].algorithm,
             change->item.templates[i].bytes, change->item.templates[i].size, &number, fault);
         prepared->kept[i].number = number;
+        if (change->item.templates[i].excluded) {
+            iso_site_record_exclude(iso_gallery_db_site(gallery->db), (uint64_t)number,
+                                    (uint64_t)number + 1);
+        }
     }
     return error;
 }
@@ -262,34 +267,55 @@ static void follow(struct iso_gallery *gallery, struct iso_gallery_change *chang
     }
 }
 
-static int store_all(struct iso_gallery *gallery, struct iso_gallery_change *changes,
-                     struct prepared *prepared, size_t n, struct iso_fault *fault)
+/* What the templates of a call do to the metric. */
+struct teaching {
+    bool enrols;   /* there are templates */
+    bool excludes; /* some of them do not teach */
+};
+
+static struct teaching teaching_of(const struct call *call)
 {
-    bool enrols = false;
+    struct teaching teaching = {false, false};
+    for (size_t i = 0; i < call->n; i++) {
+        const struct iso_gallery_item *item = &call->changes[i].item;
+        for (size_t t = 0; !call->changes[i].remove && t < item->n; t++) {
+            teaching.enrols = true;
+            teaching.excludes |= item->templates[t].excluded;
+        }
+    }
+    return teaching;
+}
+
+static int store_all(struct iso_gallery *gallery, const struct call *call,
+                     struct prepared *prepared, struct iso_fault *fault)
+{
+    const struct teaching teaching = teaching_of(call);
     int error = iso__gallery_begin(gallery, fault);
     if (error) {
         return error;
     }
-    for (size_t i = 0; i < n; i++) {
-        enrols |= !changes[i].remove && changes[i].item.n > 0;
-    }
-    if (enrols) {
+    if (teaching.enrols) {
         iso_gallery_db_mark(gallery->db);
     }
-    for (size_t i = 0; !error && i < n; i++) {
-        error = store(gallery, &changes[i], &prepared[i], fault);
+    for (size_t i = 0; !error && i < call->n; i++) {
+        iso_work_step(call->listener, call->n + i, 2 * call->n);
+        error = store(gallery, &call->changes[i], &prepared[i], fault);
     }
     error = iso__gallery_end(gallery, error, fault);
-    for (size_t i = 0; !error && i < n; i++) {
-        follow(gallery, &changes[i], &prepared[i]);
+    if (!error && teaching.excludes && gallery->memory.site) {
+        /* Before the templates, so that none of them teaches meanwhile. */
+        iso_site_index_set_record(gallery->memory.site, iso_gallery_db_site(gallery->db));
+    }
+    for (size_t i = 0; !error && i < call->n; i++) {
+        follow(gallery, &call->changes[i], &prepared[i]);
     }
     return error;
 }
 
-int iso_gallery_apply(struct iso_gallery *gallery, struct iso_gallery_change *changes, size_t n,
-                      struct iso_fault *fault)
+int iso__gallery_apply(struct iso_gallery *gallery, struct iso_gallery_change *changes, size_t n,
+                       const struct iso_work_listener *listener, struct iso_fault *fault)
 {
-    const struct call call = {changes, n};
+    const struct call call = {changes, n, listener};
     int error = iso_gallery_state(gallery, fault);
     if (error) {
         return error;
@@ -299,6 +325,7 @@ int iso_gallery_apply(struct iso_gallery *gallery, struct iso_gallery_change *ch
         return no_memory(fault);
     }
     for (size_t i = 0; !error && i < n; i++) {
+        iso_work_step(listener, i, 2 * n);
         error = prepare(gallery, &call, &changes[i], &prepared[i], fault);
     }
     if (!error) {
@@ -308,8 +335,14 @@ int iso_gallery_apply(struct iso_gallery *gallery, struct iso_gallery_change *ch
         error = make_room(gallery, changes, n, fault);
     }
     if (!error) {
-        error = store_all(gallery, changes, prepared, n, fault);
+        error = store_all(gallery, &call, prepared, fault);
     }
     discard(prepared, changes, n);
     return error;
+}
+
+int iso_gallery_apply(struct iso_gallery *gallery, struct iso_gallery_change *changes, size_t n,
+                      struct iso_fault *fault)
+{
+    return iso__gallery_apply(gallery, changes, n, NULL, fault);
 }

@@ -136,8 +136,7 @@ static void tell_reread(void *context, uint64_t done, uint64_t total)
 
 /* Called within a transaction. */
 static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
-                     bool replace, const struct iso_work_listener *listener, size_t *added,
-                     struct iso_fault *fault)
+                     const struct iso_work_listener *listener, struct iso_fault *fault)
 {
     /* The number of steps if nobody of the import is in the gallery yet. */
     const size_t most = n + gallery->memory.n_people + n;
@@ -145,16 +144,12 @@ static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item 
     for (size_t i = 0; !error && i < n; i++) {
         const struct iso_person *known = iso_gallery_find(gallery, items[i].person.name);
         iso_work_step(listener, i, most);
-        if (known && !replace) {
-            continue;
-        }
         if (known) {
             error = iso_gallery_db_drop_person(gallery->db, known->id, fault);
         }
         if (!error) {
             error = put_item(gallery, &items[i], known ? known->id : 0, fault);
         }
-        *added += error ? 0 : 1;
     }
     return error;
 }
@@ -198,22 +193,19 @@ static void mark_import(struct iso_gallery *gallery)
     }
 }
 
-int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
-                       bool replace, const struct iso_work_listener *listener, size_t *added,
+/* Imports some people who are here already, who get new numbers, and perhaps others. */
+static int import_over(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
+                       const struct iso_work_listener *listener, size_t *added,
                        struct iso_fault *fault)
 {
     struct importing importing = {listener, n};
     struct iso_gallery_memory now = {0};
-    size_t count = 0;
-    int error = check_items(gallery, items, n, fault);
-    if (!error) {
-        error = iso_gallery_db_begin(gallery->db, fault);
-    }
+    int error = iso_gallery_db_begin(gallery->db, fault);
     if (error) {
         return error;
     }
     mark_import(gallery);
-    error = put_items(gallery, items, n, replace, listener, &count, fault);
+    error = put_items(gallery, items, n, listener, fault);
     if (!error) {
         error = reread_people(gallery, &importing, &now, fault);
     }
@@ -225,8 +217,53 @@ int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_ite
     iso_gallery_memory_set_sensor(&now, gallery->memory.sensor);
     iso_gallery_memory_done(&gallery->memory);
     gallery->memory = now;
-    *added = count;
+    *added = n;
     return 0;
+}
+
+/* Imports the people who are not here yet. */
+static int import_new(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
+                      const struct iso_work_listener *listener, size_t *added,
+                      struct iso_fault *fault)
+{
+    struct iso_gallery_change *changes = calloc(n ? n : 1, sizeof *changes);
+    if (!changes) {
+        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
+    }
+    size_t n_new = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!iso_gallery_find(gallery, items[i].person.name)) {
+            changes[n_new++].item = items[i];
+        }
+    }
+    const int error = iso__gallery_apply(gallery, changes, n_new, listener, fault);
+    *added = error ? *added : n_new;
+    sodium_memzero(changes, n * sizeof *changes);
+    free(changes);
+    return error;
+}
+
+static bool knows_one(const struct iso_gallery *gallery, const struct iso_gallery_item *items,
+                      size_t n)
+{
+    bool known = false;
+    for (size_t i = 0; i < n && !known; i++) {
+        known = iso_gallery_find(gallery, items[i].person.name) != NULL;
+    }
+    return known;
+}
+
+int iso_gallery_import(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
+                       bool replace, const struct iso_work_listener *listener, size_t *added,
+                       struct iso_fault *fault)
+{
+    const int error = check_items(gallery, items, n, fault);
+    if (error) {
+        return error;
+    }
+    return replace && knows_one(gallery, items, n)
+               ? import_over(gallery, items, n, listener, added, fault)
+               : import_new(gallery, items, n, listener, added, fault);
 }
 
 /* ---- export ---- */

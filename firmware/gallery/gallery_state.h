@@ -26,6 +26,10 @@ struct iso_gallery {
 int iso__gallery_begin(struct iso_gallery *gallery, struct iso_fault *fault);
 int iso__gallery_end(struct iso_gallery *gallery, int error, struct iso_fault *fault);
 
+/* iso_gallery_apply() with a listener, which counts two steps for each change. (gallery_apply.c) */
+int iso__gallery_apply(struct iso_gallery *gallery, struct iso_gallery_change *changes, size_t n,
+                       const struct iso_work_listener *listener, struct iso_fault *fault);
+
 /* Whether the gallery is out of service (iso_gallery_state). (gallery_recover.c) */
 bool iso__gallery_is_lost(const struct iso_gallery *gallery);
 

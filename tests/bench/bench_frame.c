@@ -135,7 +135,8 @@ static int make_gallery(struct bench *bench, struct iso_fault *fault)
     }
     int error = open_gallery(bench, fault);
     if (!error) {
-        error = bench_gallery_fill(bench->gallery, bench->people, 1, template_of, bench, fault);
+        error = bench_gallery_fill(bench->gallery, bench->people, 1000, 1, template_of, bench,
+                                   fault);
     }
     iso_gallery_close(bench->gallery);
     bench->gallery = NULL;

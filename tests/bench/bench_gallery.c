@@ -34,6 +34,7 @@ enum { CLOCKS = sizeof clocks / sizeof *clocks };
 struct bench {
     const char *directory, *metric_path;
     size_t people, templates; /* people of the gallery, templates of a person */
+    size_t batch;             /* people of one import */
     size_t keep;              /* not 0: do not delete the gallery */
     char path[4096];
     struct iso_times times;
@@ -107,9 +108,18 @@ static int fill(struct bench *bench, struct iso_fault *fault)
     if (!error) {
         error = open_gallery(bench, fault);
     }
-    return error ? error
-                 : bench_gallery_fill(bench->gallery, bench->people, bench->templates, template_of,
-                                      bench, fault);
+    if (error) {
+        return error;
+    }
+    const int64_t begin_ns = sim_wall_ns(NULL), begin_cpu_ns = sim_thread_cpu_ns(NULL);
+    error = bench_gallery_fill(bench->gallery, bench->people, bench->batch, bench->templates,
+                               template_of, bench, fault);
+    if (!error) {
+        printf("import of %zu people, %zu at a time: %.2f s wall, %.2f s processor\n",
+               bench->people, bench->batch, (double)(sim_wall_ns(NULL) - begin_ns) * 1e-9,
+               (double)(sim_thread_cpu_ns(NULL) - begin_cpu_ns) * 1e-9);
+    }
+    return error;
 }
 
 static int time_search(const struct bench *bench, size_t *wrong, struct iso_fault *fault)
@@ -213,6 +223,7 @@ static const struct sim_option own_options[] = {
      offsetof(struct bench, people)},
     {"templates", "N", "templates of each person, 1 to 16 (1)", sim_option_count,
      offsetof(struct bench, templates)},
+    {"batch", "N", "people of one import (100)", sim_option_count, offsetof(struct bench, batch)},
     {"metric", "FILE", "learned metric", sim_option_text, offsetof(struct bench, metric_path)},
     {"keep", "0|1", "1: do not delete the gallery (0)", sim_option_count,
      offsetof(struct bench, keep)},
@@ -223,6 +234,7 @@ int main(int argc, char **argv)
     struct bench bench = {.metric_path = iso_shipped_metric(),
                           .people = 10000,
                           .templates = 1,
+                          .batch = 100,
                           .times = iso_times_system()};
     const struct sim_option_set set = {own_options, sizeof own_options / sizeof *own_options,
                                        &bench};
@@ -234,7 +246,8 @@ int main(int argc, char **argv)
         return EXIT_SUCCESS;
     }
     const bool read = outcome == SIM_OPTIONS_READ && bench.directory && bench.people > 0 &&
-                      bench.templates >= 1 && bench.templates <= BENCH_TEMPLATES_MAX;
+                      bench.batch > 0 && bench.templates >= 1 &&
+                      bench.templates <= BENCH_TEMPLATES_MAX;
     int error = read ? iso_seal_start(&fault) : -EINVAL;
     if (!error) {
         error = iso_metric_load(bench.metric_path, &bench.metric, &fault);

@@ -6,13 +6,11 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Templates of one import. The gallery examines all its people after each import, so an import has
- * many. */
-enum { BATCH = 16000, PLACE_MAX = 4200 };
+enum { PLACE_MAX = 4200 };
 
 struct batch {
     struct iso_gallery_item *items;
-    uint8_t (*bytes)[ISO_TEMPLATE_BYTES_MAX]; /* [BATCH] */
+    uint8_t (*bytes)[ISO_TEMPLATE_BYTES_MAX]; /* of all their templates */
 };
 
 int bench_ring_open(const char *path, struct iso_key_ring **out, struct iso_fault *fault)
@@ -56,13 +54,12 @@ static int make_item(struct iso_gallery_item *item, uint8_t (*bytes)[ISO_TEMPLAT
     return 0;
 }
 
-int bench_gallery_fill(struct iso_gallery *gallery, size_t people, size_t templates,
+int bench_gallery_fill(struct iso_gallery *gallery, size_t people, size_t at_once, size_t templates,
                        bench_person_function *make, const void *context, struct iso_fault *fault)
 {
-    const size_t at_once = BATCH / templates;
     struct batch batch = {
         .items = calloc(at_once, sizeof *batch.items),
-        .bytes = calloc(BATCH, sizeof *batch.bytes),
+        .bytes = calloc(at_once * templates, sizeof *batch.bytes),
     };
     int error = batch.items && batch.bytes ? 0 : -ENOMEM;
     for (size_t first = 0; !error && first < people; first += at_once) {

@@ -20,9 +20,9 @@ int bench_gallery_open(const char *path, size_t people, const struct iso_metric 
                        struct iso_key_ring *ring, struct iso_gallery **out,
                        struct iso_fault *fault);
 
-/* Enrols "person 0", "person 1" and so on with 1 to BENCH_TEMPLATES_MAX templates each. -ENOMEM and
- * errors of iso_gallery_import. */
-int bench_gallery_fill(struct iso_gallery *gallery, size_t people, size_t templates,
+/* Enrols "person 0", "person 1" and so on with 1 to BENCH_TEMPLATES_MAX templates each, at_once
+ * people in one import (1 or more). -ENOMEM and errors of iso_gallery_import. */
+int bench_gallery_fill(struct iso_gallery *gallery, size_t people, size_t at_once, size_t templates,
                        bench_person_function *make, const void *context, struct iso_fault *fault);
 
 /* Deletes the files of the gallery and its keys. */

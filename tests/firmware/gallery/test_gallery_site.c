@@ -96,6 +96,37 @@ static void people_with_new_numbers_stay_excluded(void **state)
     iso_metric_free(metric);
 }
 
+/* Of two people who come by import, one does not teach at the door that they come from. */
+static void imported_people_stay_excluded(void **state)
+{
+    struct iso_metric *metric = gallery_rig_new_metric();
+    struct iso_gallery *gallery = open_gallery(*state, metric, true);
+    struct iso_gallery_item items[2] = {{.n = 1}, {.n = 1}};
+    uint8_t bytes[2][ISO_TEMPLATE_BYTES_MAX];
+    size_t added = 0;
+    for (int i = 0; i < 2; i++) {
+        const struct iso_template tmpl = puppet_template(40 + 20 * i, PUPPET_ALGORITHM);
+        const int size = iso_template_serialise(&tmpl, bytes[i], sizeof bytes[i]);
+        (void)snprintf(items[i].person.name, sizeof items[i].person.name, i ? "cam" : "ben");
+        items[i].templates[0].algorithm = PUPPET_ALGORITHM;
+        items[i].templates[0].bytes = bytes[i];
+        items[i].templates[0].size = (size_t)size;
+        items[i].templates[0].excluded = i == 1;
+    }
+    assert_int_equal(gallery_rig_add(gallery, "ada", 20, NULL), 0);
+    assert_int_equal(iso_gallery_import(gallery, items, 2, false, NULL, &added, NULL), 0);
+    assert_int_equal(added, 2);
+    assert_int_equal(iso_gallery_site_excluded(gallery), 1);
+    iso_gallery_close(gallery);
+
+    gallery = open_gallery(*state, metric, true);
+    assert_int_equal(iso_gallery_site_excluded(gallery), 1);
+    expect_taken_back(gallery, iso_gallery_roll_back_site, 1); /* the import: ben */
+    expect_taken_back(gallery, iso_gallery_roll_back_site, 1); /* ada */
+    iso_gallery_close(gallery);
+    iso_metric_free(metric);
+}
+
 /* Adds a person whose template was made before this sensor. */
 static void add_before(struct iso_gallery *gallery, const char *name, int face, const char *sensor)
 {
@@ -154,6 +185,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(it_rolls_back_enrolment_by_enrolment),
         TEST(people_with_new_numbers_stay_excluded),
+        TEST(imported_people_stay_excluded),
         TEST(the_sensor_of_each_template_is_kept),
         TEST(a_gallery_that_does_not_adapt_keeps_its_version),
     };
