@@ -30,7 +30,7 @@ pause_ms = 5000
 backend = null
 unlock_ms = 200
 [decision]
-gap_ms = 300
+gap_ms = 1000
 [hint]
 hold_frames = 2
 [lockout]
@@ -80,7 +80,7 @@ comes() { # DOOR RECORDING
 
 goes() { # DOOR
     rm -f "$work/$1/slot"
-    sleep 0.8 # longer than gap_ms
+    sleep 1.5 # longer than gap_ms, which leaves a busy disk time for the record of a grant
 }
 
 # The verdicts about visits, one a line: "allow NAME", "deny REASON".

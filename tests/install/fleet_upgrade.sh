@@ -109,7 +109,7 @@ repeats = yes
 backend = null
 unlock_ms = 500
 [decision]
-gap_ms = 500
+gap_ms = 1000
 [lockout]
 failures = 0
 END
