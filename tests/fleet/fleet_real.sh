@@ -56,7 +56,8 @@ start_real() { # DOOR
 }
 
 start_link() { # DOOR
-    link "$1" run 2>>"$work/log/$1-link" &
+    # Without a function in between, whose shell would be killed in the place of the program.
+    "$build/firmware/fleet/program/isotherm-link" run --state "$work/$1/link" --bus "$(bus_of "$1")" 2>>"$work/log/$1-link" &
     eval "pid_of_link_$1=$!"
 }
 
