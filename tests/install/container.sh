@@ -63,7 +63,7 @@ container_remove() {
     [ -z "$container_nspawn" ] || { kill -KILL "$(container_leader)" && wait "$container_nspawn"; } 2>/dev/null || true
     [ -z "$container_root" ] || {
         umount -l "$container_root" 2>/dev/null || true
-        rm -rf --one-file-system "$container_root" "$container_root.log"
+        rm -rf --one-file-system "$container_root" "$container_root.log" "${container_root%/*}/.#${container_root##*/}.lck"
     }
     container_root='' container_nspawn=''
 }

@@ -49,14 +49,25 @@ container_start() {
     done
     on "$1" container_boot
     eval "container_nspawn_of_$1=\$container_nspawn"
+    leave_control_group
+}
+
+leave_control_group() {
     for hierarchy in /sys/fs/cgroup /sys/fs/cgroup/unified /sys/fs/cgroup/systemd; do
         [ ! -e "$hierarchy/cgroup.procs" ] || echo $$ >"$hierarchy/cgroup.procs"
     done
 }
 
 containers_remove() {
+    container_remove # the one that boots just now, whose process is not noted yet
     for name in $container_names; do
         on "$name" container_remove
     done
-    find /sys/fs/cgroup -depth -type d -path "/sys/fs/cgroup/*isotherm-$$-*" -exec rmdir {} + 2>/dev/null || true
+    # A group can be removed when its last process has ended.
+    leave_control_group
+    for _ in 1 2 3 4 5 6 7 8 9 10; do
+        find /sys/fs/cgroup -depth -type d -path "/sys/fs/cgroup/*isotherm-$$-*" -exec rmdir {} + 2>/dev/null || true
+        [ -n "$(find /sys/fs/cgroup -maxdepth 2 -name "isotherm-$$-*")" ] || break
+        sleep 0.3
+    done
 }
