@@ -17,7 +17,7 @@
 #   make check-clang  builds with clang and runs every test
 #   make check-asan  runs every test under the address and undefined-behaviour sanitizers
 #   make nightly  runs the slow checks: check-clang, check-asan, fuzz of NIGHTLY_FUZZ_SECONDS, NIGHTLY_KILLS kills, storage-faults,
-#                 packages-arm64, drill, races, drill-bites, fleet-check; it does not run `make levels`
+#                 packages-arm64, drill, races, drill-bites, fleet-check, fleet-upgrade-check; it does not run `make levels`
 #   make levels   counts refused and admitted visitors at each security level in 3,000 visits: an hour; ICT=DIR has the head model.
 #                 GROUP_COUNT=1 STRANGERS=300 ALIKE=100: 600 visits; REAL=DIR also plays visits of real frames
 #   make packages makes the Debian packages in build/packages and checks them
@@ -26,6 +26,8 @@
 #   make web-check  tests the web server and its pages in a browser, with a daemon on stored frames; pictures are in out/web-check
 #   make hub-web-check  tests the pages of the hub of a fleet in a browser, with a PostgreSQL of its own; pictures are in out/hub-web-check
 #   make fleet-check  runs 50 doors, two hubs, PostgreSQL and mosquitto, and kills them at random for FLEET_FAULT_SECONDS
+#   make fleet-upgrade-check  upgrades a hub and two doors from the packages of the previous release, in containers, in either order: needs
+#                 root. PREVIOUS=REVISION is another release
 #   make install  PREFIX=/usr/local, DESTDIR= for packagers
 #   make docs     makes the reference of the library for programmers, in build/docs: HTML and manual pages
 #   make clean    removes everything that the other commands made
@@ -40,7 +42,7 @@ NIGHTLY_FUZZ_SECONDS ?= 300
 ICT ?= ict
 JOBS := $(shell nproc)
 
-.PHONY: demo check check-clang check-asan vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check web-check hub-web-check fleet-check install docs clean
+.PHONY: demo check check-clang check-asan vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check web-check hub-web-check fleet-check fleet-upgrade-check install docs clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -136,6 +138,7 @@ nightly:
 	$(MAKE) races
 	$(MAKE) drill-bites
 	$(MAKE) fleet-check
+	$(MAKE) fleet-upgrade-check
 	tests/gate/summary.sh build/dev
 
 levels:
@@ -174,8 +177,14 @@ hub-web-check:
 fleet-check:
 	cmake/install_packages.sh build test
 	cmake --preset dev
-	cmake --build --preset dev --target isotherm-hub fleet_doors
+	cmake --build --preset dev --target isotherm-hub fleet_doors isothermd isotherm isotherm-link
 	tests/fleet/fleet_check.sh build/dev $(FLEET_FAULT_SECONDS)
+
+fleet-upgrade-check: packages
+	cmake/install_packages.sh install
+	cmake/previous_packages.sh build/packages-previous $(PREVIOUS)
+	tests/install/root.sh build/install/base.tar
+	tests/install/fleet_upgrade.sh build/packages-previous build/packages build/install/base.tar
 
 install:
 	cmake/install_packages.sh build

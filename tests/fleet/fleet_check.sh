@@ -1,8 +1,8 @@
 #!/bin/bash
-# Checks a whole fleet: PostgreSQL and mosquitto from Debian in a directory of their own, two hubs, and 50 doors with the code of the
-# daemon and of the link (tests/fleet/check_door.h), 10 in a process. First each promise by itself, then faults at random: hubs, doors,
-# broker and database are killed while people come, go and are let in. At the end all doors have the same people, every event is at
-# home once, and nobody was let in whose revocation is older than the lease.
+# Checks a whole fleet: PostgreSQL and mosquitto from Debian in a directory of their own, two hubs, 50 doors with the code of the daemon
+# and of the link (tests/fleet/check_door.h), 10 in a process, and two real daemons with their links (fleet_real.sh). First each promise by
+# itself, then faults at random: hubs, doors, broker and database are killed while people come, go and are let in. At the end all doors
+# have the same people, every event is at home once, and nobody was let in whose revocation is older than the lease.
 # usage: fleet_check.sh BUILD SECONDS [SEED]      SECONDS: of faults; SEED: of the faults, default 1
 # Each line says what was checked, with its figure. The exit status is 1 if anything was wrong, and 77 if a program is missing.
 set -euo pipefail
@@ -12,6 +12,7 @@ seed=${3:-1}
 here=$(cd "$(dirname "$0")" && pwd)
 . "$here/fleet_parts.sh"
 . "$here/fleet_steps.sh"
+. "$here/fleet_real.sh"
 . "$here/fleet_faults.sh"
 
 DOORS=50 A_PROCESS=10 LEASE_S=20
@@ -20,6 +21,7 @@ prepare
 step_join
 step_enrol
 step_revoke
+step_real
 step_forged
 step_lockdown
 step_lease

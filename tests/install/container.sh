@@ -7,7 +7,7 @@
 #   inside_as USER COMMAND...  the same as a user, with the user's groups
 #   container_halt           shuts the container down, in order
 #   container_remove         ends it at once and removes its root; for a trap
-container_root='' container_nspawn=''
+container_root='' container_nspawn='' container_sys=--bind=/sys
 
 container_unpack() {
     container_root=$(mktemp -d /var/tmp/isotherm-container.XXXXXX)
@@ -18,13 +18,15 @@ container_unpack() {
     mount --bind "$container_root" "$container_root"
 }
 
-# in_root COMMAND...: runs a command in the root while the container does not run, as an installer does.
+# in_root COMMAND...: runs a command in the root while the container does not run, as an installer does. container_online is set by
+# containers.sh.
 in_root() {
-    chroot "$container_root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"
+    ${container_online:-} chroot "$container_root" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"
 }
 
 container_boot() {
-    systemd-nspawn --quiet --directory="$container_root" --boot --bind=/sys --register=no --keep-unit --private-users=no \
+    # shellcheck disable=SC2086
+    systemd-nspawn --quiet --directory="$container_root" --boot $container_sys --register=no --keep-unit --private-users=no \
         --console=pipe </dev/null >"$container_root.log" 2>&1 &
     container_nspawn=$!
     wait_for 60 'the container does not boot' container_is_up
@@ -61,7 +63,7 @@ container_remove() {
     [ -z "$container_nspawn" ] || { kill -KILL "$(container_leader)" && wait "$container_nspawn"; } 2>/dev/null || true
     [ -z "$container_root" ] || {
         umount -l "$container_root" 2>/dev/null || true
-        rm -rf --one-file-system "$container_root" "$container_root.log"
+        rm -rf --one-file-system "$container_root" "$container_root.log" "${container_root%/*}/.#${container_root##*/}.lck"
     }
     container_root='' container_nspawn=''
 }

@@ -45,6 +45,11 @@ int hub_take(struct hub_store *store, const struct iso_fleet_id *door, const voi
     struct iso_fleet_id named;
     char text[ISO_FLEET_ID_TEXT_SIZE];
     int error = iso_fleet_kind_of(bytes, size, &kind);
+    if (error == -EPROTONOSUPPORT) {
+        return iso_fault_set(fault, error,
+                             "door %s: a message is of a newer version; upgrade the hub",
+                             iso_fleet_id_text(door, text));
+    }
     error = error ? error : iso_fleet_door_of(bytes, size, &named);
     if (error || !iso_fleet_id_is_same(&named, door)) {
         return iso_fault_set(fault, error ? error : -EBADMSG,

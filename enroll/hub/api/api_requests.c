@@ -37,6 +37,31 @@ void hub__api_list_requests(void *api, struct web_exchange *exchange)
     hub__call(api, exchange, HUB_LANE_LOOKS, list_requests);
 }
 
+/* Only an administrator chooses zones. Another account may name the one that holds anyway: the home
+ * zone of the door at which the person was enrolled. */
+static int check_choice(struct hub_call *call, struct hub_store *store,
+                        const struct hub_request *request, const struct iso_fleet_id *zones,
+                        size_t n, struct iso_fault *fault)
+{
+    char id[ISO_FLEET_ID_TEXT_SIZE];
+    struct hub_door door = {.n_zones = 0};
+
+    if (web_exchange_role(call->request) >= WEB_ROLE_ADMINISTRATOR || n == 0) {
+        return 0;
+    }
+    const int error = hub__look_door(call, store, iso_fleet_id_text(&request->door, id), &door,
+                                     fault);
+    if (error) {
+        return error;
+    }
+    if (n == 1 && door.n_zones > 0 && iso_fleet_id_is_same(&zones[0], &door.zones[0])) {
+        return 0;
+    }
+    return hub__call_refuse(call, fault, 403, "not-allowed",
+                            "only an administrator may choose other zones than the home zone of "
+                            "the door");
+}
+
 /* Answers with the person who is one of the fleet now. */
 static int approve(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
 {
@@ -50,6 +75,7 @@ static int approve(struct hub_call *call, struct hub_store *store, struct iso_fa
 
     error = error ? error
                   : hub__look_zones(call, store, HUB_PERSON_ZONES_MAX, &has, zones, &n, fault);
+    error = error ? error : check_choice(call, store, &request, zones, n, fault);
     error = error ? error : hub_request_approve(store, &request.person, zones, n, fault);
     error = error ? error
                   : hub__look_person(call, store, iso_fleet_id_text(&request.person, id), &person,

@@ -193,6 +193,19 @@ void iso__fleet_complain(struct iso_fleet *fleet, const struct iso_fault *fault)
     fleet->fault = *fault;
 }
 
+void iso__fleet_complain_of_newer(struct iso_fleet *fleet)
+{
+    static const char text[] = "the hub sends messages that this version does not know; upgrade "
+                               "isotherm on this door";
+    struct iso_fault why;
+    if (strcmp(fleet->fault.text, text) == 0) {
+        return; /* the same message comes again and again */
+    }
+    (void)iso_fault_set(&why, -EPROTONOSUPPORT, "%s", text);
+    iso__fleet_complain(fleet, &why);
+    iso__fleet_say(fleet, LOG_ERR, "fleet: %s; it keeps what it has", text);
+}
+
 void iso__fleet_say(const struct iso_fleet *fleet, int priority, const char *format, ...)
 {
     char line[256];

@@ -28,6 +28,7 @@ static size_t write_health(const struct iso_fleet *fleet, struct iso_json_line *
     iso_json_line_integer(line, "local-people", (int64_t)fleet->index.n_local);
     iso_json_line_integer(line, "hub-behind", behind);
     iso_json_line_integer(line, "wants-snapshot", whole);
+    iso_json_line_integer(line, "message-version", ISO_FLEET_VERSION);
     iso_json_line_string(line, "fault", fleet->fault.text);
     if (host->health) {
         host->health(host->context, line);

@@ -111,10 +111,7 @@ static int open_and_apply(struct handling *handling, const struct iso_fleet_delt
         error = iso_fault_set(fault, error, "fleet: out of memory");
     } else if (error) {
         if (error == -EPROTONOSUPPORT) {
-            struct iso_fault why;
-            (void)iso_fault_set(&why, error,
-                                "the hub sends a kind of change that this version does not know");
-            iso__fleet_complain(fleet, &why);
+            iso__fleet_complain_of_newer(fleet);
         }
         error = end(handling, ISO_FLEET_REFUSED);
     } else {
@@ -264,8 +261,12 @@ int iso_fleet_receive(struct iso_fleet *fleet, const void *bytes, size_t size,
         .fleet = fleet, .bytes = bytes, .size = size, .outcome = ISO_FLEET_REFUSED};
     enum iso_fleet_kind kind;
     int error = iso__fleet_ready(fleet, fault);
-    if (!error && size <= ISO_FLEET_MESSAGE_MAX && iso_fleet_kind_of(bytes, size, &kind) == 0) {
-        error = handle(&handling, kind, fault);
+    if (!error && size <= ISO_FLEET_MESSAGE_MAX) {
+        if (iso_fleet_kind_of(bytes, size, &kind) == 0) {
+            error = handle(&handling, kind, fault);
+        } else if (iso_fleet_is_newer(bytes, size, fleet->record.member.hub_signs)) {
+            iso__fleet_complain_of_newer(fleet);
+        }
     }
     if (!error) {
         *outcome = handling.outcome;

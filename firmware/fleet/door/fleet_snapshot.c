@@ -137,6 +137,9 @@ static int apply(struct iso_fleet *fleet, const uint8_t *bytes, size_t size,
     if (!error) {
         error = iso_fleet_snapshot_each(bytes, size, &key, take_change, &reading);
         if (error && !reading.error && error != -ENOMEM) {
+            if (error == -EPROTONOSUPPORT) {
+                iso__fleet_complain_of_newer(fleet);
+            }
             *outcome = ISO_FLEET_REFUSED;
             error = 0;
         } else if (!error) {
@@ -163,7 +166,11 @@ int iso_fleet_snapshot(struct iso_fleet *fleet, const uint8_t *bytes, size_t siz
     if (error) {
         return error;
     }
-    if (iso_fleet_snapshot_verify(bytes, size, fleet->record.member.hub_signs, &place) == 0) {
+    const int found = iso_fleet_snapshot_verify(bytes, size, fleet->record.member.hub_signs,
+                                                &place);
+    if (found == -EPROTONOSUPPORT) {
+        iso__fleet_complain_of_newer(fleet);
+    } else if (found == 0) {
         const struct iso__fleet_zone *own = iso__fleet_zone_of(&fleet->record, &place.zone);
         if (own) {
             id = place.zone;

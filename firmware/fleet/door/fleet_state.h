@@ -62,6 +62,9 @@ int iso__fleet_note(struct iso_fleet *fleet, const struct iso__fleet_note *note,
 /* Keeps why a wish of the hub was not done, for the status. (fleet.c) */
 void iso__fleet_complain(struct iso_fleet *fleet, const struct iso_fault *fault);
 
+/* Says, and keeps, that the hub sends what only a newer version of this program reads. (fleet.c) */
+void iso__fleet_complain_of_newer(struct iso_fleet *fleet);
+
 __attribute__((format(printf, 3, 4))) void iso__fleet_say(const struct iso_fleet *fleet,
                                                           int priority, const char *format, ...);
 

@@ -59,6 +59,10 @@ static bool hand_delta(struct link_door *door, const void *bytes, size_t size)
     struct iso_fleet_delta delta;
     int r = iso_fleet_read_delta(bytes, size, door->status.hub_signs, &delta);
 
+    if (r == -EPROTONOSUPPORT) {
+        link_hand_newer(door, bytes, size);
+        return false;
+    }
     if (r < 0 || !iso_fleet_id_is_same(&delta.place.zone, &door->fetch.zone)) {
         door->report.forged++;
         link_note(door, "%s: a delta that the hub has not made: %s", door->hub_url,
@@ -82,7 +86,8 @@ static bool hand_delta(struct link_door *door, const void *bytes, size_t size)
     return outcome.outcome == ISO_FLEET_APPLIED || outcome.outcome == ISO_FLEET_KNOWN;
 }
 
-/* The link verifies the file before the daemon gets it, and the daemon verifies it again. */
+/* The link verifies the file before the daemon gets it, and the daemon verifies it again. One of a
+ * newer version goes to the daemon, too, which refuses it and keeps why. */
 static bool verify_snapshot(struct link_door *door)
 {
     struct link_fetch *fetch = &door->fetch;
@@ -96,6 +101,11 @@ static bool verify_snapshot(struct link_door *door)
     const int r = iso_fleet_snapshot_verify(bytes, (size_t)fetch->size, door->status.hub_signs,
                                             &place);
     (void)munmap(bytes, (size_t)fetch->size);
+    if (r == -EPROTONOSUPPORT) {
+        link_note(door, "%s: a snapshot of a newer version; upgrade isotherm on this door",
+                  door->hub_url);
+        return true;
+    }
     if (r < 0 || !iso_fleet_id_is_same(&place.zone, &fetch->zone)) {
         door->report.forged++;
         link_note(door, "%s: a snapshot that the hub has not made: %s", door->hub_url,
@@ -132,8 +142,11 @@ static bool is_snapshot(const struct link_fetch *fetch)
     enum iso_fleet_kind kind = ISO_FLEET_DELTA;
 
     /* The first four bytes of a message would be a length that is too large. */
-    return read_at(fetch, 0, start, sizeof start) &&
-           iso_fleet_kind_of(start, sizeof start, &kind) == 0 && kind == ISO_FLEET_SNAPSHOT;
+    if (!read_at(fetch, 0, start, sizeof start)) {
+        return false;
+    }
+    const int r = iso_fleet_kind_of(start, sizeof start, &kind);
+    return r == -EPROTONOSUPPORT || (r == 0 && kind == ISO_FLEET_SNAPSHOT);
 }
 
 void link_fetch_apply(struct link_door *door)

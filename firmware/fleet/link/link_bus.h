@@ -45,6 +45,7 @@ struct link_bus_lease {
     int64_t left_s;
     uint32_t pending; /* people who wait for approval */
     bool is_hub_behind;
+    char fault[256]; /* what of the hub's wishes the door could not do; "": nothing */
     char door_name[ISO_FLEET_TITLE_SIZE], hub_name[ISO_FLEET_TITLE_SIZE];
 };
 

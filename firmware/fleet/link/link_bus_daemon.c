@@ -115,6 +115,9 @@ static int read_value(sd_bus_message *reply, const char *key, struct iso_link_st
     if (strcmp(key, ISO_CONTRACT_FLEET_BEHIND) == 0) {
         return read_behind(reply, &lease->is_hub_behind);
     }
+    if (strcmp(key, ISO_CONTRACT_FLEET_FAULT) == 0) {
+        return read_text(reply, lease->fault, sizeof lease->fault);
+    }
     if (strcmp(key, ISO_CONTRACT_FLEET_DOOR_NAME) == 0) {
         return read_text(reply, lease->door_name, sizeof lease->door_name);
     }

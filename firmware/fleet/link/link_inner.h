@@ -151,6 +151,10 @@ void link_zones_subscribe(struct link_door *door, bool all);
 /* A message of the broker. */
 void link_receive(struct link_door *door, const char *topic, const void *bytes, size_t size);
 
+/* Hands over a message that the hub has signed and this version cannot read: the daemon refuses it,
+ * and tells the hub why. */
+void link_hand_newer(struct link_door *door, const void *bytes, size_t size);
+
 /* Acts on what the daemon says of a message or of a snapshot. */
 void link_act(struct link_door *door, enum iso_fleet_kind kind,
               const struct iso_link_outcome *outcome);

@@ -69,7 +69,7 @@ static int read_door_letter(struct link_door *door, const char *topic, const voi
 }
 
 /* Whether the daemon may see a message. -EBADMSG it is none, or in the wrong place; -EKEYREJECTED
- * somebody else has signed it; -EPROTONOSUPPORT. */
+ * somebody else has signed it; -EPROTONOSUPPORT the hub has, in a newer version. */
 static int read_letter(struct link_door *door, const char *topic, const void *bytes, size_t size,
                        struct letter *out)
 {
@@ -77,6 +77,9 @@ static int read_letter(struct link_door *door, const char *topic, const void *by
     struct iso_fleet_head head;
     int r = size <= ISO_FLEET_MESSAGE_MAX ? iso_fleet_kind_of(bytes, size, &out->kind) : -EBADMSG;
 
+    if (r == -EPROTONOSUPPORT) {
+        return iso_fleet_is_newer(bytes, size, door->status.hub_signs) ? r : -EKEYREJECTED;
+    }
     if (r < 0) {
         return r;
     }
@@ -214,6 +217,17 @@ static void follow(struct link_door *door, const struct letter *letter,
     link_act(door, letter->kind, outcome);
 }
 
+void link_hand_newer(struct link_door *door, const void *bytes, size_t size)
+{
+    struct iso_link_outcome outcome = {.outcome = ISO_FLEET_REFUSED};
+    struct iso_fault fault = {.text = ""};
+
+    door->report.refused++;
+    link_note(door, "the hub sends messages of a newer version; upgrade isotherm on this door");
+    (void)link_daemon_result(
+        door, door->daemon.receive(door->daemon.context, bytes, size, &outcome, &fault), &fault);
+}
+
 void link_receive(struct link_door *door, const char *topic, const void *bytes, size_t size)
 {
     struct letter letter = {.zone = NULL};
@@ -226,6 +240,10 @@ void link_receive(struct link_door *door, const char *topic, const void *bytes, 
         return;
     }
     int r = read_letter(door, topic, bytes, size, &letter);
+    if (r == -EPROTONOSUPPORT) {
+        link_hand_newer(door, bytes, size);
+        return;
+    }
     if (r < 0) {
         door->report.forged++;
         link_note(door, "%s: a message that the hub has not sent there: %s", topic, strerror(-r));

@@ -49,14 +49,32 @@ int iso_fleet_kind_of(const void *bytes, size_t size, enum iso_fleet_kind *kind)
 {
     const uint8_t *p = bytes;
     if (size < ISO_FLEET_HEADER_BYTES + ISO_FLEET_SIGNATURE_BYTES ||
-        memcmp(p, magic, sizeof magic) != 0 || p[6] || p[7]) {
+        memcmp(p, magic, sizeof magic) != 0) {
         return -EBADMSG;
     }
-    if (p[4] != ISO_FLEET_VERSION) {
-        return p[4] > ISO_FLEET_VERSION ? -EPROTONOSUPPORT : -EBADMSG;
+    if (p[4] > ISO_FLEET_VERSION) {
+        return -EPROTONOSUPPORT;
+    }
+    if (p[4] != ISO_FLEET_VERSION || p[6] || p[7]) {
+        return -EBADMSG;
     }
     *kind = (enum iso_fleet_kind)p[5];
     return 0;
+}
+
+static bool is_signed(const void *bytes, size_t size, const uint8_t signer[ISO_FLEET_PUBLIC_BYTES])
+{
+    const uint8_t *p = bytes;
+    const size_t signed_size = size - ISO_FLEET_SIGNATURE_BYTES;
+    return crypto_sign_verify_detached(p + signed_size, p, signed_size, signer) == 0;
+}
+
+bool iso_fleet_is_newer(const void *bytes, size_t size,
+                        const uint8_t signer[ISO_FLEET_PUBLIC_BYTES])
+{
+    enum iso_fleet_kind kind;
+    return iso_fleet_kind_of(bytes, size, &kind) == -EPROTONOSUPPORT &&
+           is_signed(bytes, size, signer);
 }
 
 int iso_fleet_verify(const void *bytes, size_t size, enum iso_fleet_kind kind,
@@ -65,15 +83,18 @@ int iso_fleet_verify(const void *bytes, size_t size, enum iso_fleet_kind kind,
     const uint8_t *p = bytes;
     enum iso_fleet_kind found = kind;
     const int error = iso_fleet_kind_of(bytes, size, &found);
-    if (error || found != kind) {
-        return error ? error : -EBADMSG;
+    if (error == -EBADMSG || (!error && found != kind)) {
+        return -EBADMSG;
     }
-    const size_t signed_size = size - ISO_FLEET_SIGNATURE_BYTES;
-    if (crypto_sign_verify_detached(p + signed_size, p, signed_size, signer)) {
+    if (!is_signed(bytes, size, signer)) {
         return -EKEYREJECTED;
     }
+    if (error) {
+        return error;
+    }
     *fields = (struct iso_fleet_reader){.bytes = p + ISO_FLEET_HEADER_BYTES,
-                                        .left = signed_size - ISO_FLEET_HEADER_BYTES};
+                                        .left = size - ISO_FLEET_SIGNATURE_BYTES -
+                                                ISO_FLEET_HEADER_BYTES};
     return 0;
 }
 

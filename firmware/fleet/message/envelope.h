@@ -18,10 +18,25 @@
  *   door -> hub    QUESTION    what the door has; asks for a lease
  *                  EVENTS      records of the door's log, sealed for the hub
  *                  REQUEST     a person who was enrolled at the door, sealed for the hub
- *                  FETCH       asks over HTTPS for deltas, or for a snapshot */
+ *                  FETCH       asks over HTTPS for deltas, or for a snapshot
+ *
+ * Versions. Magic, version and the place of the signature are the same in every version, so that a
+ * program verifies a message that it cannot read, and believes the hub alone that it is older. A
+ * version has exactly its fields: a message or a change with a further field, or with an unknown
+ * flag, is refused as a whole. Only the health in a QUESTION, which is for people, may have further
+ * members. So a new field is a new version. A new kind of change is refused by doors that do not
+ * know it.
+ *
+ * A door that refuses a message does not skip it: the door stays at its place with what it has,
+ * says what is wrong, and fetches the same again later. Its lease is not renewed, because a lease
+ * counts for a door that has what the hub lists; so nobody is let in for long whom the unread
+ * message may have revoked. A newer program reads the message, and nothing is lost. The health
+ * tells the version that the door reads ("message-version"; without it: 1). A hub that can write a
+ * newer version writes it in a zone when all doors of the zone read it. */
 #ifndef ISO_FIRMWARE_FLEET_MESSAGE_ENVELOPE_H
 #define ISO_FIRMWARE_FLEET_MESSAGE_ENVELOPE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -87,8 +102,14 @@ int iso_fleet_sign(struct iso_fleet_bytes *out, const struct iso_fleet_signer *s
 int iso_fleet_kind_of(const void *bytes, size_t size, enum iso_fleet_kind *kind)
     __attribute__((warn_unused_result));
 
+/* Whether the owner of the key has signed a message of a newer version; a SNAPSHOT is signed in
+ * another way (snapshot.h). */
+bool iso_fleet_is_newer(const void *bytes, size_t size,
+                        const uint8_t signer[ISO_FLEET_PUBLIC_BYTES]);
+
 /* Verifies the signature and the kind, and sets a reader to the fields. -EBADMSG it is no message
- * of this kind, -EPROTONOSUPPORT a newer version, -EKEYREJECTED somebody else has signed it. */
+ * of this kind, -EPROTONOSUPPORT the signer has made it, of a newer version, -EKEYREJECTED somebody
+ * else has signed it. */
 int iso_fleet_verify(const void *bytes, size_t size, enum iso_fleet_kind kind,
                      const uint8_t signer[ISO_FLEET_PUBLIC_BYTES], struct iso_fleet_reader *fields)
     __attribute__((warn_unused_result));

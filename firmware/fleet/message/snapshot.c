@@ -81,14 +81,18 @@ int iso_fleet_snapshot_verify(const uint8_t *bytes, size_t size,
     crypto_sign_state state;
     enum iso_fleet_kind kind;
     const int error = iso_fleet_kind_of(bytes, size, &kind);
-    if (error || kind != ISO_FLEET_SNAPSHOT || size < CHUNKS_AT + ISO_FLEET_SIGNATURE_BYTES) {
-        return error ? error : -EBADMSG;
+    if (error == -EBADMSG ||
+        (!error && (kind != ISO_FLEET_SNAPSHOT || size < CHUNKS_AT + ISO_FLEET_SIGNATURE_BYTES))) {
+        return -EBADMSG;
     }
     const size_t signed_size = size - ISO_FLEET_SIGNATURE_BYTES;
     (void)crypto_sign_init(&state);
     (void)crypto_sign_update(&state, bytes, signed_size);
     if (crypto_sign_final_verify(&state, bytes + signed_size, signer)) {
         return -EKEYREJECTED;
+    }
+    if (error) {
+        return error; /* of the hub, and of a newer version */
     }
     struct iso_fleet_reader in = {.bytes = bytes + ISO_FLEET_HEADER_BYTES, .left = PLACE_BYTES};
     *place = iso_fleet_take_place(&in);

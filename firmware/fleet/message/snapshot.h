@@ -43,7 +43,8 @@ int iso_fleet_snapshot_end(struct iso_fleet_snapshot_writer *writer,
 
 /* ---- reading ---- */
 
-/* Verifies the whole file, and reads its place. -EBADMSG, -EPROTONOSUPPORT, -EKEYREJECTED. */
+/* Verifies the whole file, and reads its place. -EBADMSG; -EPROTONOSUPPORT the signer has made it,
+ * of a newer version; -EKEYREJECTED. */
 int iso_fleet_snapshot_verify(const uint8_t *bytes, size_t size,
                               const uint8_t signer[ISO_FLEET_PUBLIC_BYTES],
                               struct iso_fleet_place *place) __attribute__((warn_unused_result));

@@ -121,6 +121,9 @@ static int print_status(struct link_bus *bus, const struct link_options *options
            (unsigned long long)status.last_event);
     printf("pending      %u people wait for approval\n", lease.pending);
     print_zones(&status);
+    if (*lease.fault) {
+        printf("fault        %s\n", lease.fault);
+    }
     if (lease.is_hub_behind) {
         puts("the hub knows less than this door: it was restored from an older copy");
     }

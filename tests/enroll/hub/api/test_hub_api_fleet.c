@@ -149,11 +149,11 @@ static void requests_are_approved_and_rejected(void **state)
     assert_int_equal(json_array_size(api_rig_at(list, "requests")), 2);
     assert_string_equal(api_rig_text(list, "requests.0.door.name"), "near");
     json_decref(list);
-    json_t *dora = api_rig_ask(WEB_ROLE_ENROLLER, "POST", "/requests/Dora/approval",
-                               "{'zones': ['garden']}", 200);
+    json_t *dora = api_rig_ask(ADMIN, "POST", "/requests/Dora/approval", "{'zones': ['garden']}",
+                               200);
     assert_string_equal(api_rig_text(dora, "zones.0.name"), "garden");
     json_decref(dora);
-    api_rig_expect_act("enroller request-approve Dora");
+    api_rig_expect_act("administrator request-approve Dora");
     json_decref(api_rig_ask(WEB_ROLE_ENROLLER, "DELETE", "/requests/Emil", NULL, 204));
     list = get("/requests");
     assert_int_equal(json_array_size(api_rig_at(list, "requests")), 0);
@@ -165,6 +165,39 @@ static void requests_are_approved_and_rejected(void **state)
     list = get("/people?unseen=1");
     assert_int_equal(json_array_size(api_rig_at(list, "people")), 0);
     json_decref(list);
+}
+
+/* An enroller decides who is one of the fleet, and an administrator decides where. */
+static void an_enroller_chooses_no_zones(void **state)
+{
+    static const char *const others[] = {"{'zones': ['garden']}", "{'zones': ['house', 'garden']}",
+                                         "{'zones': ['garden', 'house']}"};
+    static const char *const names[] = {"Dora", "Emil"};
+    static struct played_door door;
+    struct iso_fault fault = {.text = ""};
+    (void)state;
+    api_rig_do("POST", "/zones", "{'name': 'house'}", 201);
+    api_rig_do("POST", "/zones", "{'name': 'garden'}", 201);
+    api_rig_join(&door, "near");
+    for (int i = 0; i < 2; i++) {
+        const struct iso_fleet_person person = store_rig_person(names[i], 3, 1, 7);
+        store_rig_fine(played_door_request(&door, &api_rig.hub->store, &person, &fault), &fault);
+    }
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        api_rig_refused(WEB_ROLE_ENROLLER, "POST", "/requests/Dora/approval", others[i], 403,
+                        "not-allowed");
+        api_rig_refused(ADMIN, "GET", "/people/Dora", NULL, 404, "no-such-person");
+    }
+    json_t *dora = api_rig_ask(WEB_ROLE_ENROLLER, "POST", "/requests/Dora/approval",
+                               "{'zones': ['house']}", 200);
+    assert_int_equal(json_array_size(api_rig_at(dora, "zones")), 1);
+    assert_string_equal(api_rig_text(dora, "zones.0.name"), "house");
+    json_decref(dora);
+    api_rig_expect_act("enroller request-approve Dora");
+    json_t *emil = api_rig_ask(WEB_ROLE_ENROLLER, "POST", "/requests/Emil/approval", "{}", 200);
+    assert_int_equal(json_array_size(api_rig_at(emil, "zones")), 1);
+    assert_string_equal(api_rig_text(emil, "zones.0.name"), "house");
+    json_decref(emil);
 }
 
 static void events_are_filtered_and_come_in_pages(void **state)
@@ -208,6 +241,7 @@ int main(void)
         TEST(people_come_in_pages_and_are_found_and_changed),
         TEST(a_revoked_person_is_gone_and_the_answer_names_the_doors),
         TEST(requests_are_approved_and_rejected),
+        TEST(an_enroller_chooses_no_zones),
         TEST(events_are_filtered_and_come_in_pages),
     };
     return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);

@@ -70,6 +70,25 @@ static void events_are_found(void **state)
     assert_int_equal(last, 19);
 }
 
+/* A door that was upgraded before its hub; the hub stays as it is. */
+static void a_message_of_a_newer_door_is_named(void **state)
+{
+    struct store_rig *rig = *state;
+    const struct iso_fleet_id zone = store_rig_zone(rig, "office");
+    const struct iso_fleet_question question = {.health = ""};
+    struct iso_fleet_bytes bytes = {.bytes = NULL};
+    struct played_door door;
+    played_door_join(&door, rig, "front", &zone, 1);
+    const struct hub_emit emit = played_door_emit(&door);
+    assert_int_equal(iso_fleet_make_question(&question, &door.signs, &bytes), 0);
+    bytes.bytes[4] = ISO_FLEET_VERSION + 1;
+    assert_int_equal(hub_take(&rig->store, &door.id, bytes.bytes, bytes.size, &emit, &fault),
+                     -EPROTONOSUPPORT);
+    assert_non_null(strstr(fault.text, "of a newer version; upgrade the hub"));
+    assert_int_equal(door.leases, 0);
+    iso_fleet_bytes_free(&bytes);
+}
+
 /* Messages of a door that is none, or that says what is not true. */
 static void bad_messages_are_refused(void **state)
 {
@@ -195,8 +214,11 @@ static void a_zone_may_approve_at_once(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(events_are_stored_once),     TEST(events_are_found),
-        TEST(bad_messages_are_refused),   TEST(requests_wait_for_a_person),
+        TEST(events_are_stored_once),
+        TEST(events_are_found),
+        TEST(a_message_of_a_newer_door_is_named),
+        TEST(bad_messages_are_refused),
+        TEST(requests_wait_for_a_person),
         TEST(a_zone_may_approve_at_once),
     };
     return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);

@@ -55,8 +55,9 @@ static int add_state(sd_bus_message *reply)
         served.acked, ISO_CONTRACT_FLEET_PENDING, "u", (uint32_t)3, ISO_CONTRACT_FLEET_BEHIND, "b",
         1);
     r = r < 0 ? r
-              : sd_bus_message_append(reply, "{sv}{sv}", ISO_CONTRACT_FLEET_LEASE_S, "u",
-                                      served.lease_s, "of-a-later-version", "s", "x");
+              : sd_bus_message_append(reply, "{sv}{sv}{sv}", ISO_CONTRACT_FLEET_LEASE_S, "u",
+                                      served.lease_s, ISO_CONTRACT_FLEET_FAULT, "s",
+                                      "the policy is too large", "of-a-later-version", "s", "x");
     return r < 0 ? r : add_zones(reply);
 }
 

@@ -256,6 +256,50 @@ static void forged_replies_do_not_reach_the_daemon(void **state)
     link_rig_until_level(rig);
 }
 
+/* Makes a message one of the next version, signed by the hub or by a stranger. */
+static void make_newer(struct iso_fleet_bytes *bytes, const struct iso_fleet_signer *signer)
+{
+    bytes->bytes[4] = ISO_FLEET_VERSION + 1;
+    bytes->size -= ISO_FLEET_SIGNATURE_BYTES;
+    assert_int_equal(iso_fleet_sign(bytes, signer), 0);
+}
+
+/* The daemon refuses what it cannot read, and nothing is skipped: what comes after it waits. */
+static void a_newer_hub_is_named_and_nothing_is_lost(void **state)
+{
+    struct link_rig *rig = *state;
+    struct hub_zone *zone = link_rig_begin(rig);
+    struct iso_fleet_signer stranger;
+    struct iso_fleet_bytes newer = {.bytes = NULL};
+
+    assert_int_equal(crypto_sign_keypair(stranger.public, stranger.secret), 0);
+    fake_hub_change(&rig->hub, zone);
+    struct iso_fleet_bytes *delta = &zone->deltas[0];
+    iso_fleet_put(&newer, delta->bytes, delta->size);
+    make_newer(&newer, &stranger);
+    send_to_zone(rig, false, &zone->place.zone, &newer);
+    link_rig_until(rig, link_rig_report(rig).forged == 1);
+    assert_null(strstr(rig->notes, "newer version"));
+    make_newer(&newer, &rig->hub.signer);
+    send_to_zone(rig, false, &zone->place.zone, &newer);
+    link_rig_until(rig, rig->daemon.refused == 1);
+    assert_non_null(strstr(rig->notes, "the hub sends messages of a newer version"));
+    assert_int_equal(link_rig_report(rig).forged, 1);
+    assert_int_equal(rig->daemon.applied, 0);
+    /* The hub has only this to fetch, too. */
+    struct iso_fleet_bytes old = *delta;
+    *delta = newer;
+    fake_hub_publish_head(&rig->hub, zone);
+    link_rig_until(rig, rig->daemon.refused >= 2 && link_rig_report(rig).failed_fetches >= 1);
+    assert_int_equal(rig->daemon.zones[0].place.sequence, 0);
+    assert_true(link_rig_report(rig).phase == LINK_ONLINE);
+    /* A program that can read it goes on where this one stays. */
+    *delta = old;
+    iso_fleet_bytes_free(&newer);
+    link_rig_until_level(rig);
+    assert_int_equal(rig->daemon.applied, 1);
+}
+
 #define RIG_TEST(name) cmocka_unit_test_setup_teardown(name, link_rig_setup, link_rig_teardown)
 
 int main(void)
@@ -272,6 +316,7 @@ int main(void)
         RIG_TEST(a_lost_zone_is_unsubscribed),
         RIG_TEST(forged_messages_do_not_reach_the_daemon),
         RIG_TEST(forged_replies_do_not_reach_the_daemon),
+        RIG_TEST(a_newer_hub_is_named_and_nothing_is_lost),
     };
 
     return mosquitto_rig_is_there() ? cmocka_run_group_tests(tests, NULL, NULL) : TEST_SKIPPED;

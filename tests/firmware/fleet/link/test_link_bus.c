@@ -120,6 +120,7 @@ static void the_state_is_read(void **state)
     assert_int_equal(lease.left_s, 1234);
     assert_int_equal(lease.pending, 3);
     assert_true(lease.is_hub_behind);
+    assert_string_equal(lease.fault, "the policy is too large");
     assert_string_equal(lease.door_name, "East");
     assert_string_equal(lease.hub_name, "Works");
 }

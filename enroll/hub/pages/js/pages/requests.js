@@ -9,6 +9,19 @@ import {notice, noticeFault} from '../view/notice.js';
 import {stack} from '../view/stack.js';
 import {zoneChoice} from '../view/zone_choice.js';
 
+/* Only an administrator chooses zones; for others it is the home zone of the door. */
+async function approveAtHome(api, request, home) {
+    if (!await confirm(
+            _f('Approve {name}', { name: request.name }),
+            home ? _f('All doors of the zone {zone} will know the person.', { zone: home.name }) :
+                   _('The door has no zone any more; an administrator must choose one.'),
+            _('Approve'))) {
+        return false;
+    }
+    await api.approve(request.id);
+    return true;
+}
+
 function approve(api, request, zones, home) {
     const picked = zoneChoice(zones, home ? [home] : [], _('In which zones?'));
     return openDialog(
@@ -29,7 +42,7 @@ async function reject(api, request) {
     return true;
 }
 
-function make({ api, hub }) {
+function make({ api, hub, may }) {
     const body = h('tbody', {});
     const fault = h('p', { class: 'fault', role: 'alert' });
     const none = h('p', { class: 'quiet', role: 'status' });
@@ -48,7 +61,8 @@ function make({ api, hub }) {
 
     async function start(request) {
         const [zones, door] = await Promise.all([api.zones(), api.door(request.door.id)]);
-        return approve(api, request, zones, door.zones[0]?.id);
+        return may('administrator') ? approve(api, request, zones, door.zones[0]?.id) :
+                                      approveAtHome(api, request, door.zones[0]);
     }
 
     function row(request) {
