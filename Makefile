@@ -28,6 +28,7 @@
 #   make fleet-check  runs 50 doors, two hubs, PostgreSQL and mosquitto, and kills them at random for FLEET_FAULT_SECONDS
 #   make fleet-upgrade-check  upgrades a hub and two doors from the packages of the previous release, in containers, in either order: needs
 #                 root. PREVIOUS=REVISION is another release
+#   make fleet-bench  measures a hub with FLEET_BENCH_SIZES simulated doors, and the law of what more would need: 20 minutes or more
 #   make install  PREFIX=/usr/local, DESTDIR= for packagers
 #   make docs     makes the reference of the library for programmers, in build/docs: HTML and manual pages
 #   make clean    removes everything that the other commands made
@@ -38,11 +39,12 @@ FUZZ_SEED ?= 1
 KILLS ?= 1000
 NIGHTLY_KILLS ?= 1000
 FLEET_FAULT_SECONDS ?= 600
+FLEET_BENCH_SIZES ?= 1000 5000 20000
 NIGHTLY_FUZZ_SECONDS ?= 300
 ICT ?= ict
 JOBS := $(shell nproc)
 
-.PHONY: demo check check-clang check-asan vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check web-check hub-web-check fleet-check fleet-upgrade-check install docs clean
+.PHONY: demo check check-clang check-asan vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check web-check hub-web-check fleet-check fleet-upgrade-check fleet-bench install docs clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -185,6 +187,12 @@ fleet-upgrade-check: packages
 	cmake/previous_packages.sh build/packages-previous $(PREVIOUS)
 	tests/install/root.sh build/install/base.tar
 	tests/install/fleet_upgrade.sh build/packages-previous build/packages build/install/base.tar
+
+fleet-bench:
+	cmake/install_packages.sh build test bench
+	cmake --preset dev
+	cmake --build --preset dev --target isotherm-hub fleet_bench fleet_crowd fleet_poll
+	tests/bench/fleet/fleet_bench.sh build/dev out/fleet-bench $(FLEET_BENCH_SIZES)
 
 install:
 	cmake/install_packages.sh build

@@ -22,12 +22,12 @@ static int insert(const struct work *w, struct iso_fault *fault)
     struct hub_values values = {.n = 0};
     hub_value_id(&values, &w->door->id);
     hub_value_text(&values, w->records);
-    return hub_db_run(w->store->db,
-                      "INSERT INTO event (door, number, time, record) "
-                      "SELECT $1, (r ->> 'sequence')::bigint, coalesce(r ->> 'time', ''), r "
-                      "FROM jsonb_array_elements($2::jsonb) r "
-                      "ON CONFLICT (door, number) DO NOTHING",
-                      &values, NULL, fault);
+    return hub_db_run_often(w->store->db,
+                            "INSERT INTO event (door, number, time, record) "
+                            "SELECT $1, (r ->> 'sequence')::bigint, coalesce(r ->> 'time', ''), r "
+                            "FROM jsonb_array_elements($2::jsonb) r "
+                            "ON CONFLICT (door, number) DO NOTHING",
+                            &values, NULL, fault);
 }
 
 /* Raises the acknowledged number as far as no number is missing. If the message begins behind the
@@ -41,7 +41,7 @@ static int acknowledge(struct work *w, struct iso_fault *fault)
     hub_value_id(&values, &w->door->id);
     hub_value_integer(&values, (int64_t)w->events.first);
     hub_value_integer(&values, (int64_t)w->events.last);
-    const int error = hub_db_run(
+    const int error = hub_db_run_often(
         w->store->db,
         "WITH reached AS (SELECT CASE WHEN $2 <= acked + 1 THEN greatest(acked, $3) ELSE acked END "
         "AS n FROM door WHERE id = $1), "
@@ -62,8 +62,8 @@ static int store_events(void *context, struct iso_fault *fault)
     struct work *w = context;
     struct hub_values values = {.n = 0};
     hub_value_id(&values, &w->door->id);
-    int error = hub_db_run(w->store->db, "SELECT id FROM door WHERE id = $1 FOR NO KEY UPDATE",
-                           &values, NULL, fault);
+    int error = hub_db_run_often(
+        w->store->db, "SELECT id FROM door WHERE id = $1 FOR NO KEY UPDATE", &values, NULL, fault);
     error = error ? error : insert(w, fault);
     return error ? error : acknowledge(w, fault);
 }

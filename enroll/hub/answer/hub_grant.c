@@ -41,14 +41,14 @@ int hub__door_zones(struct hub_store *store, const struct iso_fleet_id *door,
     struct hub_values values = {.n = 0};
     PGresult *rows = NULL;
     hub_value_id(&values, door);
-    int error = hub_db_run(store->db,
-                           "SELECT z.id, z.epoch, z.sequence, z.digest, z.base_sequence, "
-                           "z.base_digest, z.key, z.reset_epoch, z.reset_sequence, z.behind, "
-                           "z.local_people, z.lease_s, p.epoch, p.sequence, p.digest "
-                           "FROM door_zone dz JOIN zone z ON z.id = dz.zone "
-                           "LEFT JOIN door_place p ON p.door = dz.door AND p.zone = z.id "
-                           "WHERE dz.door = $1 ORDER BY dz.position",
-                           &values, &rows, fault);
+    int error = hub_db_run_often(store->db,
+                                 "SELECT z.id, z.epoch, z.sequence, z.digest, z.base_sequence, "
+                                 "z.base_digest, z.key, z.reset_epoch, z.reset_sequence, z.behind, "
+                                 "z.local_people, z.lease_s, p.epoch, p.sequence, p.digest "
+                                 "FROM door_zone dz JOIN zone z ON z.id = dz.zone "
+                                 "LEFT JOIN door_place p ON p.door = dz.door AND p.zone = z.id "
+                                 "WHERE dz.door = $1 ORDER BY dz.position",
+                                 &values, &rows, fault);
     out->n = 0;
     for (int i = 0; !error && i < PQntuples(rows) && out->n < ISO_FLEET_ZONES_MAX; i++) {
         error = take_zone(store, rows, i, &out->zones[out->n++], fault);

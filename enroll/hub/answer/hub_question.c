@@ -49,12 +49,12 @@ static int store_report(const struct work *w, struct iso_fault *fault)
     hub_value_integer(&values, w->question->algorithm);
     hub_value_integer(&values, (int64_t)w->question->last_event);
     hub_value_text(&values, w->health);
-    return hub_db_run(w->store->db,
-                      "WITH p AS (DELETE FROM door_place WHERE door = $1 AND zone NOT IN "
-                      "(SELECT zone FROM door_zone WHERE door = $1)) "
-                      "UPDATE door SET online = true, reported_s = $2, door_time_s = $3, "
-                      "algorithm = $4, last_event = $5, health = $6 WHERE id = $1",
-                      &values, NULL, fault);
+    return hub_db_run_often(w->store->db,
+                            "WITH p AS (DELETE FROM door_place WHERE door = $1 AND zone NOT IN "
+                            "(SELECT zone FROM door_zone WHERE door = $1)) "
+                            "UPDATE door SET online = true, reported_s = $2, door_time_s = $3, "
+                            "algorithm = $4, last_event = $5, health = $6 WHERE id = $1",
+                            &values, NULL, fault);
 }
 
 static int store_place(const struct work *w, const struct hub__door_zone *zone,
@@ -64,17 +64,18 @@ static int store_place(const struct work *w, const struct hub__door_zone *zone,
     hub_value_id(&values, &w->door->id);
     hub_value_id(&values, &zone->place.zone);
     if (!zone->known) {
-        return hub_db_run(w->store->db, "DELETE FROM door_place WHERE door = $1 AND zone = $2",
-                          &values, NULL, fault);
+        return hub_db_run_often(w->store->db,
+                                "DELETE FROM door_place WHERE door = $1 AND zone = $2", &values,
+                                NULL, fault);
     }
     hub_value_integer(&values, (int64_t)zone->reported.epoch);
     hub_value_integer(&values, (int64_t)zone->reported.sequence);
     hub_value_bytes(&values, zone->reported.digest, sizeof zone->reported.digest);
-    return hub_db_run(w->store->db,
-                      "INSERT INTO door_place (door, zone, epoch, sequence, digest) "
-                      "VALUES ($1, $2, $3, $4, $5) ON CONFLICT (door, zone) DO UPDATE SET "
-                      "epoch = $3, sequence = $4, digest = $5",
-                      &values, NULL, fault);
+    return hub_db_run_often(w->store->db,
+                            "INSERT INTO door_place (door, zone, epoch, sequence, digest) "
+                            "VALUES ($1, $2, $3, $4, $5) ON CONFLICT (door, zone) DO UPDATE SET "
+                            "epoch = $3, sequence = $4, digest = $5",
+                            &values, NULL, fault);
 }
 
 /* The digest that this database has for a sequence of the zone; *found is false if it does not have
@@ -95,9 +96,9 @@ static int digest_at(const struct work *w, const struct hub__door_zone *zone,
     }
     hub_value_id(&values, &zone->place.zone);
     hub_value_integer(&values, (int64_t)zone->reported.sequence);
-    const int error = hub_db_run(w->store->db,
-                                 "SELECT digest FROM delta WHERE zone = $1 AND sequence = $2",
-                                 &values, &rows, fault);
+    const int error = hub_db_run_often(w->store->db,
+                                       "SELECT digest FROM delta WHERE zone = $1 AND sequence = $2",
+                                       &values, &rows, fault);
     if (error) {
         return error;
     }
@@ -219,8 +220,8 @@ static int take_report(void *context, struct iso_fault *fault)
     error = error ? error : take_places(w, fault);
     hub_value_id(&values, &w->door->id);
     error = error ? error
-                  : hub_db_run(w->store->db, "SELECT acked FROM door WHERE id = $1", &values, &rows,
-                               fault);
+                  : hub_db_run_often(w->store->db, "SELECT acked FROM door WHERE id = $1", &values,
+                                     &rows, fault);
     if (!error) {
         w->acked = (uint64_t)hub_row_integer(rows, 0, 0);
         PQclear(rows);

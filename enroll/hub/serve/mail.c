@@ -1,14 +1,17 @@
-/* Answers the mail of doors, one message at a time. */
+/* Answers the mail of doors: what has come meanwhile together, else one message at a time. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <systemd/sd-daemon.h>
 
+#include "enroll/hub/answer/hub_letters.h"
 #include "enroll/hub/serve/service.h"
 #include "enroll/hub/store/hub_door.h"
 #include "enroll/web/http/now.h"
 
-enum { RETRY_US = 1000000 };
+enum { RETRY_US = 1000000, TOGETHER_BYTES_MAX = 1 << 20, TOGETHER_LEAST = 8 };
+
+#define TOGETHER_S 0.1
 
 double hub__clock_s(void)
 {
@@ -75,6 +78,70 @@ static int answer(struct hub_service *service, const struct hub_mail *mail)
     }
 }
 
+/* As many are taken together as the loop has time for: a revocation that is published meanwhile
+ * waits for them. How long they take depends on the disk, so the number follows the time. */
+static void follow_time(struct hub_service *service, size_t n, double took_s)
+{
+    const size_t most = service->mail_most;
+
+    if (took_s > TOGETHER_S) {
+        service->mail_most = most / 2 > TOGETHER_LEAST ? most / 2 : TOGETHER_LEAST;
+    } else if (n == most && took_s < TOGETHER_S / 2) {
+        service->mail_most = 2 * most < HUB_LETTERS_MOST ? 2 * most : HUB_LETTERS_MOST;
+    }
+}
+
+/* The messages at the beginning of the queue that may be taken together. */
+static size_t collect(const struct hub_service *service, struct hub_letter *out)
+{
+    size_t n = 0, bytes = 0;
+
+    for (const struct hub_mail *mail = service->mail.first; mail && n < service->mail_most;
+         mail = mail->next) {
+        bytes += mail->size;
+        if (bytes > TOGETHER_BYTES_MAX ||
+            (mail->is_presence ? !service->is_leader
+                               : !hub_letter_is_joint(mail->bytes, mail->size))) {
+            break;
+        }
+        out[n++] = (struct hub_letter){.door = mail->door,
+                                       .bytes = mail->is_presence ? NULL : mail->bytes,
+                                       .size = mail->size,
+                                       .online = mail->size == 1 && mail->bytes[0] == '1'};
+    }
+    return n;
+}
+
+/* Returns whether the messages at the beginning of the queue were answered together. If one of them
+ * is bad, each of them is answered alone, so that it alone is refused. */
+static bool answer_together(struct hub_service *service)
+{
+    struct hub_letter letters[HUB_LETTERS_MOST];
+    const struct hub_emit emit = {.emit = hub__emit, .context = service};
+    const double begun_s = hub__clock_s();
+    struct iso_fault fault = {.text = ""};
+    const size_t n = service->mail_alone ? 0 : collect(service, letters);
+
+    if (n < 2) {
+        service->mail_alone -= service->mail_alone > 0;
+        return false;
+    }
+    service->emit_failed = false;
+    const int r = hub_take_letters(&service->store, letters, n, &emit, &fault);
+    hub__measured(service, "the answers to doors", begun_s);
+    follow_time(service, n, hub__clock_s() - begun_s);
+    if (r) {
+        service->mail_alone = n - 1; /* the first of them is answered now */
+        return false;
+    }
+    hub__database_state(service, 0, &fault);
+    for (size_t i = 0; i < n; i++) {
+        count(service, service->mail.first);
+        hub_mail_drop_first(&service->mail);
+    }
+    return true;
+}
+
 static int on_mail(sd_event_source *source, void *context)
 {
     struct hub_service *service = context;
@@ -83,6 +150,10 @@ static int on_mail(sd_event_source *source, void *context)
     if (!service->mail.first || !hub_mqtt_is_connected(service->mqtt)) {
         hub_mail_clear(&service->mail);
         return sd_event_source_set_enabled(source, SD_EVENT_OFF);
+    }
+    if (answer_together(service)) {
+        hub__look_for_notes(service);
+        return 0;
     }
     if (answer(service, service->mail.first)) {
         (void)sd_event_source_set_time_relative(service->mail_retry, RETRY_US);
@@ -124,6 +195,7 @@ int hub__mail_start(struct hub_service *service)
     sd_event *event = service->event;
     int r = sd_event_add_defer(event, &service->mail_source, on_mail, service);
 
+    service->mail_most = TOGETHER_LEAST;
     r = r < 0 ? r : sd_event_source_set_enabled(service->mail_source, SD_EVENT_OFF);
     /* New mail is taken from the socket and timers are kept before old mail is answered. */
     r = r < 0 ? r : sd_event_source_set_priority(service->mail_source, SD_EVENT_PRIORITY_IDLE);

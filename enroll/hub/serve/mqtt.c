@@ -51,9 +51,7 @@ static void on_connect(struct mosquitto *m, void *context, int code, int flags,
                        const mosquitto_property *properties)
 {
     struct hub_mqtt *mqtt = context;
-    (void)m;
-    (void)flags;
-    (void)properties;
+    (void)m, (void)flags, (void)properties;
     mqtt->progressed = true;
     if (code != 0) {
         fprintf(stderr, SD_WARNING "isotherm-hub: the broker refuses the hub: %s\n",
@@ -70,9 +68,7 @@ static void on_publish(struct mosquitto *m, void *context, int mid, int reason,
                        const mosquitto_property *properties)
 {
     struct hub_mqtt *mqtt = context;
-    (void)m;
-    (void)mid;
-    (void)properties;
+    (void)m, (void)mid, (void)properties;
     mqtt->progressed = true;
     mqtt->counts.acknowledged++;
     if (reason >= 128) {
@@ -85,8 +81,7 @@ static void on_message(struct mosquitto *m, void *context, const struct mosquitt
                        const mosquitto_property *properties)
 {
     struct hub_mqtt *mqtt = context;
-    (void)m;
-    (void)properties;
+    (void)m, (void)properties;
     mqtt->progressed = true;
     mqtt->counts.received++;
     mqtt->setup.on_message(mqtt->setup.context, message->topic,
@@ -149,6 +144,15 @@ static bool read_packets(struct hub_mqtt *mqtt, int *code)
     return true;
 }
 
+/* Over TLS libmosquitto takes a connection that was refused for one that is not there yet, and
+ * would wait for it. */
+static bool was_refused(const struct hub_mqtt *mqtt)
+{
+    struct pollfd fd = {.fd = mosquitto_socket(mqtt->mosquitto), .events = POLLOUT};
+
+    return fd.fd >= 0 && poll(&fd, 1, 0) > 0 && (fd.revents & (POLLERR | POLLHUP));
+}
+
 /* Lets libmosquitto work. */
 static void work(struct hub_mqtt *mqtt)
 {
@@ -156,6 +160,11 @@ static void work(struct hub_mqtt *mqtt)
     bool more = false;
     int code;
 
+    if (mqtt->is_connecting && was_refused(mqtt)) {
+        (void)mosquitto_disconnect(mqtt->mosquitto);
+        lose(mqtt, "the connection was refused");
+        return;
+    }
     if (mqtt->is_connecting) {
         code = mosquitto_loop(mqtt->mosquitto, 0, 1);
     } else {
@@ -200,6 +209,7 @@ static void begin(struct hub_mqtt *mqtt)
 {
     mqtt->is_connecting = true;
     mqtt->begun_ms = now_ms();
+    mqtt->counts.attempts++;
     const int code = mosquitto_connect_async(mqtt->mosquitto, mqtt->setup.host, mqtt->setup.port,
                                              KEEPALIVE_S);
     if (code != MOSQ_ERR_SUCCESS) {

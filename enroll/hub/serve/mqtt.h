@@ -51,7 +51,7 @@ int hub_mqtt_publish(struct hub_mqtt *mqtt, const char *topic, const void *bytes
 int hub_mqtt_flush(struct hub_mqtt *mqtt, int64_t timeout_ms) __attribute__((warn_unused_result));
 
 struct hub_mqtt_counts {
-    uint64_t published, acknowledged, received, connections;
+    uint64_t published, acknowledged, received, attempts, connections;
     bool is_connected;
 };
 void hub_mqtt_counts(const struct hub_mqtt *mqtt, struct hub_mqtt_counts *out);

@@ -50,6 +50,8 @@ struct hub_service {
 
     /* mail of doors */
     struct hub_mail_queue mail;
+    size_t mail_alone; /* so many messages are answered one by one */
+    size_t mail_most;  /* are answered together at most */
     sd_event_source *mail_source, *mail_retry;
 
     /* the leader */

@@ -2,16 +2,19 @@
 
 #include <errno.h>
 #include <sodium.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-enum { ATTEMPTS = 12 };
+enum { ATTEMPTS = 12, PREPARED_MOST = 32, PREPARED_NAME_SIZE = 16 };
 
 struct hub_db {
     PGconn *connection;
     uint64_t generation;
     bool in_transaction;
+    const char *prepared[PREPARED_MOST]; /* statements that this connection has planned */
+    int n_prepared;
 };
 
 /* The first line of a text of the server or the library, without what it puts before it. */
@@ -71,6 +74,7 @@ static int prepare(struct hub_db *db, struct iso_fault *fault)
     }
     (void)PQsetNoticeReceiver(db->connection, ignore_notice, NULL);
     db->generation++;
+    db->n_prepared = 0;
     PGresult *result = PQexec(db->connection, "SET lock_timeout = '30s'");
     const int error = PQresultStatus(result) == PGRES_COMMAND_OK ? 0 : fault_of(db, result, fault);
     PQclear(result);
@@ -156,6 +160,50 @@ int hub_db_run(struct hub_db *db, const char *sql, const struct hub_values *valu
     return finish(
         db,
         PQexecParams(db->connection, sql, (int)v->n, v->types, v->values, v->lengths, formats, 1),
+        result, fault);
+}
+
+/* The number of a planned statement, or a negative error. */
+static int prepared(struct hub_db *db, const char *sql, const struct hub_values *v,
+                    struct iso_fault *fault)
+{
+    char name[PREPARED_NAME_SIZE];
+    for (int i = 0; i < db->n_prepared; i++) {
+        if (db->prepared[i] == sql) {
+            return i;
+        }
+    }
+    if (db->n_prepared == PREPARED_MOST) {
+        return iso_fault_set(fault, -EIO, "the database: too many statements that run often");
+    }
+    (void)snprintf(name, sizeof name, "often%d", db->n_prepared);
+    const int error = finish(db, PQprepare(db->connection, name, sql, (int)v->n, v->types), NULL,
+                             fault);
+    if (error) {
+        return error;
+    }
+    db->prepared[db->n_prepared] = sql;
+    return db->n_prepared++;
+}
+
+int hub_db_run_often(struct hub_db *db, const char *sql, const struct hub_values *values,
+                     PGresult **result, struct iso_fault *fault)
+{
+    static const struct hub_values none;
+    const struct hub_values *v = values ? values : &none;
+    char name[PREPARED_NAME_SIZE];
+    int formats[HUB_DB_VALUES_MAX];
+    const int error = connect_again(db, fault);
+    const int number = error ? error : prepared(db, sql, v, fault);
+    if (number < 0) {
+        return number;
+    }
+    for (size_t i = 0; i < v->n; i++) {
+        formats[i] = 1;
+    }
+    (void)snprintf(name, sizeof name, "often%d", number);
+    return finish(
+        db, PQexecPrepared(db->connection, name, (int)v->n, v->values, v->lengths, formats, 1),
         result, fault);
 }
 

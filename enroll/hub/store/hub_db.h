@@ -51,6 +51,13 @@ void hub_value_id(struct hub_values *values, const struct iso_fleet_id *id);
 int hub_db_run(struct hub_db *db, const char *sql, const struct hub_values *values,
                PGresult **result, struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* The same for a statement that runs very often: the database plans it once for each connection.
+ * Its text is a constant that lives as long as the program, and its values have the same types each
+ * time. The plan does not depend on the values, so it has to be the right one for all of them. */
+int hub_db_run_often(struct hub_db *db, const char *sql, const struct hub_values *values,
+                     PGresult **result, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* Runs several statements without values, separated by ';'. For the schema. */
 int hub_db_script(struct hub_db *db, const char *sql, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -257,13 +257,17 @@ int hub_door_set_online(struct hub_store *store, const struct iso_fleet_id *door
     struct hub_values values = {.n = 0};
     hub_value_id(&values, door);
     hub_value_switch(&values, online);
-    return hub_db_run(store->db,
-                      "UPDATE door SET online = $2 WHERE id = $1 AND expelled_s = 0 AND "
-                      "online <> $2",
-                      &values, NULL, fault);
+    return hub_db_run_often(store->db,
+                            "UPDATE door SET online = $2 WHERE id = $1 AND expelled_s = 0 AND "
+                            "online <> $2",
+                            &values, NULL, fault);
 }
 
 int hub_door_all_offline(struct hub_store *store, struct iso_fault *fault)
 {
-    return hub_db_run(store->db, "UPDATE door SET online = false WHERE online", NULL, NULL, fault);
+    /* In the order of hub_take_letters(), which another hub may be calling. */
+    return hub_db_run(store->db,
+                      "UPDATE door SET online = false WHERE id IN "
+                      "(SELECT id FROM door WHERE online ORDER BY id FOR NO KEY UPDATE)",
+                      NULL, NULL, fault);
 }

@@ -51,25 +51,13 @@ static int take_rows(const PGresult *rows, int row, struct hub_door *out)
     return row;
 }
 
-static int find(struct hub_store *store, const struct iso_fleet_id *id, const char *name,
-                struct hub_door *out, struct iso_fault *fault)
+/* Takes the door of an answer. `what` names it in the fault. */
+static int take_found(PGresult *rows, const char *what, struct hub_door *out,
+                      struct iso_fault *fault)
 {
-    struct hub_values values = {.n = 0};
-    char text[ISO_FLEET_ID_TEXT_SIZE];
-    PGresult *rows = NULL;
-    hub_value_id(&values, id);
-    hub_value_text(&values, name);
-    int error = hub_db_run(store->db,
-                           COLUMNS
-                           "WHERE d.id = $1 OR d.name = $2 "
-                           "ORDER BY d.expelled_s > 0, d.expelled_s DESC, d.id, dz.position",
-                           &values, &rows, fault);
-    if (error) {
-        return error;
-    }
+    int error = 0;
     if (PQntuples(rows) == 0) {
-        error = iso_fault_set(fault, -ENOENT, "%s: there is no such door",
-                              name ? name : iso_fleet_id_text(id, text));
+        error = iso_fault_set(fault, -ENOENT, "%s: there is no such door", what);
     } else {
         (void)take_rows(rows, 0, out);
     }
@@ -77,18 +65,34 @@ static int find(struct hub_store *store, const struct iso_fleet_id *id, const ch
     return error;
 }
 
-int hub_door_find(struct hub_store *store, const char *name_or_id, struct hub_door *out,
-                  struct iso_fault *fault)
-{
-    struct iso_fleet_id id;
-    const bool is_id = iso_fleet_id_read(name_or_id, &id) == 0;
-    return find(store, is_id ? &id : NULL, is_id ? NULL : name_or_id, out, fault);
-}
-
 int hub_door_get(struct hub_store *store, const struct iso_fleet_id *door, struct hub_door *out,
                  struct iso_fault *fault)
 {
-    return find(store, door, NULL, out, fault);
+    static const char sql[] = COLUMNS "WHERE d.id = $1 ORDER BY dz.position";
+    struct hub_values values = {.n = 0};
+    char text[ISO_FLEET_ID_TEXT_SIZE];
+    PGresult *rows = NULL;
+    hub_value_id(&values, door);
+    const int error = hub_db_run_often(store->db, sql, &values, &rows, fault);
+    return error ? error : take_found(rows, iso_fleet_id_text(door, text), out, fault);
+}
+
+int hub_door_find(struct hub_store *store, const char *name_or_id, struct hub_door *out,
+                  struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    struct iso_fleet_id id;
+    PGresult *rows = NULL;
+    if (iso_fleet_id_read(name_or_id, &id) == 0) {
+        return hub_door_get(store, &id, out, fault);
+    }
+    hub_value_text(&values, name_or_id);
+    const int error = hub_db_run(store->db,
+                                 COLUMNS
+                                 "WHERE d.name = $1 "
+                                 "ORDER BY d.expelled_s > 0, d.expelled_s DESC, d.id, dz.position",
+                                 &values, &rows, fault);
+    return error ? error : take_found(rows, name_or_id, out, fault);
 }
 
 int hub_door_each(struct hub_store *store, bool with_expelled,

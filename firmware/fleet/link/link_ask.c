@@ -25,19 +25,21 @@ static uint64_t wait_for_answer_us(const struct link_door *door)
     return (wait_s < ANSWER_MOST_S ? wait_s : ANSWER_MOST_S) * LINK_S_US;
 }
 
-static uint64_t period_us(const struct link_door *door)
+uint64_t link_period_us(uint32_t lease_s, bool had_reason, uint64_t random)
 {
-    const uint32_t lease_s = door->status.lease_s;
+    const uint64_t least = BETWEEN_S * LINK_S_US;
     uint64_t period = PERIOD_ONLINE_S * LINK_S_US;
 
     if (lease_s) {
         const uint64_t part = lease_s * LINK_S_US / LEASE_PART;
         period = part < PERIOD_S * LINK_S_US ? part : PERIOD_S * LINK_S_US;
     }
-    if (period < BETWEEN_S * LINK_S_US) {
-        period = BETWEEN_S * LINK_S_US;
+    if (period < least) {
+        period = least;
     }
-    return period - link_random() % (period / SHORTER_PART + 1);
+    const uint64_t shorter = had_reason ? period - period / SHORTER_PART : period / SHORTER_PART;
+    period -= random % (shorter + 1);
+    return period < least ? least : period;
 }
 
 void link_ask(struct link_door *door)
@@ -48,6 +50,7 @@ void link_ask(struct link_door *door)
     if (door->is_asking) {
         door->asks_again = true;
     } else if (door->has_daemon && door->is_subscribed) {
+        door->has_reason = true;
         link_at(door, LINK_DUE_QUESTION, earliest > now ? earliest : now);
     }
 }
@@ -97,7 +100,9 @@ void link_answered(struct link_door *door)
     door->report.leases++;
     link_never(door, LINK_DUE_ANSWER);
     link_never(door, LINK_DUE_QUESTION);
-    link_at(door, LINK_DUE_QUESTION, door->asked_us + period_us(door));
+    link_at(door, LINK_DUE_QUESTION,
+            door->asked_us + link_period_us(door->status.lease_s, door->has_reason, link_random()));
+    door->has_reason = false;
     if (asks_again) {
         link_ask(door);
     }

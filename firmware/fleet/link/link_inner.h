@@ -91,6 +91,7 @@ struct link_door {
 
     bool is_asking;      /* a QUESTION is unanswered */
     bool asks_again;     /* there was a reason to ask meanwhile */
+    bool has_reason;     /* the QUESTION has one besides the time */
     uint32_t unanswered; /* QUESTIONs in a row */
     uint64_t asked_us;   /* when the last one was sent; 0: never */
 
@@ -165,6 +166,10 @@ void link_act(struct link_door *door, enum iso_fleet_kind kind,
 void link_ask(struct link_door *door);
 void link_ask_now(struct link_door *door);  /* LINK_DUE_QUESTION */
 void link_ask_late(struct link_door *door); /* LINK_DUE_ANSWER */
+
+/* After which time the next QUESTION is sent if there is no reason for an earlier one, in
+ * microseconds; `random` is a uniform random number. Pure. */
+uint64_t link_period_us(uint32_t lease_s, bool had_reason, uint64_t random);
 
 /* The daemon has accepted an answer. */
 void link_answered(struct link_door *door);

@@ -263,11 +263,12 @@ void broker_client_end(struct broker_client *client)
         return;
     }
     const int fd = mosquitto_socket(client->mosquitto);
+    /* The thread ends by itself; one that is cancelled would leave what TLS has allocated. It has
+     * to know that it shall end before the connection does, or it would connect again. */
+    (void)mosquitto_disconnect(client->mosquitto);
     if (fd >= 0) {
         (void)shutdown(fd, SHUT_RDWR);
     }
-    /* The thread ends by itself; one that is cancelled would leave what TLS has allocated. */
-    (void)mosquitto_disconnect(client->mosquitto);
     (void)mosquitto_loop_stop(client->mosquitto, false);
     mosquitto_destroy(client->mosquitto);
     client->mosquitto = NULL;

@@ -231,6 +231,27 @@ static void a_broker_that_dies_is_found_again(void **state)
     assert_int_equal(hub_mqtt_subscribe(rig.mqtt, "to/hub"), 0);
 }
 
+/* A connection that is refused has failed at once. One that counted as being made until it is given
+ * up, after 10 s, would make three attempts in 21 s. */
+static void a_refused_connection_is_tried_again(void **state)
+{
+    struct hub_mqtt_counts counts = {.attempts = 0};
+    const double end = now_s() + 20;
+    (void)state;
+
+    broker_rig_stop(&rig.broker);
+    run_until(&rig.losses, 1);
+    hub_mqtt_counts(rig.mqtt, &counts);
+    const uint64_t before = counts.attempts;
+    while (counts.attempts < before + 3 && now_s() < end) {
+        assert_true(sd_event_run(rig.event, 50000) >= 0);
+        hub_mqtt_counts(rig.mqtt, &counts);
+    }
+    assert_true(counts.attempts >= before + 3);
+    start_broker(true);
+    run_until(&rig.states, 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -240,6 +261,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_burst_is_acknowledged, setup_tls, teardown),
         cmocka_unit_test_setup_teardown(a_broker_that_hangs_is_not_waited_for, setup_plain,
                                         teardown),
+        cmocka_unit_test_setup_teardown(a_refused_connection_is_tried_again, setup_tls, teardown),
         cmocka_unit_test_setup_teardown(a_broker_that_dies_is_found_again, setup_tls, teardown),
     };
     return broker_rig_is_possible() ? cmocka_run_group_tests(tests, NULL, NULL) : 77;
