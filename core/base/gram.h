@@ -32,4 +32,12 @@ static inline int iso_gram_stride(int n)
  * precision over 128 rows at a time, so that the relative error of an entry is about 1e-6. */
 void iso_gram(const float *rows, int n_rows, int n, double *h);
 
+/* The same function for each kind of processor. The results are the same to the bit: each entry is
+ * the same sum in the same order. (On arm64 the compiler may join a product and a sum into one
+ * instruction.) iso_gram() calls the fastest one that this machine can run. */
+typedef void iso_gram_function(const float *rows, int n_rows, int n, double *h);
+
+iso_gram_function iso__gram_baseline;
+iso_gram_function iso__gram_avx2; /* x86-64 only */
+
 #endif

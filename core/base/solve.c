@@ -3,25 +3,93 @@
 #include <errno.h>
 #include <math.h>
 
+#include "core/base/lanes.h"
+
+/* Columns are eliminated by panels. What a panel subtracts from the rest of the matrix is
+ * independent from entry to entry, so that whole registers compute it; a dot product of two rows
+ * would wait for each sum before the next one. Each entry has the same operations in the same order
+ * as in the textbook's loop, so that the factor is the same to the bit. */
+enum { PANEL = ISO_DOUBLES };
+
+/* A column of the factor, from a matrix from which all panels before `first` are subtracted. */
+static int finish_column(double *a, int n, int first, int j)
+{
+    double pivot = a[j * n + j], diagonal = 0.0;
+    for (int k = first; k < j; k++) {
+        pivot -= a[j * n + k] * a[j * n + k];
+    }
+    for (int k = 0; k < j; k++) {
+        diagonal += a[j * n + k] * a[j * n + k];
+    }
+    /* This comparison is also false for NaN. The sum is the diagonal entry of the matrix. */
+    if (!(pivot > 1e-12 * fabs(pivot + diagonal))) {
+        return -EDOM;
+    }
+    const double root = sqrt(pivot);
+    a[j * n + j] = root;
+    for (int i = j + 1; i < n; i++) {
+        double sum = a[i * n + j];
+        for (int k = first; k < j; k++) {
+            sum -= a[i * n + k] * a[j * n + k];
+        }
+        a[i * n + j] = sum / root;
+    }
+    return 0;
+}
+
+/* Subtracts a panel from one entry. */
+static void subtract_from_entry(double *a, int n, int first, int i, int j)
+{
+    for (int k = first; k < first + PANEL; k++) {
+        a[i * n + j] -= a[i * n + k] * a[j * n + k];
+    }
+}
+
+/* Entry k of this row of the factor and of the next three. */
+#define COLUMN_AT(row, n, k) \
+    ((iso_doubles){(row)[k], (row)[(n) + (k)], (row)[2 * (n) + (k)], (row)[3 * (n) + (k)]})
+
+/* Subtracts a panel from the columns j to j + ISO_DOUBLES - 1 of the lower triangle. */
+static void subtract_panel(double *a, int n, int first, int j)
+{
+    for (int i = j; i < j + ISO_DOUBLES - 1; i++) { /* the rows that end within these columns */
+        for (int c = j; c <= i; c++) {
+            subtract_from_entry(a, n, first, i, c);
+        }
+    }
+    /* They have names, because compilers keep an array of them in memory. */
+    const double *const rows = &a[j * n + first];
+    const iso_doubles k0 = COLUMN_AT(rows, n, 0), k1 = COLUMN_AT(rows, n, 1);
+    const iso_doubles k2 = COLUMN_AT(rows, n, 2), k3 = COLUMN_AT(rows, n, 3);
+    for (int i = j + ISO_DOUBLES - 1; i < n; i++) {
+        const double *factor = &a[i * n + first];
+        iso_doubles left = ISO_DOUBLES_LOAD(&a[i * n + j]);
+        left -= factor[0] * k0;
+        left -= factor[1] * k1;
+        left -= factor[2] * k2;
+        left -= factor[3] * k3;
+        ISO_DOUBLES_STORE(&a[i * n + j], left);
+    }
+}
+
 int iso_cholesky_factorise(double *a, int n)
 {
-    for (int j = 0; j < n; j++) {
-        double pivot = a[j * n + j];
-        for (int k = 0; k < j; k++) {
-            pivot -= a[j * n + k] * a[j * n + k];
-        }
-        /* This comparison is also false for NaN. */
-        if (!(pivot > 1e-12 * fabs(a[j * n + j]))) {
-            return -EDOM;
-        }
-        const double root = sqrt(pivot);
-        a[j * n + j] = root;
-        for (int i = j + 1; i < n; i++) {
-            double sum = a[i * n + j];
-            for (int k = 0; k < j; k++) {
-                sum -= a[i * n + k] * a[j * n + k];
+    for (int first = 0; first < n; first += PANEL) {
+        const int end = first + PANEL < n ? first + PANEL : n;
+        for (int j = first; j < end; j++) {
+            const int error = finish_column(a, n, first, j);
+            if (error) {
+                return error;
             }
-            a[i * n + j] = sum / root;
+        }
+        int j = end;
+        for (; j + ISO_DOUBLES <= n; j += ISO_DOUBLES) {
+            subtract_panel(a, n, first, j);
+        }
+        for (; j < n; j++) {
+            for (int i = j; i < n; i++) {
+                subtract_from_entry(a, n, first, i, j);
+            }
         }
     }
     return 0;

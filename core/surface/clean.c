@@ -17,6 +17,20 @@ static const double piece_mm2 = 3000.0;
 
 enum { NEIGHBOURS_MIN = 5 };
 
+/* Four pixels at once, by one register: compilers make single comparisons of wider ones. A
+ * comparison of lanes gives -1 where it is true. */
+enum { PIXELS = 4 };
+typedef float depths __attribute__((vector_size(PIXELS * sizeof(float))));
+typedef int counts __attribute__((vector_size(PIXELS * sizeof(int))));
+typedef float depths_in_memory
+    __attribute__((vector_size(PIXELS * sizeof(float)), aligned(4), may_alias));
+
+#define DEPTHS_AT(p) (*(const depths_in_memory *)(p))
+
+/* Floats behind a plane that may be read and written when the last pixels of a row are treated
+ * PIXELS at a time. */
+enum { SLACK = 2 * PIXELS };
+
 /* A pixel that differs by more, mm, from a neighbour or from the median is not on the same surface.
  */
 struct bounds {
@@ -39,8 +53,8 @@ int iso_cleaner_new(size_t capacity_px, struct iso_cleaner **out)
     struct iso_cleaner *c = calloc(1, sizeof *c);
     if (c) {
         c->capacity_px = capacity_px;
-        c->frame.depth_mm = calloc(capacity_px, sizeof *c->frame.depth_mm);
-        c->kept = calloc(capacity_px, sizeof *c->kept);
+        c->frame.depth_mm = calloc(capacity_px + SLACK, sizeof *c->frame.depth_mm);
+        c->kept = calloc(capacity_px + SLACK, sizeof *c->kept);
         c->queue = calloc(capacity_px, sizeof *c->queue);
         c->seen = calloc(capacity_px, sizeof *c->seen);
     }
@@ -58,7 +72,7 @@ void iso_cleaner_free(struct iso_cleaner *cleaner)
         float *const planes[] = {cleaner->frame.depth_mm, cleaner->kept}; /* biometric data */
         for (size_t i = 0; i < sizeof planes / sizeof *planes; i++) {
             if (planes[i]) {
-                explicit_bzero(planes[i], cleaner->capacity_px * sizeof *planes[i]);
+                explicit_bzero(planes[i], (cleaner->capacity_px + SLACK) * sizeof *planes[i]);
             }
         }
         free(cleaner->frame.depth_mm);
@@ -96,40 +110,45 @@ static struct bounds bounds_of(const struct iso_frame *frame)
     return (struct bounds){fmaxf(neighbour_mm, coarse_mm), fmaxf(median_mm, coarse_mm)};
 }
 
-/* Whether a pixel, which is two or more from the border, agrees with its surroundings. The distance
- * from the median is checked by counting, without sorting: a pixel lies within the bound of
- * the median if at most half of the measured pixels lie further than the bound in front of it, and
- * at most half lie further behind it. */
-static int agrees(const float *at, int width, struct bounds bounds)
+/* Writes the PIXELS pixels from `at` on, which are two or more from the border, to `to`: the
+ * depths of those of the first n that agree with their surroundings, and 0 for the others. The
+ * distance from the median is checked by counting, without sorting: a pixel lies within the bound
+ * of the median if at most half of the measured pixels lie further than the bound in front of it,
+ * and at most half lie further behind it. */
+static void keep_agreeing(const float *at, int width, struct bounds bounds, int n, float *to)
 {
-    const float z = *at;
-    int close = 0, measured = 0, below = 0, above = 0;
+    const counts lane = {0, 1, 2, 3};
+    const depths z = DEPTHS_AT(at);
+    counts close = {0}, measured = {0}, below = {0}, above = {0};
     for (int dv = -2; dv <= 2; dv++) {
         for (int du = -2; du <= 2; du++) {
-            const float near = at[dv * width + du];
-            const int is = near > 0.0f;
-            const float d = near - z;
-            measured += is;
-            below += is & (d < -bounds.median_mm);
-            above += is & (d > bounds.median_mm);
-            int ring = (du | dv) != 0 && du >= -1 && du <= 1 && dv >= -1 && dv <= 1;
-            close += is & ring & (d < bounds.neighbour_mm) & (d > -bounds.neighbour_mm);
+            const depths near = DEPTHS_AT(&at[dv * width + du]), d = near - z;
+            const counts is = near > 0.0f;
+            measured -= is;
+            below -= is & (d < -bounds.median_mm);
+            above -= is & (d > bounds.median_mm);
+            if ((du | dv) != 0 && du >= -1 && du <= 1 && dv >= -1 && dv <= 1) {
+                close -= is & (d < bounds.neighbour_mm) & (d > -bounds.neighbour_mm);
+            }
         }
     }
-    return close >= NEIGHBOURS_MIN && 2 * below <= measured && 2 * above <= measured;
+    const counts keep = (lane < n) & (z > 0.0f) & (close >= NEIGHBOURS_MIN) &
+                        (2 * below <= measured) & (2 * above <= measured);
+    *(depths_in_memory *)to = (depths)((counts)z & keep);
 }
 
+/* The kept pixels become those that agree with their surroundings; none at the border. The last
+ * group of a row may reach into the next row, which is written later, or into the slack behind the
+ * plane. */
 static void drop_outliers(struct iso_cleaner *c, struct bounds bounds)
 {
     struct iso_frame *f = &c->frame;
     int w = f->width_px, h = f->height_px;
-    for (int row = 0; row < h; row++) {
-        for (int column = 0; column < w; column++) {
-            const int i = row * w + column;
-            const int inner = row >= 2 && column >= 2 && row < h - 2 && column < w - 2;
-            c->kept[i] = inner && f->depth_mm[i] > 0.0f && agrees(&f->depth_mm[i], w, bounds)
-                             ? f->depth_mm[i]
-                             : 0.0f;
+    memset(c->kept, 0, (size_t)w * (size_t)h * sizeof *c->kept);
+    for (int row = 2; row < h - 2; row++) {
+        for (int column = 2; column < w - 2; column += PIXELS) {
+            const int at = row * w + column;
+            keep_agreeing(&f->depth_mm[at], w, bounds, w - 2 - column, &c->kept[at]);
         }
     }
     float *swap = f->depth_mm;

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,18 +24,45 @@ static float value(uint32_t i)
     return (float)(x >> 8) / (float)(1u << 23) - 1.0f;
 }
 
-static void check(int n_rows, int n)
+/* Rows of n values, which end with zeros. */
+static float *new_rows(int n_rows, int n)
 {
-    int stride = iso_gram_stride(n);
-    size_t bytes = (size_t)n_rows * (size_t)stride * sizeof(float);
+    const int stride = iso_gram_stride(n);
+    const size_t bytes = (size_t)n_rows * (size_t)stride * sizeof(float);
     float *rows = aligned_alloc(ISO_GRAM_ALIGNMENT, bytes + ISO_GRAM_ALIGNMENT);
-    double *h = calloc((size_t)n * (size_t)n, sizeof *h);
-    assert_true(rows && h && stride >= n && stride % ISO_GRAM_LANES == 0);
+    assert_true(rows && stride >= n && stride % ISO_GRAM_LANES == 0);
     for (int i = 0; i < n_rows; i++) {
         for (int k = 0; k < stride; k++) {
             rows[i * stride + k] = k < n ? value((uint32_t)(i * n + k)) : 0.0f;
         }
     }
+    return rows;
+}
+
+static bool has_variant(void)
+{
+#if defined __x86_64__
+    return __builtin_cpu_supports("avx2");
+#else
+    return false;
+#endif
+}
+
+static void run_variant(const float *rows, int n_rows, int n, double *h)
+{
+#if defined __x86_64__
+    iso__gram_avx2(rows, n_rows, n, h);
+#else
+    iso__gram_baseline(rows, n_rows, n, h);
+#endif
+}
+
+static void check(int n_rows, int n)
+{
+    const int stride = iso_gram_stride(n);
+    float *rows = new_rows(n_rows, n);
+    double *h = calloc((size_t)n * (size_t)n, sizeof *h);
+    assert_non_null(h);
     iso_gram(rows, n_rows, n, h);
     for (int a = 0; a < n; a++) {
         for (int b = 0; b <= a; b++) {
@@ -61,6 +89,30 @@ static void sums_are_those_of_double_precision(void **state)
     }
 }
 
+/* The variants for each kind of processor have the same bits. */
+static void variants_agree(void **state)
+{
+    (void)state;
+    if (!has_variant()) {
+        skip();
+    }
+    enum { ROWS = 300 };
+    const int sizes[] = {1, 7, 8, 13, 16, 59, N_MAX};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+        const int n = sizes[s];
+        float *rows = new_rows(ROWS, n);
+        double *first = calloc((size_t)n * (size_t)n, sizeof *first);
+        double *second = calloc((size_t)n * (size_t)n, sizeof *second);
+        assert_true(first && second);
+        iso__gram_baseline(rows, ROWS, n, first);
+        run_variant(rows, ROWS, n, second);
+        assert_memory_equal(first, second, (size_t)n * (size_t)n * sizeof *first);
+        free(second);
+        free(first);
+        free(rows);
+    }
+}
+
 static void no_rows_give_zero(void **state)
 {
     (void)state;
@@ -74,6 +126,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sums_are_those_of_double_precision),
+        cmocka_unit_test(variants_agree),
         cmocka_unit_test(no_rows_give_zero),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -324,7 +324,7 @@ static void nothing_leaks_when_memory_runs_out(void **state)
 {
     (void)state;
     struct crowd *c = new_crowd(1);
-    assert_int_equal(scarce_memory_exhaust(grow, c, 10), 6);
+    assert_int_equal(scarce_memory_exhaust(grow, c, 12), 9);
     free_crowd(c);
 }
 
