@@ -7,6 +7,7 @@
 #include "sim/commands/command.h"
 #include "sim/commands/commands.h"
 #include "sim/lab/match/extract_options.h"
+#include "sim/shapes/describe/describe.h"
 #include "sim/shapes/make/crops.h"
 #include "sim/shapes/make/generate.h"
 #include "sim/shapes/study/study.h"
@@ -17,6 +18,7 @@ struct arguments {
     struct sim_shapes_study_options study;
     struct sim_tables_options tables;
     struct sim_crops_options crops;
+    struct sim_describe_options describe;
     int threads;
 };
 
@@ -84,6 +86,35 @@ static const struct sim_option crops_options[] = {
      FIELD(crops.rows)},
 };
 
+static const struct sim_option describe_options[] = {
+    {"", "MESH...", "files: OFF, OBJ, PLY, STL, or TOSCA's .vert beside its .tri", sim_option_list,
+     FIELD(describe.meshes)},
+    {"out", "DIR", "where a directory for each mesh goes (made if it is missing)", sim_option_text,
+     FIELD(describe.out)},
+    {"what", "NAME,...|all", "what is written, see below (all)", sim_option_text,
+     FIELD(describe.what)},
+    {"format", "npy|csv|mat5", "format of the arrays (npy)", sim_option_text,
+     FIELD(describe.format)},
+    {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(describe.pairs)},
+    {"times", "N", "times of hks, on a logarithmic scale (100)", sim_option_int,
+     FIELD(describe.quantity.times)},
+    {"time-first", "T", "first time, in the square of the mesh's unit (4 ln 10 / last lambda)",
+     sim_option_number, FIELD(describe.quantity.time_first)},
+    {"time-last", "T", "last time (4 ln 10 / first lambda)", sim_option_number,
+     FIELD(describe.quantity.time_last)},
+    {"energies", "N", "energies of wks (100)", sim_option_int, FIELD(describe.quantity.energies)},
+    {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
+     FIELD(describe.vertices)},
+    {"smooth", "N", "double steps of Taubin's filter before all else (0)", sim_option_int,
+     FIELD(describe.smooth)},
+    {"mend", NULL, "describe the largest part even if over 1 % of the area is outside of it",
+     sim_option_flag, FIELD(describe.mend)},
+    {"strict", NULL, "end at the first mesh that cannot be described", sim_option_flag,
+     FIELD(describe.strict)},
+    {"no-pictures", NULL, "draw no functions.png", sim_option_flag, FIELD(describe.no_pictures)},
+    {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
+};
+
 /* Only OpenBLAS has this function. The command starts its own threads; those of OpenBLAS would
  * compete with them for the processors. */
 extern void openblas_set_num_threads(int n) __attribute__((weak));
@@ -148,7 +179,24 @@ static int run_crops(void *target, struct iso_fault *fault)
     return error;
 }
 
+static int run_describe(void *target, struct iso_fault *fault)
+{
+    struct arguments *arguments = target;
+    if (!arguments->describe.out) {
+        return iso_fault_set(fault, -EINVAL, "--out is needed");
+    }
+    quieten_blas();
+    arguments->describe.threads = arguments->threads;
+    return sim_shapes_describe(&arguments->describe, stdout, fault);
+}
+
 static const struct sim_subcommand targets[] = {
+    {{"shapes describe", "MESH... --out DIR",
+      "Writes what is known of single meshes as arrays for other programs, with the parameters\n"
+      "beside them, and draws it.",
+      run_describe, sim_describe_names},
+     describe_options,
+     sizeof describe_options / sizeof *describe_options},
     {{"shapes generate", "--out DIR",
       "Makes a corpus of non-rigid shapes: creatures in many poses. The same options make the "
       "same\n"
@@ -180,6 +228,7 @@ int sim_cmd_shapes(int argc, char **argv)
         .generate = {.preset = "plain", .seed = 1},
         .study = {.method = "all", .seed = 1, .pictures = 10},
         .tables = {.queries = 36, .smooth = 10, .seed = 1},
+        .describe = {.what = "all", .format = "npy"},
         .threads = sim_threads_default(ISO_HEAT_DIRECT),
     };
     return sim_subcommand_run("shapes", targets, sizeof targets / sizeof *targets, &arguments, argc,

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "sim/lab/draw/png_file.h"
-#include "sim/lab/picture/scene.h"
+#include "sim/shapes/describe/shape_view.h"
 
 enum { CELL_PX = 120, LABEL_PX = 18, ROWS_MAX = 20, COLUMNS_MAX = 16 };
 
@@ -22,25 +22,6 @@ struct sheet {
     int n_rows, n_columns;
     struct cell cell[ROWS_MAX][COLUMNS_MAX];
 };
-
-/* A view from the front left and slightly above, with the whole shape in the picture. */
-static struct sim_view view_of(const struct iso_mesh *mesh)
-{
-    struct iso_vec3 low = mesh->vertices_mm[0], high = low;
-    for (int32_t v = 1; v < mesh->n_vertices; v++) {
-        struct iso_vec3 p = mesh->vertices_mm[v];
-        low = iso_vec3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
-        high = iso_vec3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
-    }
-    const double size = iso_norm(iso_sub(high, low));
-    return (struct sim_view){
-        .yaw_rad = 0.7,
-        .pitch_rad = 0.35,
-        .centre_mm = iso_scale(0.5, iso_add(low, high)),
-        .distance_mm = 6.0 * size,
-        .height_mm = size,
-    };
-}
 
 static struct sim_colour *linear_colours(const struct iso_coloured_mesh *mesh)
 {
@@ -60,7 +41,7 @@ static int draw_mesh(const struct iso_coloured_mesh *mesh, const struct cell *ce
     struct sim_canvas *canvas = NULL;
     struct sim_scene *scene = NULL;
     struct sim_colour *colours = mesh->colour && !cell->wrong ? linear_colours(mesh) : NULL;
-    struct sim_view view = view_of(mesh->mesh);
+    struct sim_view view = sim_shape_view(mesh->mesh);
     const uint32_t right_hex = cell->query ? query_hex : match_hex;
     const struct sim_surface_style style = {
         .base = sim_colour_hex(cell->wrong ? wrong_hex : right_hex),

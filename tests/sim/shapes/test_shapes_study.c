@@ -146,9 +146,16 @@ static void refuses_bad_requests(void **state)
     options.vertices = 100;
     assert_int_equal(sim_shapes_generate(&options, &n, &fault), -EINVAL);
     options.vertices = 400;
-    options.out = scratch_path(*state, "no/where");
-    assert_int_equal(sim_shapes_generate(&options, &n, &fault), -ENOENT);
+    options.out = scratch_path(*state, "file/below");
+    scratch_write_text(scratch_path(*state, "file"), "not a directory");
+    assert_int_equal(sim_shapes_generate(&options, &n, &fault), -ENOTDIR);
     assert_int_equal(n, 77);
+    options.out = scratch_path(*state, "a/b/c");
+    options.preset = "plain";
+    options.shapes = 1;
+    assert_int_equal(sim_shapes_generate(&options, &n, &fault), 0);
+    assert_true(scratch_exists(scratch_path(*state, "a/b/c/manifest.csv")));
+    assert_int_equal(n, 1);
 }
 
 /* Corpora in TOSCA's files, with common defects: a hole, a fin on an edge, a second piece. */
