@@ -1,7 +1,9 @@
 /* isotherm-sim shapes: makes corpora of non-rigid shapes and measures their retrieval by
  * descriptors of heat diffusion. */
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "drivers/terminal/words.h"
 #include "sim/commands/command.h"
@@ -10,6 +12,8 @@
 #include "sim/shapes/describe/describe.h"
 #include "sim/shapes/make/crops.h"
 #include "sim/shapes/make/generate.h"
+#include "sim/shapes/search/query.h"
+#include "sim/shapes/study/choice.h"
 #include "sim/shapes/study/study.h"
 #include "sim/shapes/study/tables.h"
 
@@ -19,6 +23,8 @@ struct arguments {
     struct sim_tables_options tables;
     struct sim_crops_options crops;
     struct sim_describe_options describe;
+    struct sim_index_options index;
+    struct sim_query_options query;
     int threads;
 };
 
@@ -40,12 +46,18 @@ static const struct sim_option generate_options[] = {
 };
 
 static const struct sim_option eval_options[] = {
-    {"corpus", "DIR", "meshes and manifest.csv (file,class)", sim_option_text, FIELD(study.corpus)},
+    {"corpus", "DIR",
+     "meshes: with manifest.csv (file,class), or each class in a folder of its own",
+     sim_option_text, FIELD(study.corpus)},
     {"out", "DIR", "where the results go (made if it is missing)", sim_option_text,
      FIELD(study.out)},
-    {"method", "NAME|all", "descriptor (all)", sim_option_text, FIELD(study.method)},
-    {"classifier", "NAME|all", "classifier (the method's own)", sim_option_text,
-     FIELD(study.classifier)},
+    {"method", "NAME,...|all", "methods, see below (all); may be repeated", sim_option_list,
+     FIELD(study.methods)},
+    {"classifier", "NAME,...|all", "classifiers (each method's own); may be repeated",
+     sim_option_list, FIELD(study.classifiers)},
+    {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(study.pairs)},
+    {"words", "N", "words of vocabularies, or principal components (the method's own, 64)",
+     sim_option_int, FIELD(study.words)},
     {"distort", "KIND:LEVEL",
      "distort the queries: white, shot, scale, missing, stretch or bulge, 1..3",
      sim_distortion_parse, FIELD(study.distortion)},
@@ -57,6 +69,12 @@ static const struct sim_option eval_options[] = {
      FIELD(study.seed)},
     {"pictures", "N", "draw the first N matches of some queries (10; 0: none)", sim_option_int,
      FIELD(study.pictures)},
+    {"mend", NULL, "use meshes even if over 1 % of the area is outside of the largest part",
+     sim_option_flag, FIELD(study.mend)},
+    {"strict", NULL, "end at the first mesh that cannot be used", sim_option_flag,
+     FIELD(study.strict)},
+    {"cache", "DIR", "descriptions of earlier runs (cache in --out; an empty name: none)",
+     sim_option_text, FIELD(study.cache)},
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
 };
 
@@ -113,6 +131,33 @@ static const struct sim_option describe_options[] = {
      FIELD(describe.strict)},
     {"no-pictures", NULL, "draw no functions.png", sim_option_flag, FIELD(describe.no_pictures)},
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
+};
+
+static const struct sim_option index_options[] = {
+    {"", "DIR", "a directory of meshes, with or without manifest.csv", sim_option_text,
+     FIELD(index.corpus)},
+    {"out", "DIR", "where the index goes (DIR.index)", sim_option_text, FIELD(index.out)},
+    {"method", "NAME", "how shapes are compared, see below (cp-hk)", sim_option_text,
+     FIELD(index.method)},
+    {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(index.pairs)},
+    {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
+     FIELD(index.vertices)},
+    {"smooth", "N", "double steps of Taubin's filter before all else (0)", sim_option_int,
+     FIELD(index.smooth)},
+    {"mend", NULL, "use meshes even if over 1 % of the area is outside of the largest part",
+     sim_option_flag, FIELD(index.mend)},
+    {"strict", NULL, "end at the first mesh that cannot be used", sim_option_flag,
+     FIELD(index.strict)},
+    {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
+};
+
+static const struct sim_option query_options[] = {
+    {"", "MESH...", "files to look for", sim_option_list, FIELD(query.meshes)},
+    {"index", "DIR", "the index, made by shapes index", sim_option_text, FIELD(query.index)},
+    {"out", "DIR", "where rankings and pictures go (none are written)", sim_option_text,
+     FIELD(query.out)},
+    {"matches", "N", "how many shapes are printed and drawn, 1..100 (10)", sim_option_int,
+     FIELD(query.matches)},
 };
 
 /* Only OpenBLAS has this function. The command starts its own threads; those of OpenBLAS would
@@ -190,7 +235,53 @@ static int run_describe(void *target, struct iso_fault *fault)
     return sim_shapes_describe(&arguments->describe, stdout, fault);
 }
 
+static int run_index(void *target, struct iso_fault *fault)
+{
+    struct arguments *arguments = target;
+    char beside[PATH_MAX];
+    if (!arguments->index.corpus) {
+        return iso_fault_set(fault, -EINVAL, "no directory is given");
+    }
+    if (!arguments->index.out) {
+        const char *corpus = arguments->index.corpus;
+        size_t length = strlen(corpus);
+        while (length > 1 && corpus[length - 1] == '/') {
+            length--;
+        }
+        const int n = snprintf(beside, sizeof beside, "%.*s.index", (int)length, corpus);
+        if (n < 0 || n >= (int)sizeof beside) {
+            return iso_fault_set(fault, -ENAMETOOLONG, "%s: name too long", corpus);
+        }
+        arguments->index.out = beside;
+    }
+    quieten_blas();
+    arguments->index.threads = arguments->threads;
+    return sim_shapes_index(&arguments->index, stdout, fault);
+}
+
+static int run_query(void *target, struct iso_fault *fault)
+{
+    struct arguments *arguments = target;
+    if (!arguments->query.index) {
+        return iso_fault_set(fault, -EINVAL, "--index is needed");
+    }
+    quieten_blas();
+    return sim_shapes_query(&arguments->query, stdout, fault);
+}
+
 static const struct sim_subcommand targets[] = {
+    {{"shapes index", "DIR",
+      "Describes a folder of meshes once, so that `shapes query` can look for meshes in it.",
+      run_index, sim_choice_names},
+     index_options,
+     sizeof index_options / sizeof *index_options},
+    {{"shapes query", "MESH... --index DIR",
+      "Prints the shapes of an index that are most like a mesh, by the index's method and its "
+      "norm.\n"
+      "With --out it writes the whole ranking and a picture of the matches.",
+      run_query, NULL},
+     query_options,
+     sizeof query_options / sizeof *query_options},
     {{"shapes describe", "MESH... --out DIR",
       "Writes what is known of single meshes as arrays for other programs, with the parameters\n"
       "beside them, and draws it.",
@@ -205,7 +296,9 @@ static const struct sim_subcommand targets[] = {
      generate_options,
      sizeof generate_options / sizeof *generate_options},
     {{"shapes eval", "--corpus DIR --out DIR",
-      "Measures how well methods and classifiers retrieve the shapes of a corpus.", run_eval, NULL},
+      "Measures how well methods and classifiers retrieve the shapes of a corpus. Every mesh is\n"
+      "looked at before the work begins; one that cannot be used is named and left out.",
+      run_eval, sim_choice_names},
      eval_options,
      sizeof eval_options / sizeof *eval_options},
     {{"shapes tables", "--corpus DIR --out DIR",
@@ -224,13 +317,16 @@ static const struct sim_subcommand targets[] = {
 
 int sim_cmd_shapes(int argc, char **argv)
 {
-    struct arguments arguments = {
+    static struct arguments arguments = {
+        /* too large for the stack */
         .generate = {.preset = "plain", .seed = 1},
-        .study = {.method = "all", .seed = 1, .pictures = 10},
+        .study = {.seed = 1, .pictures = 10},
         .tables = {.queries = 36, .smooth = 10, .seed = 1},
+        .index = {.method = "cp-hk"},
+        .query = {.matches = 10},
         .describe = {.what = "all", .format = "npy"},
-        .threads = sim_threads_default(ISO_HEAT_DIRECT),
     };
+    arguments.threads = sim_threads_default(ISO_HEAT_DIRECT);
     return sim_subcommand_run("shapes", targets, sizeof targets / sizeof *targets, &arguments, argc,
                               argv);
 }

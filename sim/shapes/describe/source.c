@@ -7,6 +7,7 @@
 #include "drivers/terminal/words.h"
 #include "sim/shapes/make/smooth.h"
 #include "sim/shapes/make/thin.h"
+#include "sim/train/head/decimate.h"
 
 /* The share of the area that may be left out without being asked for. */
 static const double least_loss = 0.01;
@@ -99,6 +100,11 @@ static int thin(const char *path, struct iso_coloured_mesh *mesh, int32_t wanted
 {
     const int32_t before = mesh->mesh->n_vertices;
     const int error = sim_thin(mesh, wanted);
+    if (error == -EINVAL) {
+        return iso_fault_set(fault, -ENOTSUP,
+                             "%s: --vertices %d: a vertex of it has more than %d triangles", path,
+                             wanted, (int)SIM_DECIMATE_FAN_LIMIT);
+    }
     if (error) {
         return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
     }

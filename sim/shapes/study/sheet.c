@@ -13,7 +13,8 @@ static const uint32_t query_hex = 0xc8b8a0, match_hex = 0xd0a070, wrong_hex = 0x
 
 /* One picture of a sheet. */
 struct cell {
-    int32_t row; /* row of the manifest; -1: empty */
+    int32_t row;             /* row of the manifest; -1: empty */
+    const char *path, *name; /* instead of a row: a file, and what stands below it; or NULL */
     bool query, wrong;
 };
 
@@ -64,31 +65,37 @@ static int draw_mesh(const struct iso_coloured_mesh *mesh, const struct cell *ce
     return error;
 }
 
+static int read_cell(const struct sheet *sheet, const struct cell *cell,
+                     struct iso_coloured_mesh *mesh, struct iso_fault *fault)
+{
+    struct sim_bank_options how = *sheet->how;
+    how.source.distortion = cell->query ? how.source.distortion : NULL;
+    return cell->path ? sim_source_read(cell->path, cell->path, &how.source, NULL, mesh, fault)
+                      : sim_bank_read(&how, cell->row, mesh, fault);
+}
+
 static int draw_cell(cairo_t *cr, const struct sheet *sheet, int row, int column,
                      struct iso_fault *fault)
 {
     const struct cell *cell = &sheet->cell[row][column];
-    struct sim_bank_options how = *sheet->how;
-    how.distortion = cell->query ? how.distortion : NULL;
+    const char *name = cell->path ? cell->name : sheet->how->manifest->rows[cell->row].class_name;
     struct iso_coloured_mesh mesh = {NULL, NULL};
     cairo_surface_t *picture = NULL;
-    int error = sim_bank_read(&how, cell->row, &mesh, fault);
+    int error = read_cell(sheet, cell, &mesh, fault);
     if (error) {
         return error;
     }
     error = draw_mesh(&mesh, cell, &picture);
     iso_coloured_mesh_done(&mesh);
     if (error) {
-        return iso_fault_set(fault, error, "%s: cannot be drawn: %s",
-                             sheet->how->manifest->rows[cell->row].file, strerror(-error));
+        return iso_fault_set(fault, error, "%s: cannot be drawn: %s", name, strerror(-error));
     }
     const double x = column * CELL_PX, y = row * (CELL_PX + LABEL_PX);
     cairo_set_source_surface(cr, picture, x, y);
     cairo_paint(cr);
     cairo_surface_destroy(picture);
     cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
-    sim_picture_text(cr, sheet->how->manifest->rows[cell->row].class_name, x + 0.5 * CELL_PX,
-                     y + CELL_PX + 0.75 * LABEL_PX, 0.5);
+    sim_picture_text(cr, name, x + 0.5 * CELL_PX, y + CELL_PX + 0.75 * LABEL_PX, 0.5);
     return 0;
 }
 
@@ -104,7 +111,9 @@ static int draw_sheet(const struct sheet *sheet, const char *path, struct iso_fa
     int error = 0;
     for (int r = 0; r < sheet->n_rows; r++) {
         for (int c = 0; c < sheet->n_columns && !error; c++) {
-            error = sheet->cell[r][c].row < 0 ? 0 : draw_cell(cr, sheet, r, c, fault);
+            error = sheet->cell[r][c].row < 0 && !sheet->cell[r][c].path
+                        ? 0
+                        : draw_cell(cr, sheet, r, c, fault);
         }
     }
     cairo_destroy(cr);
@@ -184,6 +193,21 @@ int sim_sheet_matches(const struct sim_bank_options *how, const struct sim_featu
             sheet.cell[c][0].query = true;
             fill_matches(&sheet, c, features, q, distance + (size_t)q * (size_t)features->items->n);
         }
+    }
+    return draw_sheet(&sheet, path, fault);
+}
+
+int sim_sheet_files(const struct sim_source_options *source, const struct sim_sheet_file *file,
+                    int n, const char *path, struct iso_fault *fault)
+{
+    const struct sim_bank_options how = {.source = *source};
+    struct sheet sheet;
+    clear_sheet(&sheet, &how, (n + COLUMNS_MAX - 1) / COLUMNS_MAX, n);
+    for (int i = 0; i < n && i < ROWS_MAX * COLUMNS_MAX; i++) {
+        struct cell *cell = &sheet.cell[i / COLUMNS_MAX][i % COLUMNS_MAX];
+        cell->path = file[i].path;
+        cell->name = file[i].name;
+        cell->query = file[i].query;
     }
     return draw_sheet(&sheet, path, fault);
 }
