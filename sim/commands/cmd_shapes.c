@@ -12,6 +12,7 @@
 #include "sim/shapes/describe/describe.h"
 #include "sim/shapes/make/crops.h"
 #include "sim/shapes/make/generate.h"
+#include "sim/shapes/match/match.h"
 #include "sim/shapes/search/query.h"
 #include "sim/shapes/study/choice.h"
 #include "sim/shapes/study/study.h"
@@ -25,6 +26,7 @@ struct arguments {
     struct sim_describe_options describe;
     struct sim_index_options index;
     struct sim_query_options query;
+    struct sim_match_options match;
     int threads;
 };
 
@@ -42,6 +44,8 @@ static const struct sim_option generate_options[] = {
     {"vertices", "N", "vertices of each shape (3000)", sim_option_count, FIELD(generate.vertices)},
     {"format", "off|ply|vert", "format of the files (plain: off, textured: ply); vert: TOSCA",
      sim_option_text, FIELD(generate.format)},
+    {"rest", NULL, "also write rest/NAME.npy: each vertex on the body at rest", sim_option_flag,
+     FIELD(generate.rest)},
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
 };
 
@@ -160,6 +164,24 @@ static const struct sim_option query_options[] = {
      FIELD(query.matches)},
 };
 
+static const struct sim_option match_options[] = {
+    {"", "FROM TO", "two mesh files", sim_option_list, FIELD(match.meshes)},
+    {"out", "DIR", "where the results go (made if it is missing)", sim_option_text,
+     FIELD(match.out)},
+    {"pairs", "N", "eigenpairs to which the map is refined (100)", sim_option_int,
+     FIELD(match.pairs)},
+    {"first-pairs", "N", "eigenpairs of the first map (20)", sim_option_int,
+     FIELD(match.first_pairs)},
+    {"step", "N", "eigenpairs that each step of ZoomOut adds (5)", sim_option_int,
+     FIELD(match.step)},
+    {"weight", "W", "of the commutator with the Laplacians (0.01)", sim_option_number,
+     FIELD(match.weight)},
+    {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
+     FIELD(match.vertices)},
+    {"mend", NULL, "use meshes even if over 1 % of the area is outside of the largest part",
+     sim_option_flag, FIELD(match.mend)},
+};
+
 /* Only OpenBLAS has this function. The command starts its own threads; those of OpenBLAS would
  * compete with them for the processors. */
 extern void openblas_set_num_threads(int n) __attribute__((weak));
@@ -269,7 +291,23 @@ static int run_query(void *target, struct iso_fault *fault)
     return sim_shapes_query(&arguments->query, stdout, fault);
 }
 
+static int run_match(void *target, struct iso_fault *fault)
+{
+    struct arguments *arguments = target;
+    if (!arguments->match.out) {
+        return iso_fault_set(fault, -EINVAL, "--out is needed");
+    }
+    quieten_blas();
+    return sim_shapes_match(&arguments->match, stdout, fault);
+}
+
 static const struct sim_subcommand targets[] = {
+    {{"shapes match", "FROM TO --out DIR",
+      "Finds for each vertex of one shape the vertex of another one that corresponds to it, by a\n"
+      "functional map that ZoomOut refines.",
+      run_match, NULL},
+     match_options,
+     sizeof match_options / sizeof *match_options},
     {{"shapes index", "DIR",
       "Describes a folder of meshes once, so that `shapes query` can look for meshes in it.",
       run_index, sim_choice_names},
@@ -324,6 +362,7 @@ int sim_cmd_shapes(int argc, char **argv)
         .tables = {.queries = 36, .smooth = 10, .seed = 1},
         .index = {.method = "cp-hk"},
         .query = {.matches = 10},
+        .match = {.first_pairs = 20, .step = 5, .weight = 0.01},
         .describe = {.what = "all", .format = "npy"},
     };
     arguments.threads = sim_threads_default(ISO_HEAT_DIRECT);

@@ -17,7 +17,6 @@
 #include "sim/shapes/describe/description_file.h"
 #include "sim/shapes/make/generate.h"
 #include "sim/shapes/make/thin.h"
-#include "sim/shapes/mesh/mesh_writer.h"
 #include "sim/shapes/search/query.h"
 #include "sim/shapes/study/study.h"
 #include "tests/support/near.h"
