@@ -4,8 +4,8 @@
 
 #include "core/base/fault.h"
 
-/* Creates the directory unless it exists. The errno of mkdir, with a fault that names the
- * directory. */
+/* Creates the directory unless it exists, and those above it. The errno of mkdir, or -ENOTDIR if
+ * something else has that name; each with a fault that names the directory. */
 int sim_make_directory(const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -145,10 +145,14 @@ enum sim_options_outcome sim_options_parse(int argc, char **argv, const struct s
         if (strcmp(word, "--help") == 0) {
             return SIM_OPTIONS_HELP;
         }
-        if (strncmp(word, "--", 2) != 0) {
-            return refuse(fault, word, "not an option");
-        }
         char *target = NULL;
+        if (strncmp(word, "--", 2) != 0) {
+            const struct sim_option *operand = find(sets, n_sets, "", 0, &target);
+            if (!operand || operand->parse(word, target + operand->offset)) {
+                return refuse(fault, word, operand ? "one too many" : "not an option");
+            }
+            continue;
+        }
         const size_t length = strcspn(word + 2, "=");
         const struct sim_option *option = find(sets, n_sets, word + 2, length, &target);
         if (!option) {
@@ -167,7 +171,8 @@ void sim_options_help(const struct sim_option_set *sets, size_t n_sets, FILE *ou
     for (size_t s = 0; s < n_sets; s++) {
         for (size_t i = 0; i < sets[s].n_options; i++) {
             const struct sim_option *option = &sets[s].options[i];
-            const int width = fprintf(out, "  --%s %s", option->name,
+            const int width = fprintf(out, "  %s%s%s%s", option->name[0] ? "--" : "", option->name,
+                                      option->name[0] ? " " : "",
                                       option->value ? option->value : "");
             fprintf(out, "%*s%s\n", width < 30 ? 30 - width : 1, "", option->help);
         }

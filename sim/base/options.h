@@ -23,7 +23,7 @@ sim_option_parser sim_option_degrees; /* double, radians */
 sim_option_parser sim_option_flag;    /* bool, set to true: for options without a value */
 sim_option_parser sim_option_list; /* struct sim_option_texts: for options that may be repeated */
 
-enum { SIM_OPTION_TEXTS_MAX = 64 };
+enum { SIM_OPTION_TEXTS_MAX = 512 };
 
 /* The n values of a repeated option. */
 struct sim_option_texts {
@@ -32,7 +32,7 @@ struct sim_option_texts {
 };
 
 struct sim_option {
-    const char *name;  /* without the dashes */
+    const char *name;  /* without the dashes; "": takes the words that are no options */
     const char *value; /* name of the value in the help; NULL: the option has no value */
     const char *help;  /* one line */
     sim_option_parser *parse;
@@ -52,8 +52,9 @@ enum sim_options_outcome {
     SIM_OPTIONS_REFUSED /* with a fault that names the option */
 };
 
-/* Reads `--name VALUE`, `--name=VALUE` and flags from argv[1] on, and refuses all other
- * arguments. The fault for an unknown option names the most similar known option. */
+/* Reads `--name VALUE`, `--name=VALUE` and flags from argv[1] on. The option without a name, if
+ * there is one, takes all other arguments; otherwise they are refused. The fault for an unknown
+ * option names the most similar known option. */
 enum sim_options_outcome sim_options_parse(int argc, char **argv, const struct sim_option_set *sets,
                                            size_t n_sets, struct iso_fault *fault);
 

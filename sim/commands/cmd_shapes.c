@@ -1,14 +1,20 @@
 /* isotherm-sim shapes: makes corpora of non-rigid shapes and measures their retrieval by
  * descriptors of heat diffusion. */
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "drivers/terminal/words.h"
 #include "sim/commands/command.h"
 #include "sim/commands/commands.h"
 #include "sim/lab/match/extract_options.h"
+#include "sim/shapes/describe/describe.h"
 #include "sim/shapes/make/crops.h"
 #include "sim/shapes/make/generate.h"
+#include "sim/shapes/match/match.h"
+#include "sim/shapes/search/query.h"
+#include "sim/shapes/study/choice.h"
 #include "sim/shapes/study/study.h"
 #include "sim/shapes/study/tables.h"
 
@@ -17,6 +23,10 @@ struct arguments {
     struct sim_shapes_study_options study;
     struct sim_tables_options tables;
     struct sim_crops_options crops;
+    struct sim_describe_options describe;
+    struct sim_index_options index;
+    struct sim_query_options query;
+    struct sim_match_options match;
     int threads;
 };
 
@@ -34,16 +44,24 @@ static const struct sim_option generate_options[] = {
     {"vertices", "N", "vertices of each shape (3000)", sim_option_count, FIELD(generate.vertices)},
     {"format", "off|ply|vert", "format of the files (plain: off, textured: ply); vert: TOSCA",
      sim_option_text, FIELD(generate.format)},
+    {"rest", NULL, "also write rest/NAME.npy: each vertex on the body at rest", sim_option_flag,
+     FIELD(generate.rest)},
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
 };
 
 static const struct sim_option eval_options[] = {
-    {"corpus", "DIR", "meshes and manifest.csv (file,class)", sim_option_text, FIELD(study.corpus)},
+    {"corpus", "DIR",
+     "meshes: with manifest.csv (file,class), or each class in a folder of its own",
+     sim_option_text, FIELD(study.corpus)},
     {"out", "DIR", "where the results go (made if it is missing)", sim_option_text,
      FIELD(study.out)},
-    {"method", "NAME|all", "descriptor (all)", sim_option_text, FIELD(study.method)},
-    {"classifier", "NAME|all", "classifier (the method's own)", sim_option_text,
-     FIELD(study.classifier)},
+    {"method", "NAME,...|all", "methods, see below (all); may be repeated", sim_option_list,
+     FIELD(study.methods)},
+    {"classifier", "NAME,...|all", "classifiers (each method's own); may be repeated",
+     sim_option_list, FIELD(study.classifiers)},
+    {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(study.pairs)},
+    {"words", "N", "words of vocabularies, or principal components (the method's own, 64)",
+     sim_option_int, FIELD(study.words)},
     {"distort", "KIND:LEVEL",
      "distort the queries: white, shot, scale, missing, stretch or bulge, 1..3",
      sim_distortion_parse, FIELD(study.distortion)},
@@ -55,6 +73,12 @@ static const struct sim_option eval_options[] = {
      FIELD(study.seed)},
     {"pictures", "N", "draw the first N matches of some queries (10; 0: none)", sim_option_int,
      FIELD(study.pictures)},
+    {"mend", NULL, "use meshes even if over 1 % of the area is outside of the largest part",
+     sim_option_flag, FIELD(study.mend)},
+    {"strict", NULL, "end at the first mesh that cannot be used", sim_option_flag,
+     FIELD(study.strict)},
+    {"cache", "DIR", "descriptions of earlier runs (cache in --out; an empty name: none)",
+     sim_option_text, FIELD(study.cache)},
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
 };
 
@@ -82,6 +106,80 @@ static const struct sim_option crops_options[] = {
      FIELD(crops.out)},
     {"rows", "N", "rows of each corpus, evenly spread (0: all)", sim_option_count,
      FIELD(crops.rows)},
+};
+
+static const struct sim_option describe_options[] = {
+    {"", "MESH...", "files: OFF, OBJ, PLY, STL, or TOSCA's .vert beside its .tri", sim_option_list,
+     FIELD(describe.meshes)},
+    {"out", "DIR", "where a directory for each mesh goes (made if it is missing)", sim_option_text,
+     FIELD(describe.out)},
+    {"what", "NAME,...|all", "what is written, see below (all)", sim_option_text,
+     FIELD(describe.what)},
+    {"format", "npy|csv|mat5", "format of the arrays (npy)", sim_option_text,
+     FIELD(describe.format)},
+    {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(describe.pairs)},
+    {"times", "N", "times of hks, on a logarithmic scale (100)", sim_option_int,
+     FIELD(describe.quantity.times)},
+    {"time-first", "T", "first time, in the square of the mesh's unit (4 ln 10 / last lambda)",
+     sim_option_number, FIELD(describe.quantity.time_first)},
+    {"time-last", "T", "last time (4 ln 10 / first lambda)", sim_option_number,
+     FIELD(describe.quantity.time_last)},
+    {"energies", "N", "energies of wks (100)", sim_option_int, FIELD(describe.quantity.energies)},
+    {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
+     FIELD(describe.vertices)},
+    {"smooth", "N", "double steps of Taubin's filter before all else (0)", sim_option_int,
+     FIELD(describe.smooth)},
+    {"mend", NULL, "describe the largest part even if over 1 % of the area is outside of it",
+     sim_option_flag, FIELD(describe.mend)},
+    {"strict", NULL, "end at the first mesh that cannot be described", sim_option_flag,
+     FIELD(describe.strict)},
+    {"no-pictures", NULL, "draw no functions.png", sim_option_flag, FIELD(describe.no_pictures)},
+    {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
+};
+
+static const struct sim_option index_options[] = {
+    {"", "DIR", "a directory of meshes, with or without manifest.csv", sim_option_text,
+     FIELD(index.corpus)},
+    {"out", "DIR", "where the index goes (DIR.index)", sim_option_text, FIELD(index.out)},
+    {"method", "NAME", "how shapes are compared, see below (cp-hk)", sim_option_text,
+     FIELD(index.method)},
+    {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(index.pairs)},
+    {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
+     FIELD(index.vertices)},
+    {"smooth", "N", "double steps of Taubin's filter before all else (0)", sim_option_int,
+     FIELD(index.smooth)},
+    {"mend", NULL, "use meshes even if over 1 % of the area is outside of the largest part",
+     sim_option_flag, FIELD(index.mend)},
+    {"strict", NULL, "end at the first mesh that cannot be used", sim_option_flag,
+     FIELD(index.strict)},
+    {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
+};
+
+static const struct sim_option query_options[] = {
+    {"", "MESH...", "files to look for", sim_option_list, FIELD(query.meshes)},
+    {"index", "DIR", "the index, made by shapes index", sim_option_text, FIELD(query.index)},
+    {"out", "DIR", "where rankings and pictures go (none are written)", sim_option_text,
+     FIELD(query.out)},
+    {"matches", "N", "how many shapes are printed and drawn, 1..100 (10)", sim_option_int,
+     FIELD(query.matches)},
+};
+
+static const struct sim_option match_options[] = {
+    {"", "FROM TO", "two mesh files", sim_option_list, FIELD(match.meshes)},
+    {"out", "DIR", "where the results go (made if it is missing)", sim_option_text,
+     FIELD(match.out)},
+    {"pairs", "N", "eigenpairs to which the map is refined (100)", sim_option_int,
+     FIELD(match.pairs)},
+    {"first-pairs", "N", "eigenpairs of the first map (20)", sim_option_int,
+     FIELD(match.first_pairs)},
+    {"step", "N", "eigenpairs that each step of ZoomOut adds (5)", sim_option_int,
+     FIELD(match.step)},
+    {"weight", "W", "of the commutator with the Laplacians (0.01)", sim_option_number,
+     FIELD(match.weight)},
+    {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
+     FIELD(match.vertices)},
+    {"mend", NULL, "use meshes even if over 1 % of the area is outside of the largest part",
+     sim_option_flag, FIELD(match.mend)},
 };
 
 /* Only OpenBLAS has this function. The command starts its own threads; those of OpenBLAS would
@@ -148,7 +246,86 @@ static int run_crops(void *target, struct iso_fault *fault)
     return error;
 }
 
+static int run_describe(void *target, struct iso_fault *fault)
+{
+    struct arguments *arguments = target;
+    if (!arguments->describe.out) {
+        return iso_fault_set(fault, -EINVAL, "--out is needed");
+    }
+    quieten_blas();
+    arguments->describe.threads = arguments->threads;
+    return sim_shapes_describe(&arguments->describe, stdout, fault);
+}
+
+static int run_index(void *target, struct iso_fault *fault)
+{
+    struct arguments *arguments = target;
+    char beside[PATH_MAX];
+    if (!arguments->index.corpus) {
+        return iso_fault_set(fault, -EINVAL, "no directory is given");
+    }
+    if (!arguments->index.out) {
+        const char *corpus = arguments->index.corpus;
+        size_t length = strlen(corpus);
+        while (length > 1 && corpus[length - 1] == '/') {
+            length--;
+        }
+        const int n = snprintf(beside, sizeof beside, "%.*s.index", (int)length, corpus);
+        if (n < 0 || n >= (int)sizeof beside) {
+            return iso_fault_set(fault, -ENAMETOOLONG, "%s: name too long", corpus);
+        }
+        arguments->index.out = beside;
+    }
+    quieten_blas();
+    arguments->index.threads = arguments->threads;
+    return sim_shapes_index(&arguments->index, stdout, fault);
+}
+
+static int run_query(void *target, struct iso_fault *fault)
+{
+    struct arguments *arguments = target;
+    if (!arguments->query.index) {
+        return iso_fault_set(fault, -EINVAL, "--index is needed");
+    }
+    quieten_blas();
+    return sim_shapes_query(&arguments->query, stdout, fault);
+}
+
+static int run_match(void *target, struct iso_fault *fault)
+{
+    struct arguments *arguments = target;
+    if (!arguments->match.out) {
+        return iso_fault_set(fault, -EINVAL, "--out is needed");
+    }
+    quieten_blas();
+    return sim_shapes_match(&arguments->match, stdout, fault);
+}
+
 static const struct sim_subcommand targets[] = {
+    {{"shapes match", "FROM TO --out DIR",
+      "Finds for each vertex of one shape the vertex of another one that corresponds to it, by a\n"
+      "functional map that ZoomOut refines.",
+      run_match, NULL},
+     match_options,
+     sizeof match_options / sizeof *match_options},
+    {{"shapes index", "DIR",
+      "Describes a folder of meshes once, so that `shapes query` can look for meshes in it.",
+      run_index, sim_choice_names},
+     index_options,
+     sizeof index_options / sizeof *index_options},
+    {{"shapes query", "MESH... --index DIR",
+      "Prints the shapes of an index that are most like a mesh, by the index's method and its "
+      "norm.\n"
+      "With --out it writes the whole ranking and a picture of the matches.",
+      run_query, NULL},
+     query_options,
+     sizeof query_options / sizeof *query_options},
+    {{"shapes describe", "MESH... --out DIR",
+      "Writes what is known of single meshes as arrays for other programs, with the parameters\n"
+      "beside them, and draws it.",
+      run_describe, sim_describe_names},
+     describe_options,
+     sizeof describe_options / sizeof *describe_options},
     {{"shapes generate", "--out DIR",
       "Makes a corpus of non-rigid shapes: creatures in many poses. The same options make the "
       "same\n"
@@ -157,7 +334,9 @@ static const struct sim_subcommand targets[] = {
      generate_options,
      sizeof generate_options / sizeof *generate_options},
     {{"shapes eval", "--corpus DIR --out DIR",
-      "Measures how well methods and classifiers retrieve the shapes of a corpus.", run_eval, NULL},
+      "Measures how well methods and classifiers retrieve the shapes of a corpus. Every mesh is\n"
+      "looked at before the work begins; one that cannot be used is named and left out.",
+      run_eval, sim_choice_names},
      eval_options,
      sizeof eval_options / sizeof *eval_options},
     {{"shapes tables", "--corpus DIR --out DIR",
@@ -176,12 +355,17 @@ static const struct sim_subcommand targets[] = {
 
 int sim_cmd_shapes(int argc, char **argv)
 {
-    struct arguments arguments = {
+    static struct arguments arguments = {
+        /* too large for the stack */
         .generate = {.preset = "plain", .seed = 1},
-        .study = {.method = "all", .seed = 1, .pictures = 10},
+        .study = {.seed = 1, .pictures = 10},
         .tables = {.queries = 36, .smooth = 10, .seed = 1},
-        .threads = sim_threads_default(ISO_HEAT_DIRECT),
+        .index = {.method = "cp-hk"},
+        .query = {.matches = 10},
+        .match = {.first_pairs = 20, .step = 5, .weight = 0.01},
+        .describe = {.what = "all", .format = "npy"},
     };
+    arguments.threads = sim_threads_default(ISO_HEAT_DIRECT);
     return sim_subcommand_run("shapes", targets, sizeof targets / sizeof *targets, &arguments, argc,
                               argv);
 }

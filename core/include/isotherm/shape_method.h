@@ -56,6 +56,9 @@ struct iso_shape_method {
     int32_t size;       /**< Default: principal components, or words of each vocabulary; or 0. */
     enum iso_norm norm; /**< The norm by which nearest neighbours are best looked for. */
     const char *classifier; /**< What the dissertation classifies it by: a name of classifier.h. */
+    /** Leading parts that a description keeps of what `describe` makes; 0: all. Methods with the
+     * same `describe` share its result. */
+    int32_t kept_parts;
     /** Describes a shape; call iso_shape_describe() instead. */
     int (*describe)(const struct iso_shape *shape, struct iso_shape_description *out);
 };

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 int iso_describe_parts(struct iso_shape_description *out, int32_t n_parts, const int32_t *part_size)
 {
@@ -45,6 +46,14 @@ void iso_describe_eigenvalues(const struct iso_shape *shape, int n, double weigh
     }
 }
 
+/* Leaves out the parts that a method does not keep. Sizes that are not used are 0. */
+static void keep_parts(const struct iso_shape_method *method, struct iso_shape_description *d)
+{
+    while (method->kept_parts > 0 && d->n_parts > method->kept_parts) {
+        d->part_size[--d->n_parts] = 0;
+    }
+}
+
 int iso_shape_describe(const struct iso_shape_method *method, const struct iso_shape *shape,
                        struct iso_shape_description **out)
 {
@@ -56,6 +65,47 @@ int iso_shape_describe(const struct iso_shape_method *method, const struct iso_s
     if (error) {
         iso_shape_description_free(d);
         return error;
+    }
+    keep_parts(method, d);
+    *out = d;
+    return 0;
+}
+
+static float *copy_of(const float *values, size_t n)
+{
+    float *copy = values ? malloc((n + 1) * sizeof *copy) : NULL;
+    if (copy) {
+        memcpy(copy, values, n * sizeof *copy);
+    }
+    return copy;
+}
+
+int iso_describe_share(const struct iso_shape_method *method, const struct iso_shape_method *from,
+                       const struct iso_shape_description *shared,
+                       struct iso_shape_description **out)
+{
+    if (method->describe != from->describe ||
+        (from->kept_parts > 0 &&
+         (method->kept_parts == 0 || method->kept_parts > from->kept_parts))) {
+        return -EINVAL;
+    }
+    struct iso_shape_description *d = calloc(1, sizeof *d);
+    if (!d) {
+        return -ENOMEM;
+    }
+    *d = *shared;
+    keep_parts(method, d);
+    size_t whole = 0, points = (size_t)d->n_points;
+    for (int32_t p = 0; p < d->n_parts; p++) {
+        whole += (size_t)d->part_size[p];
+    }
+    d->local = copy_of(shared->local, (size_t)d->n_bags * points * (size_t)d->n_values);
+    d->weight = copy_of(shared->weight, points);
+    d->whole = copy_of(shared->whole, whole);
+    if (!d->local != !shared->local || !d->weight != !shared->weight ||
+        !d->whole != !shared->whole) {
+        iso_shape_description_free(d);
+        return -ENOMEM;
     }
     *out = d;
     return 0;

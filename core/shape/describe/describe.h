@@ -11,11 +11,19 @@ int iso_describe_td(const struct iso_shape *shape, struct iso_shape_description 
 int iso_describe_cp_td(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_cp_td_one(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_cp_hk(const struct iso_shape *shape, struct iso_shape_description *out);
-int iso_describe_cp_hk_plain(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_shape_google(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_si_hk_colour(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_w_hks1(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_w_hks2(const struct iso_shape *shape, struct iso_shape_description *out);
+
+/* The parts of CP-HK before the eigenvalues. */
+enum { ISO_DESCRIBE_CP_HK_PLAIN_PARTS = 7 };
+
+/* The description by a method, made of one by another method that has the same `describe` and keeps
+ * as many parts or more. -EINVAL if the methods do not share, -ENOMEM. */
+int iso_describe_share(const struct iso_shape_method *method, const struct iso_shape_method *from,
+                       const struct iso_shape_description *shared,
+                       struct iso_shape_description **out) __attribute__((warn_unused_result));
 
 /* Allocates the given parts, filled with zeros. -ENOMEM. */
 int iso_describe_parts(struct iso_shape_description *out, int32_t n_parts, const int32_t *part_size)

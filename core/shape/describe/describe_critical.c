@@ -184,27 +184,10 @@ static int describe_amplitudes(const struct iso_shape *shape,
  * 0.1. */
 static const float per_point = 0.1f;
 
-int iso_describe_cp_hk_plain(const struct iso_shape *shape, struct iso_shape_description *out)
-{
-    const int32_t sizes[] = {BINS, BINS, BINS, BINS, BINS, BINS, 1};
-    struct iso_critical_points points = {0};
-    int error = iso_shape_critical_points(shape, &points);
-    if (!error) {
-        error = iso_describe_parts(out, AMPLITUDES + 1, sizes);
-    }
-    if (!error) {
-        error = describe_amplitudes(shape, &points, out->whole);
-    }
-    if (!error) {
-        out->whole[AMPLITUDES * BINS] = per_point * (float)points.n;
-    }
-    iso_critical_points_done(&points);
-    return error;
-}
-
 int iso_describe_cp_hk(const struct iso_shape *shape, struct iso_shape_description *out)
 {
     const int32_t sizes[] = {BINS, BINS, BINS, BINS, BINS, BINS, 1, EIGENVALUES};
+    _Static_assert(ISO_DESCRIBE_CP_HK_PLAIN_PARTS == AMPLITUDES + 1, "the parts before the last");
     struct iso_critical_points points = {0};
     int error = iso_shape_critical_points(shape, &points);
     if (!error) {

@@ -73,7 +73,8 @@ static const struct iso_shape_method cp_hk_plain = {
     .coding = ISO_CODING_PLAIN,
     .norm = ISO_NORM_L1,
     .classifier = "svm",
-    .describe = iso_describe_cp_hk_plain,
+    .kept_parts = ISO_DESCRIBE_CP_HK_PLAIN_PARTS,
+    .describe = iso_describe_cp_hk,
 };
 
 static const struct iso_shape_method shape_google = {

@@ -4,76 +4,26 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
-#include <string.h>
+
+#include "core/shape/describe/largest_part.h"
 
 /* The relative residual of the eigenpairs; the error of the eigenvalues is about its square. */
 static const double pairs_tolerance = 1e-8;
-
-/* Area over the square of the longest edge, below which a triangle is a line. */
-static const double least_roundness = 1e-8;
-
-static bool has_area(const struct iso_mesh *mesh, int32_t t)
-{
-    const int32_t *v = mesh->triangles[t];
-    double longest = 0.0;
-    for (int k = 0; k < 3; k++) {
-        const struct iso_vec3 edge = iso_sub(mesh->vertices_mm[v[(k + 1) % 3]],
-                                             mesh->vertices_mm[v[k]]);
-        longest = fmax(longest, iso_dot(edge, edge));
-    }
-    return longest > 0.0 && iso_mesh_triangle_area(mesh, t) >= least_roundness * longest;
-}
-
-/* The root vertex of the component of v. Shortens the path to the root on the way. */
-static int32_t root_of(int32_t *parent, int32_t v)
-{
-    while (parent[v] != v) {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    return v;
-}
-
-/* Finds the component of the largest area: parent[v] becomes the root for all of its vertices.
- * Returns that root, or -1 for a mesh without area. */
-static int32_t largest_part(const struct iso_mesh *mesh, int32_t *parent, double *area)
-{
-    for (int32_t v = 0; v < mesh->n_vertices; v++) {
-        parent[v] = v;
-        area[v] = 0.0;
-    }
-    for (int32_t t = 0; t < mesh->n_triangles; t++) {
-        const int32_t *v = mesh->triangles[t];
-        if (has_area(mesh, t)) {
-            const int32_t root = root_of(parent, v[0]);
-            parent[root_of(parent, v[1])] = root;
-            parent[root_of(parent, v[2])] = root;
-        }
-    }
-    int32_t best = -1;
-    for (int32_t t = 0; t < mesh->n_triangles; t++) {
-        if (has_area(mesh, t)) {
-            const int32_t root = root_of(parent, mesh->triangles[t][0]);
-            area[root] += iso_mesh_triangle_area(mesh, t);
-            best = best < 0 || area[root] > area[best] ? root : best;
-        }
-    }
-    return best;
-}
 
 /* Copies the largest part with its colours. `parent`, and later `number`, use the same memory. */
 static int copy_part(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t *number,
                      double *area, struct iso_shape *shape)
 {
-    int32_t best = largest_part(mesh, number, area), n = 0, triangles = 0;
+    int32_t best = iso_largest_part(mesh, number, area), n = 0, triangles = 0;
     if (best < 0) {
         return -ENODATA;
     }
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
-        triangles += has_area(mesh, t) && root_of(number, mesh->triangles[t][0]) == best;
+        triangles += iso_triangle_has_area(mesh, t) &&
+                     iso_part_root(number, mesh->triangles[t][0]) == best;
     }
     for (int32_t v = 0; v < mesh->n_vertices; v++) {
-        area[v] = root_of(number, v) == best ? 1.0 : 0.0;
+        area[v] = iso_part_root(number, v) == best ? 1.0 : 0.0;
         n += area[v] > 0.0;
     }
     if (n < ISO_SHAPE_VERTICES_MIN) {
@@ -98,7 +48,7 @@ static int copy_part(const struct iso_mesh *mesh, const struct iso_colour *colou
     }
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         const int32_t *v = mesh->triangles[t];
-        if (number[v[0]] >= 0 && has_area(mesh, t)) {
+        if (number[v[0]] >= 0 && iso_triangle_has_area(mesh, t)) {
             for (int k = 0; k < 3; k++) {
                 part->triangles[part->n_triangles][k] = number[v[k]];
             }

@@ -101,9 +101,24 @@ static void trace_series(cairo_t *cr, const struct sim_plot *plot, const struct 
     }
 }
 
-static void draw_series(cairo_t *cr, const struct sim_plot *plot, const struct sim_series *series,
-                        struct colour colour)
+/* After all colours were used once, lines are dashed, then dotted, then both. */
+static void set_dash(cairo_t *cr, size_t number)
 {
+    static const double dashes[][4] = {
+        {9.0, 4.0, 9.0, 4.0}, {2.5, 3.5, 2.5, 3.5}, {10.0, 3.5, 2.5, 3.5}};
+    const size_t turn = number / (sizeof series_colours / sizeof *series_colours);
+    if (turn == 0) {
+        cairo_set_dash(cr, NULL, 0, 0.0);
+    } else {
+        cairo_set_dash(cr, dashes[(turn - 1) % 3], 4, 0.0);
+    }
+}
+
+static void draw_series(cairo_t *cr, const struct sim_plot *plot, size_t number)
+{
+    const struct sim_series *series = &plot->series[number];
+    const struct colour colour =
+        series_colours[number % (sizeof series_colours / sizeof *series_colours)];
     if (series->n == 0) {
         return;
     }
@@ -117,8 +132,13 @@ static void draw_series(cairo_t *cr, const struct sim_plot *plot, const struct s
     const double dash[] = {5.0, 5.0};
     const bool dashed = series->style == SIM_SERIES_DASHED;
     set_colour(cr, dashed ? faint : colour, 1.0);
-    cairo_set_line_width(cr, dashed ? 1.0 : 2.5);
-    cairo_set_dash(cr, dash, dashed ? 2 : 0, 0.0);
+    if (dashed) {
+        cairo_set_line_width(cr, 1.0);
+        cairo_set_dash(cr, dash, 2, 0.0);
+    } else {
+        cairo_set_line_width(cr, 2.5);
+        set_dash(cr, number);
+    }
     trace_series(cr, plot, series);
     cairo_stroke(cr);
     cairo_set_dash(cr, NULL, 0, 0.0);
@@ -155,15 +175,22 @@ static void draw_legend(cairo_t *cr, const struct sim_plot *plot)
 /* Draws the legend in a corner of the axes' box, one line for each series. */
 static void draw_legend_lines(cairo_t *cr, const struct sim_plot *plot)
 {
-    enum { LINE_PX = 22, WIDTH = 190 };
+    enum { LINE_PX = 22, WIDTH_MIN = 190 };
     size_t n_colours = sizeof series_colours / sizeof *series_colours, n_lines = 0;
+    double width = WIDTH_MIN;
+    cairo_set_font_size(cr, 14.0);
     for (size_t i = 0; i < plot->n_series; i++) {
-        n_lines += plot->series[i].label != NULL;
+        cairo_text_extents_t extents = {.width = 0.0};
+        if (plot->series[i].label) {
+            n_lines++;
+            cairo_text_extents(cr, plot->series[i].label, &extents);
+            width = fmax(width, extents.x_advance + 48.0);
+        }
     }
-    const double height = LINE_PX * (double)n_lines, x = right_px - WIDTH;
+    const double height = LINE_PX * (double)n_lines, x = right_px - width;
     double y = plot->legend == SIM_LEGEND_UPPER ? top_px + 12.0 : bottom_px - 12.0 - height;
     cairo_set_source_rgba(cr, 1.0, 1.0, 1.0, 0.85);
-    cairo_rectangle(cr, x - 8.0, y - 4.0, WIDTH, height + 8.0);
+    cairo_rectangle(cr, x - 8.0, y - 4.0, width, height + 8.0);
     cairo_fill(cr);
     cairo_set_font_size(cr, 14.0);
     cairo_set_line_width(cr, 4.0);
@@ -171,7 +198,9 @@ static void draw_legend_lines(cairo_t *cr, const struct sim_plot *plot)
         if (plot->series[i].label) {
             y += LINE_PX;
             set_colour(cr, series_colours[i % n_colours], 1.0);
+            set_dash(cr, i);
             draw_line(cr, x, y - 10.0, x + 24.0, y - 10.0);
+            cairo_set_dash(cr, NULL, 0, 0.0);
             set_colour(cr, ink, 1.0);
             sim_picture_text(cr, plot->series[i].label, x + 34.0, y - 5.0, 0.0);
         }
@@ -187,9 +216,8 @@ int sim_plot_write(const struct sim_plot *plot, const char *path, struct iso_fau
     cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
     cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     draw_ticks(cr, plot);
-    const size_t n_colours = sizeof series_colours / sizeof *series_colours;
     for (size_t i = 0; i < plot->n_series; i++) {
-        draw_series(cr, plot, &plot->series[i], series_colours[i % n_colours]);
+        draw_series(cr, plot, i);
     }
     draw_frame(cr, plot);
     if (plot->legend == SIM_LEGEND_LINE) {

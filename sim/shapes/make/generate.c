@@ -16,6 +16,7 @@
 #include "sim/shapes/make/species.h"
 #include "sim/shapes/make/texture.h"
 #include "sim/shapes/mesh/mesh_writer.h"
+#include "sim/world/face/npy_writer.h"
 
 enum {
     COATS_EACH = 3,
@@ -140,7 +141,9 @@ static int paint_creature(const struct shape_plan *plan, const struct sim_creatu
     return 0;
 }
 
-static int make_shape(const struct shape_maker *maker, size_t number, struct iso_coloured_mesh *out)
+/* *rest receives the places at rest of all vertices; free it with free(). */
+static int make_shape(const struct shape_maker *maker, size_t number, struct iso_coloured_mesh *out,
+                      struct iso_vec3 **rest)
 {
     const struct shape_plan *plan = &maker->plan[number];
     const struct sim_species *species = &sim_species[plan->species];
@@ -159,18 +162,42 @@ static int make_shape(const struct shape_maker *maker, size_t number, struct iso
     if (plan->coated) {
         error = paint_creature(plan, creature, seed, &made.colour);
     }
+    struct iso_vec3 *rest_mm = creature->rest_mm;
     made.mesh = creature->mesh;
     creature->mesh = NULL;
+    creature->rest_mm = NULL;
     sim_creature_free(creature);
     if (!error && plan->distorted) {
         error = sim_distort(plan->distortion, &grid, &made);
     }
     if (error) {
         iso_coloured_mesh_done(&made);
+        free(rest_mm);
         return error;
     }
     *out = made;
+    *rest = rest_mm;
     return 0;
+}
+
+/* rest/NAME.npy for NAME.off. */
+static int write_rest(const char *directory, const char *file, const struct iso_vec3 *rest,
+                      int32_t n, struct iso_fault *fault)
+{
+    const struct sim_npy_shape shape = {.n_dimensions = 2, .size = {(uint32_t)n, 3}};
+    char name[SIM_SHAPE_NAME_MAX + 16], path[PATH_MAX];
+    struct sim_npy_writer *writer = NULL;
+    (void)snprintf(name, sizeof name, "rest/%.*s.npy", (int)strcspn(file, "."), file);
+    int error = iso_path_join(directory, name, path, fault);
+    if (!error) {
+        error = sim_npy_writer_open(path, SIM_NPY_FLOAT, &shape, &writer, fault);
+    }
+    for (int32_t v = 0; v < n && !error; v++) {
+        sim_npy_writer_add(writer, rest[v].x);
+        sim_npy_writer_add(writer, rest[v].y);
+        sim_npy_writer_add(writer, rest[v].z);
+    }
+    return error ? error : sim_npy_writer_close(writer, true, fault);
 }
 
 static int make_and_write(void *context, int worker, size_t number)
@@ -178,12 +205,13 @@ static int make_and_write(void *context, int worker, size_t number)
     struct shape_maker *maker = context;
     const char *file = maker->plan[number].row.file;
     struct iso_coloured_mesh mesh = {NULL, NULL};
+    struct iso_vec3 *rest = NULL;
     struct iso_fault fault = {.text = ""};
     char path[PATH_MAX];
     (void)worker;
     int error = iso_path_join(maker->options->out, file, path, &fault);
     if (!error) {
-        error = make_shape(maker, number, &mesh);
+        error = make_shape(maker, number, &mesh, &rest);
         if (error) {
             (void)iso_fault_set(&fault, error, "%s: %s", file, strerror(-error));
         }
@@ -191,6 +219,10 @@ static int make_and_write(void *context, int worker, size_t number)
     if (!error) {
         error = sim_mesh_write(path, &mesh, &fault);
     }
+    if (!error && maker->options->rest) {
+        error = write_rest(maker->options->out, file, rest, mesh.mesh->n_vertices, &fault);
+    }
+    free(rest);
     iso_coloured_mesh_done(&mesh);
     if (error) {
         (void)pthread_mutex_lock(&maker->fault_lock);
@@ -259,7 +291,14 @@ int sim_shapes_generate(const struct sim_shapes_options *given, int32_t *n_writt
     if (error) {
         return error;
     }
+    char rest[PATH_MAX];
     error = sim_make_directory(options.out, fault);
+    if (!error && options.rest) {
+        error = iso_path_join(options.out, "rest", rest, fault);
+        if (!error) {
+            error = sim_make_directory(rest, fault);
+        }
+    }
     if (error) {
         return error;
     }

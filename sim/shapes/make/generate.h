@@ -11,6 +11,7 @@
 #ifndef SIM_SHAPES_MAKE_GENERATE_H
 #define SIM_SHAPES_MAKE_GENERATE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -24,6 +25,7 @@ struct sim_shapes_options {
     size_t classes;  /* 0: 12 plain, 10 textured */
     size_t shapes;   /* plain: total number, distributed to the classes in turn; 0: 148 */
     size_t vertices; /* of each shape; 0: 3000 */
+    bool rest;       /* also write rest/NAME.npy: where each vertex is on the body at rest */
     int threads;     /* 1..64 */
 };
 

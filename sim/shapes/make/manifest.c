@@ -106,6 +106,7 @@ static int32_t number_of(const struct sim_shape_manifest *manifest, const int32_
 
 static void number_classes(struct sim_shape_manifest *manifest)
 {
+    manifest->n_classes = manifest->n_wider = 0;
     for (int32_t i = 0; i < manifest->n; i++) {
         const int32_t c = number_of(manifest, manifest->class_of, i, false, manifest->n_classes);
         const int32_t w = number_of(manifest, manifest->wider_of, i, true, manifest->n_wider);
@@ -118,6 +119,23 @@ static void number_classes(struct sim_shape_manifest *manifest)
     }
 }
 
+static struct sim_shape_manifest *new_manifest(size_t most)
+{
+    struct sim_shape_manifest *manifest = calloc(1, sizeof *manifest);
+    if (!manifest) {
+        return NULL;
+    }
+    manifest->rows = calloc(most, sizeof *manifest->rows);
+    manifest->class_of = calloc(most, sizeof *manifest->class_of);
+    manifest->wider_of = calloc(most, sizeof *manifest->wider_of);
+    manifest->class_name = calloc(most, sizeof *manifest->class_name);
+    if (!manifest->rows || !manifest->class_of || !manifest->wider_of || !manifest->class_name) {
+        sim_shape_manifest_free(manifest);
+        return NULL;
+    }
+    return manifest;
+}
+
 int sim_shape_manifest_parse(const char *name, const char *text, struct sim_shape_manifest **out,
                              struct iso_fault *fault)
 {
@@ -126,18 +144,8 @@ int sim_shape_manifest_parse(const char *name, const char *text, struct sim_shap
         return iso_fault_set(fault, -EBADMSG, "%s: more than %d rows", name, (int)ROWS_MAX);
     }
     char *copy = strdup(text);
-    struct sim_shape_manifest *manifest = calloc(1, sizeof *manifest);
-    if (manifest) {
-        manifest->rows = calloc(most, sizeof *manifest->rows);
-        manifest->class_of = calloc(most, sizeof *manifest->class_of);
-        manifest->wider_of = calloc(most, sizeof *manifest->wider_of);
-        manifest->class_name = calloc(most, sizeof *manifest->class_name);
-    }
-    int error = 0;
-    if (!copy || !manifest || !manifest->rows || !manifest->class_of || !manifest->wider_of ||
-        !manifest->class_name) {
-        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
-    }
+    struct sim_shape_manifest *manifest = copy ? new_manifest(most) : NULL;
+    int error = manifest ? 0 : iso_fault_set(fault, -ENOMEM, "%s: out of memory", name);
     if (!error) {
         error = parse_rows(name, copy, manifest, fault);
     }
@@ -152,6 +160,32 @@ int sim_shape_manifest_parse(const char *name, const char *text, struct sim_shap
     number_classes(manifest);
     *out = manifest;
     return 0;
+}
+
+int sim_shape_manifest_of(const struct sim_shape_row *rows, int32_t n,
+                          struct sim_shape_manifest **out)
+{
+    struct sim_shape_manifest *manifest = new_manifest((size_t)n);
+    if (!manifest) {
+        return -ENOMEM;
+    }
+    memcpy(manifest->rows, rows, (size_t)n * sizeof *rows);
+    manifest->n = n;
+    number_classes(manifest);
+    *out = manifest;
+    return 0;
+}
+
+void sim_shape_manifest_keep(struct sim_shape_manifest *manifest, const uint8_t *keep)
+{
+    int32_t n = 0;
+    for (int32_t i = 0; i < manifest->n; i++) {
+        if (keep[i]) {
+            manifest->rows[n++] = manifest->rows[i];
+        }
+    }
+    manifest->n = n;
+    number_classes(manifest);
 }
 
 void sim_shape_manifest_free(struct sim_shape_manifest *manifest)
@@ -172,6 +206,9 @@ int sim_shape_manifest_read(const char *directory, struct sim_shape_manifest **o
     int error = iso_path_join(directory, "manifest.csv", path, fault);
     if (!error) {
         error = iso_text_read(path, BYTES_MAX, &text, fault);
+        if (error == -ENOENT) {
+            return sim_shape_manifest_list(directory, out, fault);
+        }
     }
     if (!error) {
         error = sim_shape_manifest_parse(path, text, out, fault);

@@ -40,13 +40,14 @@ static int drop_unused(struct iso_coloured_mesh *coloured)
 int sim_thin(struct iso_coloured_mesh *coloured, int32_t n_vertices)
 {
     struct iso_mesh *mesh = coloured->mesh;
-    struct sim_decimate_options options = {.n_target = (uint32_t)n_vertices};
+    struct sim_decimate_options options = {.n_target = (uint32_t)n_vertices,
+                                           .fan_max = SIM_DECIMATE_FAN_LIMIT};
     uint32_t n_triangles = (uint32_t)mesh->n_triangles;
     /* Indices are never negative, so that their unsigned values are equal. */
     const int error = sim_decimate(mesh->vertices_mm, (uint32_t)mesh->n_vertices, &options,
                                    (uint32_t(*)[3])(void *)mesh->triangles, &n_triangles);
     if (error) {
-        return error == -EINVAL ? 0 : error;
+        return error;
     }
     mesh->n_triangles = (int32_t)n_triangles;
     return drop_unused(coloured);

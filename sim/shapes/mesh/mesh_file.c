@@ -82,6 +82,12 @@ static int read_tri(const char *path, char **text, struct iso_fault *fault)
 
 int iso_mesh_file_read(const char *path, struct iso_coloured_mesh *out, struct iso_fault *fault)
 {
+    return iso_mesh_file_read_report(path, out, NULL, fault);
+}
+
+int iso_mesh_file_read_report(const char *path, struct iso_coloured_mesh *out,
+                              struct iso_mesh_mended *report, struct iso_fault *fault)
+{
     enum iso_mesh_format format = ISO_MESH_FORMAT_OFF;
     struct iso_coloured_mesh read = {NULL, NULL};
     char *bytes = NULL, *tri = NULL;
@@ -99,7 +105,7 @@ int iso_mesh_file_read(const char *path, struct iso_coloured_mesh *out, struct i
     free(bytes);
     free(tri);
     if (!error) {
-        error = iso_mesh_mend(&read, NULL);
+        error = iso_mesh_mend(&read, report);
         if (error) {
             (void)iso_fault_set(fault, error, "%s: %s", path,
                                 error == -ENOMEM ? "out of memory" : "no triangle is left of it");

@@ -41,11 +41,24 @@ enum iso_mesh_format {
 /* "off", "obj", "ply", "stl", "vert": the ending of the file name; NULL for an unknown format. */
 const char *iso_mesh_format_suffix(enum iso_mesh_format format);
 
+/* The defects that mending removed. */
+struct iso_mesh_mended {
+    int32_t merged;    /* vertices at exactly the same place as another one */
+    int32_t collapsed; /* triangles with two corners at the same place */
+    int32_t repeated;  /* triangles with the same three corners as another one, in any order */
+    int32_t unused;    /* vertices of no triangle */
+};
+
 /* Reads a file by the ending of its name and mends it (see iso_mesh_mend). -ENOENT; -EBADMSG for
  * refused contents or a mesh without a triangle; -ENOTSUP for another ending; -EFBIG above 1 GiB
  * or for too many vertices or triangles; -ENOMEM; or the errno of open and read. Each comes with a
  * fault that names the file. */
 int iso_mesh_file_read(const char *path, struct iso_coloured_mesh *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The same, with a report of what was mended, which may be NULL. */
+int iso_mesh_file_read_report(const char *path, struct iso_coloured_mesh *out,
+                              struct iso_mesh_mended *report, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* The same from memory and without mending: triangles may repeat a corner or each other, but
@@ -55,14 +68,6 @@ int iso_mesh_file_read(const char *path, struct iso_coloured_mesh *out, struct i
 int iso_mesh_parse(enum iso_mesh_format format, const char *name, char *bytes, size_t size,
                    char *tri, struct iso_coloured_mesh *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
-
-/* The defects that mending removed. */
-struct iso_mesh_mended {
-    int32_t merged;    /* vertices at exactly the same place as another one */
-    int32_t collapsed; /* triangles with two corners at the same place */
-    int32_t repeated;  /* triangles with the same three corners as another one, in any order */
-    int32_t unused;    /* vertices of no triangle */
-};
 
 /* Mends a mesh by these rules:
  *

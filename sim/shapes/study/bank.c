@@ -2,21 +2,26 @@
 
 #include <errno.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
 
+#include "core/shape/describe/describe.h"
 #include "drivers/base/path.h"
+#include "sim/base/make_directory.h"
+#include "sim/base/progress.h"
 #include "sim/lab/match/parallel.h"
-#include "sim/shapes/make/smooth.h"
-#include "sim/shapes/make/thin.h"
+#include "sim/shapes/describe/cache.h"
+#include "sim/shapes/describe/description_file.h"
 
 struct work {
     const struct sim_bank_options *options;
     struct sim_bank *bank;
-    pthread_mutex_t lock; /* protects the sums and the fault */
+    pthread_mutex_t lock; /* protects the sums, the fault and `good` */
     struct iso_fault *fault;
+    uint8_t *good; /* [bank->n]: 1 for a shape that was described */
 };
 
 static double seconds_of(clockid_t clock)
@@ -31,98 +36,200 @@ int sim_bank_read(const struct sim_bank_options *options, int32_t row,
 {
     const char *file = options->manifest->rows[row].file;
     char path[PATH_MAX];
-    struct iso_coloured_mesh mesh = {NULL, NULL};
-    int error = iso_path_join(options->corpus, file, path, fault);
-    if (!error) {
-        error = iso_mesh_file_read(path, &mesh, fault);
-    }
-    if (error) {
-        return error;
-    }
-    if (options->vertices > 0 && mesh.mesh->n_vertices > options->vertices) {
-        error = sim_thin(&mesh, options->vertices);
-    }
-    if (!error && options->distortion) {
-        struct sim_random random = sim_random_seeded(options->seed, sim_random_hash(file),
-                                                     (uint64_t)options->distortion->kind);
-        error = sim_distort(*options->distortion, &random, &mesh);
-    }
-    if (!error && options->smooth > 0) {
-        error = sim_smooth(mesh.mesh, options->smooth);
-    }
-    if (error) {
-        iso_coloured_mesh_done(&mesh);
-        return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
-    }
-    *out = mesh;
-    return 0;
+    const int error = iso_path_join(options->corpus, file, path, fault);
+    return error ? error : sim_source_read(path, file, &options->source, NULL, out, fault);
 }
 
-/* Describes one shape by all methods; seconds[n_methods]. */
-static int describe(const struct work *work, const struct iso_shape *shape, int32_t number,
-                    double *seconds)
+/* One shape on its way. */
+struct item {
+    const struct work *work;
+    const char *path;
+    struct iso_shape_description **made; /* [n_methods] */
+    double *seconds;                     /* [n_methods] */
+    double shape_seconds;
+    int32_t n_vertices, n_known;
+    struct sim_cache_subject subject; /* only with a cache */
+    struct iso_fault *fault;
+};
+
+static bool need_colours(const struct sim_bank_options *options)
 {
-    const struct sim_bank_options *options = work->options;
     for (int m = 0; m < options->n_methods; m++) {
-        const double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
-        const int error = iso_shape_describe(
-            options->methods[m], shape,
-            &work->bank->description[(size_t)m * (size_t)work->bank->n + (size_t)number]);
-        if (error) {
+        if (options->methods[m]->colour) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Takes from the cache what is there. A damaged file is made again. */
+static int look_up(struct item *item, const char *file)
+{
+    const struct sim_bank_options *options = item->work->options;
+    char name[SIM_CACHE_NAME_SIZE], path[PATH_MAX];
+    struct iso_fault ignored;
+    item->subject = (struct sim_cache_subject){.name = file,
+                                               .source = &options->source,
+                                               .n_pairs = options->n_pairs,
+                                               .colours = need_colours(options)};
+    int error = sim_cache_hash(item->path, item->subject.content, item->fault);
+    for (int m = 0; m < options->n_methods && !error; m++) {
+        sim_cache_name(&item->subject, options->methods[m], name);
+        error = iso_path_join(options->cache, name, path, item->fault);
+        if (!error &&
+            sim_description_read(path, &item->n_vertices, &item->made[m], &ignored) == 0) {
+            item->n_known++;
+        }
+    }
+    return error;
+}
+
+/* Describes by one method, or shares what an earlier method has made. */
+static int describe_by(struct item *item, const struct iso_shape *shape, int m)
+{
+    const struct iso_shape_method *const *methods = item->work->options->methods;
+    for (int earlier = 0; earlier < m; earlier++) {
+        const int error = iso_describe_share(methods[m], methods[earlier], item->made[earlier],
+                                             &item->made[m]);
+        if (error != -EINVAL) {
             return error;
         }
-        seconds[m] = seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
     }
-    return 0;
+    return iso_shape_describe(methods[m], shape, &item->made[m]);
 }
 
-static int make_shape(const struct work *work, int32_t row, struct iso_shape **shape,
-                      int32_t *n_vertices, struct iso_fault *fault)
+static int describe(struct item *item, const struct iso_shape *shape)
 {
+    const struct sim_bank_options *options = item->work->options;
+    char name[SIM_CACHE_NAME_SIZE];
+    int error = 0;
+    for (int m = 0; m < options->n_methods && !error; m++) {
+        if (item->made[m]) {
+            continue;
+        }
+        const double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+        error = describe_by(item, shape, m);
+        item->seconds[m] = seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
+        if (error) {
+            return iso_fault_set(item->fault, error, "%s: %s: %s", item->path,
+                                 options->methods[m]->name, strerror(-error));
+        }
+        if (options->cache) {
+            sim_cache_name(&item->subject, options->methods[m], name);
+            error = sim_description_write(options->cache, name, item->n_vertices, item->made[m],
+                                          item->fault);
+        }
+    }
+    return error;
+}
+
+static int make_shape(struct item *item, int32_t row, struct iso_shape **shape)
+{
+    const struct sim_bank_options *options = item->work->options;
     struct iso_coloured_mesh mesh = {NULL, NULL};
-    int error = sim_bank_read(work->options, row, &mesh, fault);
-    if (error) {
-        return error;
+    int error = sim_bank_read(options, row, &mesh, item->fault);
+    if (!error) {
+        item->n_vertices = mesh.mesh->n_vertices;
+        error = sim_source_shape(item->path, &mesh, need_colours(options), options->n_pairs, shape,
+                                 item->fault);
     }
-    bool colour = false;
-    for (int m = 0; m < work->options->n_methods; m++) {
-        colour = colour || work->options->methods[m]->colour;
-    }
-    *n_vertices = mesh.mesh->n_vertices;
-    error = iso_shape_new(mesh.mesh, colour ? mesh.colour : NULL, 0, shape);
     iso_coloured_mesh_done(&mesh);
     return error;
+}
+
+static int describe_item(struct item *item, int32_t row)
+{
+    const struct sim_bank_options *options = item->work->options;
+    const double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+    struct iso_shape *shape = NULL;
+    int error = options->cache ? look_up(item, options->manifest->rows[row].file) : 0;
+    if (!error && item->n_known < options->n_methods) {
+        error = make_shape(item, row, &shape);
+    }
+    item->shape_seconds = seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
+    if (!error && shape) {
+        error = describe(item, shape);
+    }
+    iso_shape_free(shape);
+    return error;
+}
+
+/* Adds the results of a shape to the bank, or records why there are none. */
+static int keep_item(struct work *work, const struct item *item, size_t number, int error)
+{
+    struct sim_bank *bank = work->bank;
+    const bool skipped = error && work->options->skip && error != -ENOMEM;
+    (void)pthread_mutex_lock(&work->lock);
+    if (error && work->fault->text[0] == '\0') {
+        *work->fault = *item->fault;
+    }
+    if (skipped) {
+        sim_progress_pause();
+        fprintf(stderr, "isotherm-sim: left out: %s\n", item->fault->text);
+        sim_progress_resume();
+    }
+    for (int m = 0; m < bank->n_methods; m++) {
+        bank->description[(size_t)m * (size_t)bank->n + number] = item->made[m];
+        bank->seconds[m] += item->seconds[m];
+    }
+    bank->shape_seconds += item->shape_seconds;
+    bank->mean_vertices += error ? 0.0 : (double)item->n_vertices;
+    bank->n_known += item->n_known;
+    work->good[number] = !error;
+    (void)pthread_mutex_unlock(&work->lock);
+    return skipped ? 0 : error;
 }
 
 static int describe_one(void *context, int worker, size_t number)
 {
     struct work *work = context;
-    int32_t row = work->bank->row[number], n_vertices = 0;
-    struct iso_shape *shape = NULL;
+    const struct sim_bank_options *options = work->options;
+    const int32_t row = work->bank->row[number];
+    const size_t n_methods = (size_t)options->n_methods;
     struct iso_fault fault = {.text = ""};
-    double *seconds = calloc((size_t)work->options->n_methods, sizeof *seconds);
-    const double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+    char path[PATH_MAX];
+    struct item item = {.work = work, .path = path, .fault = &fault};
     (void)worker;
-    int error = seconds ? make_shape(work, row, &shape, &n_vertices, &fault) : -ENOMEM;
-    const double shape_seconds = seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
+    item.made = calloc(n_methods, sizeof *item.made);
+    item.seconds = calloc(n_methods, sizeof *item.seconds);
+    if (!item.made || !item.seconds) {
+        free(item.made);
+        free(item.seconds);
+        return -ENOMEM;
+    }
+    int error = iso_path_join(options->corpus, options->manifest->rows[row].file, path, &fault);
     if (!error) {
-        error = describe(work, shape, (int32_t)number, seconds);
+        error = describe_item(&item, row);
     }
-    iso_shape_free(shape);
-    (void)pthread_mutex_lock(&work->lock);
-    if (error && work->fault && work->fault->text[0] == '\0') {
-        (void)iso_fault_set(work->fault, error, "%s: %s", work->options->manifest->rows[row].file,
-                            error == -ENODATA ? "too small, or without colours" : strerror(-error));
-        *work->fault = fault.text[0] ? fault : *work->fault;
-    }
-    for (int m = 0; !error && m < work->options->n_methods; m++) {
-        work->bank->seconds[m] += seconds[m];
-    }
-    work->bank->shape_seconds += shape_seconds;
-    work->bank->mean_vertices += (double)n_vertices / work->bank->n;
-    (void)pthread_mutex_unlock(&work->lock);
-    free(seconds);
+    error = keep_item(work, &item, number, error);
+    free(item.made);
+    free(item.seconds);
     return error;
+}
+
+/* Removes the shapes that could not be described. */
+static void drop_failed(struct sim_bank *bank, const uint8_t *good)
+{
+    int32_t n = 0;
+    for (int32_t i = 0; i < bank->n; i++) {
+        n += good[i];
+    }
+    for (int32_t m = 0, to = 0; m < bank->n_methods; m++) {
+        for (int32_t i = 0; i < bank->n; i++) {
+            struct iso_shape_description *d = bank->description[m * bank->n + i];
+            if (good[i]) {
+                bank->description[to++] = d;
+            } else {
+                iso_shape_description_free(d);
+            }
+        }
+    }
+    for (int32_t i = 0, to = 0; i < bank->n; i++) {
+        if (good[i]) {
+            bank->row[to++] = bank->row[i];
+        }
+    }
+    bank->n = n;
 }
 
 static int allocate(const struct sim_bank_options *options, struct sim_bank **out)
@@ -148,30 +255,49 @@ static int allocate(const struct sim_bank_options *options, struct sim_bank **ou
     return 0;
 }
 
+static int fill(struct work *work)
+{
+    const struct sim_bank_options *options = work->options;
+    int error = options->cache ? sim_make_directory(options->cache, work->fault) : 0;
+    if (error) {
+        return error;
+    }
+    error = sim_parallel(options->threads, "describing shapes", (size_t)work->bank->n, describe_one,
+                         work);
+    if (!error) {
+        drop_failed(work->bank, work->good);
+        error = work->bank->n > 0 ? 0 : -ENODATA;
+    }
+    if (error && work->fault->text[0] == '\0') {
+        (void)iso_fault_set(work->fault, error, "%s: %s", options->corpus, strerror(-error));
+    }
+    return error;
+}
+
 int sim_bank_new(const struct sim_bank_options *options, struct sim_bank **out,
                  struct iso_fault *fault)
 {
-    struct work work = {.options = options, .fault = fault, .lock = PTHREAD_MUTEX_INITIALIZER};
+    struct iso_fault unread = {.text = ""};
+    struct work work = {
+        .options = options, .fault = fault ? fault : &unread, .lock = PTHREAD_MUTEX_INITIALIZER};
     const double start = seconds_of(CLOCK_MONOTONIC);
-    if (fault) {
-        fault->text[0] = '\0';
-    }
+    work.fault->text[0] = '\0';
     int error = allocate(options, &work.bank);
+    work.good = error ? NULL : calloc((size_t)work.bank->n, 1);
     if (!error) {
-        error = sim_parallel(options->threads, "describing shapes", (size_t)work.bank->n,
-                             describe_one, &work);
+        error = work.good ? fill(&work) : -ENOMEM;
     }
+    free(work.good);
     if (error) {
-        if (fault && fault->text[0] == '\0') {
-            (void)iso_fault_set(fault, error, "%s: %s", options->corpus, strerror(-error));
-        }
         sim_bank_free(work.bank);
         return error;
     }
     struct rusage usage;
     (void)getrusage(RUSAGE_SELF, &usage);
+    work.bank->mean_vertices /= work.bank->n;
     work.bank->peak_kib = usage.ru_maxrss;
     work.bank->elapsed_seconds = seconds_of(CLOCK_MONOTONIC) - start;
+    work.fault->text[0] = '\0';
     *out = work.bank;
     return 0;
 }

@@ -3,7 +3,7 @@
 #define SIM_SHAPES_STUDY_BANK_H
 
 #include "isotherm/shape_method.h"
-#include "sim/shapes/make/distort.h"
+#include "sim/shapes/describe/source.h"
 #include "sim/shapes/make/manifest.h"
 
 struct sim_bank_options {
@@ -13,10 +13,10 @@ struct sim_bank_options {
     int n_methods;
     const int32_t *rows; /* [n_rows] of the manifest to describe; NULL: all of them */
     int32_t n_rows;
-    const struct sim_distortion *distortion; /* NULL: no distortion */
-    uint64_t seed;                           /* of the distortion */
-    int smooth;       /* double steps of the smoothing filter, applied before the methods */
-    int32_t vertices; /* meshes with more vertices are thinned to this number; 0: no thinning */
+    struct sim_source_options source; /* how a file becomes a mesh */
+    int32_t n_pairs;                  /* eigenpairs; 0: ISO_SHAPE_PAIRS */
+    const char *cache; /* directory of earlier descriptions (describe/cache.h); NULL: none */
+    bool skip;         /* leave out shapes that cannot be described, and name them */
     int threads;
 };
 
@@ -29,12 +29,15 @@ struct sim_bank {
     double shape_seconds;                       /* the same for reading and for eigenpairs */
     double elapsed_seconds;
     double mean_vertices;
-    long peak_kib; /* peak memory of the process so far */
+    int32_t n_known; /* descriptions that were in the cache */
+    long peak_kib;   /* peak memory of the process so far */
 };
 
 /* Reads, thins, distorts, smooths and describes the shapes. One thread describes a shape by all
- * methods. If one shape cannot be read or described, the whole call fails: -EBADMSG, -ENODATA,
- * -ENOENT, ..., with a fault that names its file; -ENOMEM. */
+ * methods; methods that share a description make it once. If one shape cannot be read or described,
+ * the whole call fails without `skip`, or if no shape is left: -EBADMSG, -ENODATA, -ENOENT, ...,
+ * with a fault that names its file; -ENOMEM. With `skip` such a shape is named on standard error,
+ * and the bank has only the others. */
 int sim_bank_new(const struct sim_bank_options *options, struct sim_bank **out,
                  struct iso_fault *fault) __attribute__((warn_unused_result));
 
@@ -45,9 +48,7 @@ void sim_bank_free(struct sim_bank *bank);
 const struct iso_shape_description *const *sim_bank_of(const struct sim_bank *bank, int method);
 
 /* Reads the shape of a row of the manifest in the same way as a bank: mended, thinned, distorted,
- * smoothed. The random numbers of the distortion depend on the seed, the file's name and the kind
- * of distortion. Errors of iso_mesh_file_read, sim_thin, sim_distort and sim_smooth, with a fault.
- */
+ * smoothed. Errors of sim_source_read, with a fault. */
 int sim_bank_read(const struct sim_bank_options *options, int32_t row,
                   struct iso_coloured_mesh *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "sim/lab/draw/png_file.h"
-#include "sim/lab/picture/scene.h"
+#include "sim/shapes/describe/shape_view.h"
 
 enum { CELL_PX = 120, LABEL_PX = 18, ROWS_MAX = 20, COLUMNS_MAX = 16 };
 
@@ -13,7 +13,8 @@ static const uint32_t query_hex = 0xc8b8a0, match_hex = 0xd0a070, wrong_hex = 0x
 
 /* One picture of a sheet. */
 struct cell {
-    int32_t row; /* row of the manifest; -1: empty */
+    int32_t row;             /* row of the manifest; -1: empty */
+    const char *path, *name; /* instead of a row: a file, and what stands below it; or NULL */
     bool query, wrong;
 };
 
@@ -22,25 +23,6 @@ struct sheet {
     int n_rows, n_columns;
     struct cell cell[ROWS_MAX][COLUMNS_MAX];
 };
-
-/* A view from the front left and slightly above, with the whole shape in the picture. */
-static struct sim_view view_of(const struct iso_mesh *mesh)
-{
-    struct iso_vec3 low = mesh->vertices_mm[0], high = low;
-    for (int32_t v = 1; v < mesh->n_vertices; v++) {
-        struct iso_vec3 p = mesh->vertices_mm[v];
-        low = iso_vec3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
-        high = iso_vec3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
-    }
-    const double size = iso_norm(iso_sub(high, low));
-    return (struct sim_view){
-        .yaw_rad = 0.7,
-        .pitch_rad = 0.35,
-        .centre_mm = iso_scale(0.5, iso_add(low, high)),
-        .distance_mm = 6.0 * size,
-        .height_mm = size,
-    };
-}
 
 static struct sim_colour *linear_colours(const struct iso_coloured_mesh *mesh)
 {
@@ -60,7 +42,7 @@ static int draw_mesh(const struct iso_coloured_mesh *mesh, const struct cell *ce
     struct sim_canvas *canvas = NULL;
     struct sim_scene *scene = NULL;
     struct sim_colour *colours = mesh->colour && !cell->wrong ? linear_colours(mesh) : NULL;
-    struct sim_view view = view_of(mesh->mesh);
+    struct sim_view view = sim_shape_view(mesh->mesh);
     const uint32_t right_hex = cell->query ? query_hex : match_hex;
     const struct sim_surface_style style = {
         .base = sim_colour_hex(cell->wrong ? wrong_hex : right_hex),
@@ -83,31 +65,37 @@ static int draw_mesh(const struct iso_coloured_mesh *mesh, const struct cell *ce
     return error;
 }
 
+static int read_cell(const struct sheet *sheet, const struct cell *cell,
+                     struct iso_coloured_mesh *mesh, struct iso_fault *fault)
+{
+    struct sim_bank_options how = *sheet->how;
+    how.source.distortion = cell->query ? how.source.distortion : NULL;
+    return cell->path ? sim_source_read(cell->path, cell->path, &how.source, NULL, mesh, fault)
+                      : sim_bank_read(&how, cell->row, mesh, fault);
+}
+
 static int draw_cell(cairo_t *cr, const struct sheet *sheet, int row, int column,
                      struct iso_fault *fault)
 {
     const struct cell *cell = &sheet->cell[row][column];
-    struct sim_bank_options how = *sheet->how;
-    how.distortion = cell->query ? how.distortion : NULL;
+    const char *name = cell->path ? cell->name : sheet->how->manifest->rows[cell->row].class_name;
     struct iso_coloured_mesh mesh = {NULL, NULL};
     cairo_surface_t *picture = NULL;
-    int error = sim_bank_read(&how, cell->row, &mesh, fault);
+    int error = read_cell(sheet, cell, &mesh, fault);
     if (error) {
         return error;
     }
     error = draw_mesh(&mesh, cell, &picture);
     iso_coloured_mesh_done(&mesh);
     if (error) {
-        return iso_fault_set(fault, error, "%s: cannot be drawn: %s",
-                             sheet->how->manifest->rows[cell->row].file, strerror(-error));
+        return iso_fault_set(fault, error, "%s: cannot be drawn: %s", name, strerror(-error));
     }
     const double x = column * CELL_PX, y = row * (CELL_PX + LABEL_PX);
     cairo_set_source_surface(cr, picture, x, y);
     cairo_paint(cr);
     cairo_surface_destroy(picture);
     cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
-    sim_picture_text(cr, sheet->how->manifest->rows[cell->row].class_name, x + 0.5 * CELL_PX,
-                     y + CELL_PX + 0.75 * LABEL_PX, 0.5);
+    sim_picture_text(cr, name, x + 0.5 * CELL_PX, y + CELL_PX + 0.75 * LABEL_PX, 0.5);
     return 0;
 }
 
@@ -123,7 +111,9 @@ static int draw_sheet(const struct sheet *sheet, const char *path, struct iso_fa
     int error = 0;
     for (int r = 0; r < sheet->n_rows; r++) {
         for (int c = 0; c < sheet->n_columns && !error; c++) {
-            error = sheet->cell[r][c].row < 0 ? 0 : draw_cell(cr, sheet, r, c, fault);
+            error = sheet->cell[r][c].row < 0 && !sheet->cell[r][c].path
+                        ? 0
+                        : draw_cell(cr, sheet, r, c, fault);
         }
     }
     cairo_destroy(cr);
@@ -203,6 +193,21 @@ int sim_sheet_matches(const struct sim_bank_options *how, const struct sim_featu
             sheet.cell[c][0].query = true;
             fill_matches(&sheet, c, features, q, distance + (size_t)q * (size_t)features->items->n);
         }
+    }
+    return draw_sheet(&sheet, path, fault);
+}
+
+int sim_sheet_files(const struct sim_source_options *source, const struct sim_sheet_file *file,
+                    int n, const char *path, struct iso_fault *fault)
+{
+    const struct sim_bank_options how = {.source = *source};
+    struct sheet sheet;
+    clear_sheet(&sheet, &how, (n + COLUMNS_MAX - 1) / COLUMNS_MAX, n);
+    for (int i = 0; i < n && i < ROWS_MAX * COLUMNS_MAX; i++) {
+        struct cell *cell = &sheet.cell[i / COLUMNS_MAX][i % COLUMNS_MAX];
+        cell->path = file[i].path;
+        cell->name = file[i].name;
+        cell->query = file[i].query;
     }
     return draw_sheet(&sheet, path, fault);
 }

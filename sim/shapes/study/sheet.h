@@ -16,4 +16,15 @@ int sim_sheet_matches(const struct sim_bank_options *how, const struct sim_featu
                       const double *distance, int columns, const char *path,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* A picture of a file. */
+struct sim_sheet_file {
+    const char *path, *name; /* the name stands below it */
+    bool query;              /* drawn on another ground */
+};
+
+/* Draws n files in rows of 16. -ENOMEM, -EIO, errors of sim_source_read. */
+int sim_sheet_files(const struct sim_source_options *source, const struct sim_sheet_file *file,
+                    int n, const char *path, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 #endif

@@ -4,131 +4,155 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "drivers/base/path.h"
 #include "sim/base/make_directory.h"
-#include "sim/shapes/learn/learn.h"
+#include "sim/shapes/describe/corpus.h"
 #include "sim/shapes/study/study_data.h"
 
-/* ---- the requested methods and classifiers ---------------------------------------------- */
+/* ---- the corpus --------------------------------------------------------------------------- */
 
-/* Whether the first shape of the corpus has colours. */
-static int find_colours(const struct sim_study *study, bool *coloured, struct iso_fault *fault)
+/* Whether a method that was named needs colours. */
+static bool need_colours(const struct sim_choice *choice)
 {
-    struct sim_bank_options plain = {.corpus = study->options->corpus, .manifest = study->manifest};
-    struct iso_coloured_mesh mesh = {NULL, NULL};
-    const int error = sim_bank_read(&plain, 0, &mesh, fault);
-    *coloured = mesh.colour != NULL;
-    iso_coloured_mesh_done(&mesh);
-    return error;
-}
-
-static int choose_methods(struct sim_study *study, struct iso_fault *fault)
-{
-    const char *name = study->options->method;
-    bool coloured = false;
-    if (strcmp(name, "all") != 0) {
-        study->method[0] = iso_shape_method_find(name);
-        study->n_methods = 1;
-        return study->method[0] ? 0
-                                : iso_fault_set(fault, -EINVAL, "--method: '%s' is unknown", name);
-    }
-    const int error = find_colours(study, &coloured, fault);
-    for (int m = 0; !error && iso_shape_methods[m] && study->n_methods < SIM_STUDY_METHODS_MAX;
-         m++) {
-        if (coloured || !iso_shape_methods[m]->colour) {
-            study->method[study->n_methods++] = iso_shape_methods[m];
+    for (int m = 0; m < choice->n_methods && !choice->all_methods; m++) {
+        if (choice->method[m]->colour) {
+            return true;
         }
     }
-    return error;
+    return false;
 }
 
-/* A classifier whose module is not installed is skipped. */
-static int add_if_there(struct sim_study *study, const struct iso_classifier_ops *classifier,
-                        struct iso_fault *fault)
+/* Retrieval needs somebody else to be found, and another class to be mistaken for. */
+static int check_classes(const struct sim_study *study, struct iso_fault *fault)
 {
-    struct iso_fault why = {.text = ""};
-    const int error = iso_learn_load(classifier, &why);
-    if (error == -ENOENT) {
-        fprintf(stderr, "isotherm-sim: %s left out: %s\n", classifier->name, why.text);
-        return 0;
+    const struct sim_shape_manifest *manifest = study->manifest;
+    const char *corpus = study->options->corpus;
+    if (manifest->n < 2) {
+        return iso_fault_set(fault, -ENODATA,
+                             "%s: one shape; nothing can be retrieved from it (`shapes describe` "
+                             "describes a single mesh)",
+                             corpus);
     }
-    study->classifier[study->n_classifiers++] = classifier;
-    return error ? iso_fault_set(fault, error, "%s", why.text) : 0;
+    if (manifest->n_classes < 2) {
+        return iso_fault_set(fault, -ENODATA,
+                             "%s: all %d shapes are of one class, '%.40s': put the meshes of each "
+                             "class into a folder, or name the classes in manifest.csv",
+                             corpus, manifest->n, manifest->class_name[0]);
+    }
+    return 0;
 }
 
-static int choose_classifiers(struct sim_study *study, struct iso_fault *fault)
+static int open_corpus(struct sim_study *study, struct iso_fault *fault)
 {
-    const struct iso_classifier_ops *const *const tables[] = {iso_classifiers,
-                                                              iso_learn_classifiers};
-    const char *name = study->options->classifier;
-    if (!name) {
-        return 0;
+    const struct sim_shapes_study_options *options = study->options;
+    const struct sim_corpus_look how = {.directory = options->corpus,
+                                        .mend = options->mend,
+                                        .strict = options->strict,
+                                        .colours_needed = need_colours(&study->choice),
+                                        .threads = options->threads};
+    int32_t coloured = 0;
+    int error = sim_shape_manifest_read(options->corpus, &study->manifest, fault);
+    if (!error) {
+        error = check_classes(study, fault);
     }
-    if (strcmp(name, "all") != 0) {
-        study->classifier[0] = iso_learn_find(name);
-        study->n_classifiers = 1;
-        return study->classifier[0]
-                   ? iso_learn_load(study->classifier[0], fault)
-                   : iso_fault_set(fault, -EINVAL, "--classifier: '%s' is unknown", name);
+    if (!error) {
+        error = sim_make_directory(options->out, fault);
     }
-    int error = 0;
-    for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
-        for (int c = 0; !error && tables[t][c] && study->n_classifiers < SIM_STUDY_CLASSIFIERS_MAX;
-             c++) {
-            error = add_if_there(study, tables[t][c], fault);
-        }
+    if (!error) {
+        error = sim_corpus_look(&how, study->manifest, options->out, &coloured, fault);
+    }
+    if (!error) {
+        error = check_classes(study, fault);
+    }
+    if (!error && coloured < study->manifest->n) {
+        sim_choice_without_colours(&study->choice);
     }
     return error;
 }
 
 /* ---- the whole study ---------------------------------------------------------------------- */
 
-static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault *fault)
+/* Removes the shapes that could not be described from the manifest, too. The items of a study are
+ * all rows in their order. */
+static int match_manifest(struct sim_study *study)
 {
-    const struct sim_shapes_study_options *options = study->options;
-    study->items_how = (struct sim_bank_options){
-        .corpus = options->corpus,
-        .manifest = study->manifest,
-        .methods = study->method,
-        .n_methods = study->n_methods,
-        .seed = options->seed,
-        .smooth = options->smooth,
-        .vertices = options->vertices,
-        .threads = options->threads,
-    };
-    study->queries_how = study->items_how;
-    int error = sim_bank_new(&study->items_how, &study->items, fault);
-    if (!error && options->distortion.level > 0) {
-        study->queries_how.distortion = &options->distortion;
-        error = sim_bank_new(&study->queries_how, &study->distorted, fault);
+    struct sim_bank *bank = study->items;
+    uint8_t *keep = calloc((size_t)study->manifest->n, 1);
+    if (!keep) {
+        return -ENOMEM;
     }
-    if (error) {
-        return error;
+    for (int32_t i = 0; i < bank->n; i++) {
+        keep[bank->row[i]] = 1;
+        bank->row[i] = i;
     }
+    sim_shape_manifest_keep(study->manifest, keep);
+    free(keep);
+    return 0;
+}
+
+static void print_bank(const struct sim_study *study, FILE *out)
+{
     const struct sim_bank *bank = study->items;
     fprintf(out, "%d shapes of %d classes, %.0f vertices in the mean\n", bank->n,
             study->manifest->n_classes, bank->mean_vertices);
     fprintf(out,
             "described in %.1f s by %d threads; processor time %.1f s for eigenpairs; memory "
-            "%.0f MB\n",
-            bank->elapsed_seconds, options->threads, bank->shape_seconds,
-            (double)bank->peak_kib / 1024.0);
-    for (int m = 0; m < study->n_methods; m++) {
-        fprintf(out, "  %-13s %7.2f s\n", study->method[m]->name, bank->seconds[m]);
+            "%.0f MB; %d of %d descriptions were in the cache\n",
+            bank->elapsed_seconds, study->options->threads, bank->shape_seconds,
+            (double)bank->peak_kib / 1024.0, bank->n_known, bank->n * bank->n_methods);
+    for (int m = 0; m < bank->n_methods; m++) {
+        fprintf(out, "  %-13s %7.2f s\n", study->choice.method[m]->name, bank->seconds[m]);
     }
-    return 0;
+}
+
+static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault *fault)
+{
+    const struct sim_shapes_study_options *options = study->options;
+    char cache[PATH_MAX];
+    int error = iso_path_join(options->out, "cache", cache, fault);
+    if (error) {
+        return error;
+    }
+    const char *given = options->cache ? options->cache : cache;
+    study->items_how = (struct sim_bank_options){
+        .corpus = options->corpus,
+        .manifest = study->manifest,
+        .methods = study->choice.method,
+        .n_methods = study->choice.n_methods,
+        .source = {.vertices = options->vertices,
+                   .mend = options->mend,
+                   .seed = options->seed,
+                   .smooth = options->smooth},
+        .n_pairs = options->pairs,
+        .cache = given[0] ? given : NULL,
+        .skip = !options->strict,
+        .threads = options->threads,
+    };
+    study->queries_how = study->items_how;
+    error = sim_bank_new(&study->items_how, &study->items, fault);
+    if (!error) {
+        error = match_manifest(study);
+    }
+    if (!error) {
+        error = check_classes(study, fault);
+    }
+    if (!error && options->distortion.level > 0) {
+        study->queries_how.source.distortion = &options->distortion;
+        error = sim_bank_new(&study->queries_how, &study->distorted, fault);
+    }
+    if (!error) {
+        print_bank(study, out);
+    }
+    study->items_how.cache = study->queries_how.cache = NULL; /* it ends with this function */
+    return error;
 }
 
 static int run_study(struct sim_study *study, FILE *out, struct iso_fault *fault)
 {
-    int error = sim_make_directory(study->options->out, fault);
+    int error = sim_choice_read(&study->options->methods, &study->options->classifiers,
+                                &study->choice, fault);
     if (!error) {
-        error = sim_shape_manifest_read(study->options->corpus, &study->manifest, fault);
-    }
-    if (!error) {
-        error = choose_methods(study, fault);
-    }
-    if (!error) {
-        error = choose_classifiers(study, fault);
+        error = open_corpus(study, fault);
     }
     if (!error) {
         error = describe_shapes(study, out, fault);
@@ -138,7 +162,7 @@ static int run_study(struct sim_study *study, FILE *out, struct iso_fault *fault
               "     TP     FP     prec.  recall ROC\n",
               out);
     }
-    for (int m = 0; !error && m < study->n_methods; m++) {
+    for (int m = 0; !error && m < study->choice.n_methods; m++) {
         error = sim_study_run_method(study, m, out, fault);
     }
     if (error) {

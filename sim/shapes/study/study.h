@@ -3,28 +3,39 @@
 #ifndef SIM_SHAPES_STUDY_STUDY_H
 #define SIM_SHAPES_STUDY_STUDY_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
 #include "core/base/fault.h"
+#include "sim/base/options.h"
 #include "sim/shapes/make/distort.h"
 
 struct sim_shapes_study_options {
     const char *corpus, *out;
-    const char *method;     /* a name, or "all": every method whose input the corpus has */
-    const char *classifier; /* a name, or "all"; NULL: each method's own */
-    struct sim_distortion distortion; /* level 0: none */
+    struct sim_option_texts methods;     /* names, or "all" (choice.h) */
+    struct sim_option_texts classifiers; /* the same; none: each method's own */
+    struct sim_distortion distortion;    /* level 0: none */
     size_t seed;
-    int smooth;   /* see sim_smooth */
-    int vertices; /* meshes with more vertices are thinned; 0: no thinning */
-    int pictures; /* matches of a query in a picture; 0: no pictures */
+    int smooth;        /* see sim_smooth */
+    int vertices;      /* meshes with more vertices are thinned; 0: no thinning */
+    int pictures;      /* matches of a query in a picture; 0: no pictures */
+    int pairs;         /* eigenpairs; 0: ISO_SHAPE_PAIRS */
+    int words;         /* words of vocabularies, or principal components; 0: each method's own */
+    bool mend;         /* describe meshes that lose over 1 % of their area */
+    bool strict;       /* fail at the first mesh that cannot be used */
+    const char *cache; /* directory of descriptions; NULL: `out`/cache; "": none */
     int threads;
 };
 
-/* Prints a line for each method and classifier, and writes below `out`:
+/* Looks at every mesh before the work begins; those that cannot be used are named and left out.
+ * Prints a line for each method and classifier, and writes below `out`:
  *
  *   measures.csv                       all measures, and times
- *   precision-recall.png               of the first twelve methods and classifiers that rank
+ *   meshes.csv                         what was found in each mesh (describe/corpus.h)
+ *   cache/                             descriptions for the next run (describe/cache.h)
+ *   precision-recall.png               of methods and classifiers that rank; more than twelve are
+ *                                      continued in precision-recall-2.png and so on
  *   shapes.png                         some shapes of each class; only with `pictures`
  *   METHOD-CLASSIFIER/distances.csv    a line for each query: its file, then the distance to every
  *                                      item; a query's own item is at 0 and never counts; only if
@@ -33,8 +44,8 @@ struct sim_shapes_study_options {
  *   METHOD-CLASSIFIER/matches.png      first matches of a query of each class; only with `pictures`
  *                                      and if the classifier ranks
  *
- * -EINVAL for an unknown name; -ENOTSUP if the build lacks a method's own classifier; errors of the
- * banks and of writing; each with a fault. */
+ * -EINVAL for an unknown name; -ENODATA for a corpus of one shape or one class; -ENOTSUP if the
+ * build lacks a method's own classifier; errors of the banks and of writing; each with a fault. */
 int sim_shapes_study(const struct sim_shapes_study_options *options, FILE *out,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -4,13 +4,12 @@
 
 #include <stdbool.h>
 
+#include "sim/shapes/study/choice.h"
 #include "sim/shapes/study/retrieve.h"
 #include "sim/shapes/study/study.h"
 
 enum {
-    SIM_STUDY_METHODS_MAX = 24,
-    SIM_STUDY_CLASSIFIERS_MAX = 12,
-    SIM_STUDY_RESULTS_MAX = SIM_STUDY_METHODS_MAX * SIM_STUDY_CLASSIFIERS_MAX,
+    SIM_STUDY_RESULTS_MAX = SIM_CHOICE_METHODS_MAX * SIM_CHOICE_CLASSIFIERS_MAX,
 };
 
 /* The result of one method and classifier. */
@@ -26,9 +25,7 @@ struct sim_study {
     const struct sim_shapes_study_options *options;
     struct sim_shape_manifest *manifest;
     struct sim_bank_options items_how, queries_how;
-    const struct iso_shape_method *method[SIM_STUDY_METHODS_MAX];
-    const struct iso_classifier_ops *classifier[SIM_STUDY_CLASSIFIERS_MAX];
-    int n_methods, n_classifiers; /* no classifiers: each method's own */
+    struct sim_choice choice;
     struct sim_bank *items, *distorted;
     int n_results;
     struct sim_study_result result[SIM_STUDY_RESULTS_MAX];

@@ -14,7 +14,7 @@ static void write_measures(const void *context, FILE *out)
         const struct sim_study_result *r = &study->result[i];
         const struct iso_retrieval *m = &r->retrieval;
         int method = 0;
-        while (study->method[method] != r->method) {
+        while (study->choice.method[method] != r->method) {
             method++;
         }
         fprintf(out, "%s,%s,", r->method->name, r->classifier->name);
@@ -30,17 +30,22 @@ static void write_measures(const void *context, FILE *out)
     }
 }
 
-static int plot_curves(const struct sim_study *study, struct iso_fault *fault)
+enum { CURVES_MAX = 12 };
+
+/* Draws the curves from the result `from` on, at most CURVES_MAX. *next is the first result that is
+ * not drawn. */
+static int plot_some(const struct sim_study *study, int from, const char *path, int *next,
+                     struct iso_fault *fault)
 {
-    enum { CURVES_MAX = 12 };
-    char path[PATH_MAX], label[CURVES_MAX][64];
+    char label[CURVES_MAX][64];
     double recall[ISO_RECALL_LEVELS];
     struct sim_series series[CURVES_MAX];
     size_t n = 0;
-    for (int i = 0; i < ISO_RECALL_LEVELS; i++) {
-        recall[i] = (i + 1.0) / ISO_RECALL_LEVELS;
+    int i = from;
+    for (int level = 0; level < ISO_RECALL_LEVELS; level++) {
+        recall[level] = (level + 1.0) / ISO_RECALL_LEVELS;
     }
-    for (int i = 0; i < study->n_results && n < CURVES_MAX; i++) {
+    for (; i < study->n_results && n < CURVES_MAX; i++) {
         const struct sim_study_result *r = &study->result[i];
         if (r->ranked) {
             (void)snprintf(label[n], sizeof label[n], "%s, %s", r->method->title,
@@ -50,6 +55,7 @@ static int plot_curves(const struct sim_study *study, struct iso_fault *fault)
             n++;
         }
     }
+    *next = i;
     const struct sim_plot plot = {
         .title = "Precision and recall",
         .legend = SIM_LEGEND_LOWER,
@@ -58,8 +64,21 @@ static int plot_curves(const struct sim_study *study, struct iso_fault *fault)
         .n_series = n,
         .series = series,
     };
-    const int error = iso_path_join(study->options->out, "precision-recall.png", path, fault);
-    return error || n == 0 ? error : sim_plot_write(&plot, path, fault);
+    return n == 0 ? 0 : sim_plot_write(&plot, path, fault);
+}
+
+static int plot_curves(const struct sim_study *study, struct iso_fault *fault)
+{
+    char name[64] = "precision-recall.png", path[PATH_MAX];
+    int error = 0;
+    for (int next = 0, number = 2; next < study->n_results && !error; number++) {
+        error = iso_path_join(study->options->out, name, path, fault);
+        if (!error) {
+            error = plot_some(study, next, path, &next, fault);
+        }
+        (void)snprintf(name, sizeof name, "precision-recall-%d.png", number);
+    }
+    return error;
 }
 
 int sim_study_save(const struct sim_study *study, struct iso_fault *fault)

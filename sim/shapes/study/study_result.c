@@ -171,9 +171,12 @@ static int run_classifier(struct sim_study *study, const struct sim_features *fe
 
 int sim_study_run_method(struct sim_study *study, int m, FILE *out, struct iso_fault *fault)
 {
-    const struct iso_shape_method *method = study->method[m];
-    const struct sim_features_options options = {
-        .method = method, .index = m, .seed = study->options->seed};
+    const struct iso_shape_method *method = study->choice.method[m];
+    const struct sim_features_options options = {.method = method,
+                                                 .index = m,
+                                                 .size = method->size > 0 ? study->options->words
+                                                                          : 0,
+                                                 .seed = study->options->seed};
     const struct iso_classifier_ops *own = iso_learn_find(method->classifier);
     struct sim_features *features = NULL;
     int error = sim_features_new(study->manifest, study->items, &options, &features);
@@ -183,10 +186,10 @@ int sim_study_run_method(struct sim_study *study, int m, FILE *out, struct iso_f
     if (error) {
         (void)iso_fault_set(fault, error, "%s: %s", method->name, strerror(-error));
     }
-    for (int c = 0; !error && c < study->n_classifiers; c++) {
-        error = run_classifier(study, features, method, study->classifier[c], out, fault);
+    for (int c = 0; !error && c < study->choice.n_classifiers; c++) {
+        error = run_classifier(study, features, method, study->choice.classifier[c], out, fault);
     }
-    if (!error && study->n_classifiers == 0) {
+    if (!error && study->choice.n_classifiers == 0) {
         error = own ? iso_learn_load(own, fault)
                     : iso_fault_set(fault, -ENOTSUP, "this build has no classifier '%s'",
                                     method->classifier);

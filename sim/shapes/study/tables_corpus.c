@@ -75,8 +75,7 @@ int sim_tables_corpus_open(struct sim_tables_corpus *corpus,
         .manifest = corpus->manifest,
         .methods = corpus->method,
         .n_methods = corpus->n_methods,
-        .seed = options->seed,
-        .smooth = options->smooth,
+        .source = {.seed = options->seed, .smooth = options->smooth},
         .threads = options->threads,
     };
     if (!error) {
@@ -115,7 +114,7 @@ int sim_tables_corpus_queries(struct sim_tables_corpus *corpus, struct sim_disto
         struct sim_bank_options how = corpus->how;
         how.rows = corpus->query_row;
         how.n_rows = corpus->n_queries;
-        how.distortion = &distortion;
+        how.source.distortion = &distortion;
         const int error = sim_bank_new(&how, known, fault);
         if (error) {
             return error;

@@ -6,9 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sim/train/head/quadric.h"
+
 enum {
-    FAN_MAX = 24, /* triangles around a vertex */
-    NEIGHBOURS_MAX = 2 * FAN_MAX,
+    FAN_MAX = 24, /* triangles around a vertex after a merge */
+    NEIGHBOURS_MAX = 2 * SIM_DECIMATE_FAN_LIMIT,
     NONE = UINT32_MAX,
 };
 
@@ -24,14 +26,9 @@ static const double boundary_weight = 0.3;
 /* Cost for each squared edge length. It limits the size of triangles where the surface is flat. */
 static const double length_weight = 5e-4;
 
-/* Sum of area-weighted squared distances to planes: p'Ap + 2 b'p + c, A symmetric. */
-struct quadric {
-    double axx, axy, axz, ayy, ayz, azz, bx, by, bz, c, area_mm2;
-};
-
 struct fan {
     uint32_t n;
-    uint32_t triangle[FAN_MAX];
+    uint32_t *triangle; /* room for FAN_MAX, or for as many as the mesh began with */
 };
 
 struct merge {
@@ -45,51 +42,18 @@ struct state {
     uint32_t (*triangles)[3];
     const struct sim_decimate_options *options;
     struct fan *fan; /* n = 0: merged away */
-    struct quadric *quadric;
-    struct merge *best; /* of each vertex */
+    struct sim_quadric *quadric;
+    uint32_t *fan_triangles; /* the memory of all fans */
+    struct merge *best;      /* of each vertex */
+    uint32_t n_leaves;       /* a power of two, at least n_vertices */
+    uint32_t *cheapest;      /* [2 n_leaves]: a heap of the vertices with the cheapest merges; the
+                              * lowest one of equal ones is above the others */
 };
 
 struct neighbours {
     uint32_t n;
     uint32_t vertex[NEIGHBOURS_MAX];
 };
-
-static void add_plane(struct quadric *q, struct iso_vec3 n, struct iso_vec3 point, double weight)
-{
-    const double d = -iso_dot(n, point);
-    q->axx += weight * n.x * n.x;
-    q->axy += weight * n.x * n.y;
-    q->axz += weight * n.x * n.z;
-    q->ayy += weight * n.y * n.y;
-    q->ayz += weight * n.y * n.z;
-    q->azz += weight * n.z * n.z;
-    q->bx += weight * d * n.x;
-    q->by += weight * d * n.y;
-    q->bz += weight * d * n.z;
-    q->c += weight * d * d;
-}
-
-static void add_quadric(struct quadric *q, const struct quadric *r)
-{
-    q->axx += r->axx;
-    q->axy += r->axy;
-    q->axz += r->axz;
-    q->ayy += r->ayy;
-    q->ayz += r->ayz;
-    q->azz += r->azz;
-    q->bx += r->bx;
-    q->by += r->by;
-    q->bz += r->bz;
-    q->c += r->c;
-    q->area_mm2 += r->area_mm2;
-}
-
-static double quadric_at(const struct quadric *q, struct iso_vec3 p)
-{
-    return p.x * (q->axx * p.x + 2.0 * (q->axy * p.y + q->axz * p.z + q->bx)) +
-           p.y * (q->ayy * p.y + 2.0 * (q->ayz * p.z + q->by)) +
-           p.z * (q->azz * p.z + 2.0 * q->bz) + q->c;
-}
 
 static struct iso_vec3 normal_of(const struct iso_vec3 p[3])
 {
@@ -125,19 +89,17 @@ static bool set_contains(const struct neighbours *set, uint32_t v)
     return false;
 }
 
-static struct neighbours neighbours_of(const struct state *s, uint32_t v)
+static void find_neighbours(const struct state *s, uint32_t v, struct neighbours *set)
 {
-    struct neighbours set;
-    set.n = 0;
+    set->n = 0;
     for (uint32_t i = 0; i < s->fan[v].n; i++) {
         const uint32_t *t = s->triangles[s->fan[v].triangle[i]];
         for (int k = 0; k < 3; k++) {
-            if (t[k] != v && !set_contains(&set, t[k])) {
-                set.vertex[set.n++] = t[k];
+            if (t[k] != v && !set_contains(set, t[k])) {
+                set->vertex[set->n++] = t[k];
             }
         }
     }
-    return set;
 }
 
 static uint32_t shared_triangles(const struct state *s, uint32_t v, uint32_t u)
@@ -160,7 +122,8 @@ static bool topology_allows(const struct state *s, uint32_t v, uint32_t u,
     if (!(inner && n_shared == 2) && !(border && n_shared == 1)) {
         return false;
     }
-    struct neighbours around_u = neighbours_of(s, u);
+    struct neighbours around_u;
+    find_neighbours(s, u, &around_u);
     uint32_t n_common = 0;
     for (uint32_t i = 0; i < around_v->n; i++) {
         n_common += set_contains(&around_u, around_v->vertex[i]);
@@ -193,19 +156,31 @@ static bool shape_allows(const struct state *s, uint32_t v, uint32_t u)
 
 static double cost_of(const struct state *s, uint32_t v, uint32_t u)
 {
-    struct quadric q = s->quadric[v];
-    add_quadric(&q, &s->quadric[u]);
+    struct sim_quadric q = s->quadric[v];
+    sim_quadric_add(&q, &s->quadric[u]);
     struct iso_vec3 edge = iso_sub(s->p[u], s->p[v]);
     const double importance = s->options->importance ? s->options->importance[v] : 1.0;
-    return importance * (fmax(quadric_at(&q, s->p[u]), 0.0) +
+    return importance * (fmax(sim_quadric_at(&q, s->p[u]), 0.0) +
                          length_weight * s->quadric[v].area_mm2 * iso_dot(edge, edge));
+}
+
+/* The costs of the vertices in the subtree changed: the cheaper child comes up. */
+static void raise_cheapest(struct state *s, uint32_t v)
+{
+    for (uint32_t at = (s->n_leaves + v) / 2; at > 0; at /= 2) {
+        const uint32_t left = s->cheapest[2 * at], right = s->cheapest[2 * at + 1];
+        const bool take_right = left == NONE ||
+                                (right != NONE && s->best[right].cost < s->best[left].cost);
+        s->cheapest[at] = take_right ? right : left;
+    }
 }
 
 static void find_best(struct state *s, uint32_t v)
 {
     struct merge best = {NONE, INFINITY};
     if (s->fan[v].n > 0 && !(s->options->keep && s->options->keep[v])) {
-        struct neighbours around = neighbours_of(s, v);
+        struct neighbours around;
+        find_neighbours(s, v, &around);
         for (uint32_t i = 0; i < around.n; i++) {
             const uint32_t u = around.vertex[i];
             const double cost = cost_of(s, v, u);
@@ -215,6 +190,7 @@ static void find_best(struct state *s, uint32_t v)
         }
     }
     s->best[v] = best;
+    raise_cheapest(s, v);
 }
 
 static void remove_from_fan(struct fan *fan, uint32_t t)
@@ -246,15 +222,16 @@ static void merge_into(struct state *s, uint32_t v, uint32_t u)
         }
         s->fan[u].triangle[s->fan[u].n++] = t;
     }
-    add_quadric(&s->quadric[u], &s->quadric[v]);
+    sim_quadric_add(&s->quadric[u], &s->quadric[v]);
 }
 
 /* A merge into u changes the allowed merges of u's neighbours and of their neighbours. */
 static void update_around(struct state *s, uint32_t u)
 {
-    struct neighbours ring = neighbours_of(s, u);
+    struct neighbours ring, second;
+    find_neighbours(s, u, &ring);
     for (uint32_t i = 0; i < ring.n; i++) {
-        struct neighbours second = neighbours_of(s, ring.vertex[i]);
+        find_neighbours(s, ring.vertex[i], &second);
         for (uint32_t j = 0; j < second.n; j++) {
             find_best(s, second.vertex[j]);
         }
@@ -270,28 +247,78 @@ static void add_triangle_quadrics(struct state *s, uint32_t t)
     const double area = 0.5 * iso_norm(normal);
     for (int k = 0; k < 3; k++) {
         const uint32_t v = s->triangles[t][k], w = s->triangles[t][(k + 1) % 3];
-        add_plane(&s->quadric[v], unit, p[k], area / 3.0);
+        sim_quadric_add_plane(&s->quadric[v], unit, p[k], area / 3.0);
         s->quadric[v].area_mm2 += area / 3.0;
         if (shared_triangles(s, v, w) == 1) {
             struct iso_vec3 edge = iso_sub(p[(k + 1) % 3], p[k]);
             struct iso_vec3 across = iso_unit(iso_cross(edge, unit));
             const double weight = boundary_weight * iso_dot(edge, edge);
-            add_plane(&s->quadric[v], across, p[k], weight);
-            add_plane(&s->quadric[w], across, p[k], weight);
+            sim_quadric_add_plane(&s->quadric[v], across, p[k], weight);
+            sim_quadric_add_plane(&s->quadric[w], across, p[k], weight);
         }
     }
 }
 
-static int set_up(struct state *s, uint32_t n_triangles)
+/* Gives each fan as much room as it needs. */
+static int make_fans(struct state *s, uint32_t n_triangles)
 {
+    const uint32_t most = s->options->fan_max ? s->options->fan_max : FAN_MAX;
+    size_t all = 0;
     for (uint32_t t = 0; t < n_triangles; t++) {
         for (int k = 0; k < 3; k++) {
-            uint32_t v = s->triangles[t][k];
-            if (v >= s->n_vertices || s->fan[v].n == FAN_MAX) {
+            const uint32_t v = s->triangles[t][k];
+            if (v >= s->n_vertices || s->fan[v].n == most || most > SIM_DECIMATE_FAN_LIMIT) {
                 return -EINVAL;
             }
-            s->fan[v].triangle[s->fan[v].n++] = t;
+            s->fan[v].n++;
         }
+    }
+    for (uint32_t v = 0; v < s->n_vertices; v++) {
+        all += s->fan[v].n > FAN_MAX ? s->fan[v].n : FAN_MAX;
+    }
+    s->fan_triangles = calloc(all + 1, sizeof *s->fan_triangles);
+    if (!s->fan_triangles) {
+        return -ENOMEM;
+    }
+    uint32_t *room = s->fan_triangles;
+    for (uint32_t v = 0; v < s->n_vertices; v++) {
+        s->fan[v].triangle = room;
+        room += s->fan[v].n > FAN_MAX ? s->fan[v].n : FAN_MAX;
+        s->fan[v].n = 0;
+    }
+    for (uint32_t t = 0; t < n_triangles; t++) {
+        for (int k = 0; k < 3; k++) {
+            struct fan *fan = &s->fan[s->triangles[t][k]];
+            fan->triangle[fan->n++] = t;
+        }
+    }
+    return 0;
+}
+
+static int make_heap(struct state *s)
+{
+    for (s->n_leaves = 1; s->n_leaves < s->n_vertices;) {
+        s->n_leaves *= 2;
+    }
+    s->cheapest = calloc(2 * (size_t)s->n_leaves, sizeof *s->cheapest);
+    if (!s->cheapest) {
+        return -ENOMEM;
+    }
+    for (uint32_t at = 0; at < 2 * s->n_leaves; at++) {
+        const uint32_t leaf = at - s->n_leaves;
+        s->cheapest[at] = at >= s->n_leaves && leaf < s->n_vertices ? leaf : NONE;
+    }
+    return 0;
+}
+
+static int set_up(struct state *s, uint32_t n_triangles)
+{
+    int error = make_fans(s, n_triangles);
+    if (!error) {
+        error = make_heap(s);
+    }
+    if (error) {
+        return error;
     }
     for (uint32_t t = 0; t < n_triangles; t++) {
         add_triangle_quadrics(s, t);
@@ -309,11 +336,7 @@ static void run_collapses(struct state *s)
         n_left += s->fan[v].n > 0;
     }
     for (; n_left > s->options->n_target; n_left--) {
-        uint32_t v = 0;
-        for (uint32_t i = 1; i < s->n_vertices; i++) {
-            v = s->best[i].cost < s->best[v].cost ? i : v;
-        }
-        const uint32_t u = s->best[v].into;
+        const uint32_t v = s->cheapest[1], u = s->best[v].into;
         if (u == NONE) {
             return;
         }
@@ -345,8 +368,10 @@ int sim_decimate(const struct iso_vec3 *vertices_mm, uint32_t n_vertices,
         }
         *n_triangles = n;
     }
+    free(s.cheapest);
     free(s.best);
     free(s.quadric);
+    free(s.fan_triangles);
     free(s.fan);
     return error;
 }

@@ -48,7 +48,8 @@ static int decimate_mesh(struct training *t, const double *exposure)
             keep[s->landmarks[i]] = 1;
         }
         sim_head_importance(s, exposure, importance);
-        struct sim_decimate_options options = {t->options->n_vertices, keep, importance};
+        struct sim_decimate_options options = {
+            .n_target = t->options->n_vertices, .keep = keep, .importance = importance};
         error = sim_decimate(s->mean_mm, s->n_vertices, &options, s->triangles, &s->n_triangles);
     }
     free(importance);

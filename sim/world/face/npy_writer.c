@@ -39,9 +39,9 @@ static void put(struct sim_npy_writer *writer, const void *bytes, size_t size)
     }
 }
 
-static void put_number(struct sim_npy_writer *writer, uint32_t number, size_t size)
+static void put_number(struct sim_npy_writer *writer, uint64_t number, size_t size)
 {
-    unsigned char bytes[4];
+    unsigned char bytes[8];
     for (size_t i = 0; i < size; i++) {
         bytes[i] = (unsigned char)(number >> (8 * i));
     }
@@ -50,13 +50,16 @@ static void put_number(struct sim_npy_writer *writer, uint32_t number, size_t si
 
 static void put_header(struct sim_npy_writer *writer, const struct sim_npy_shape *shape)
 {
-    static const char *const types[] = {"<f4", "<f2", "<u4"};
+    static const char *const types[] = {"<f4", "<f2", "<u4", "<i4", "<f8"};
     char header[HEADER_BYTES + 64];
     int n = snprintf(header + MAGIC_BYTES, sizeof header - MAGIC_BYTES,
                      "{'descr': '%s', 'fortran_order': False, 'shape': (", types[writer->type]);
     for (int i = 0; i < shape->n_dimensions; i++) {
         n += snprintf(header + MAGIC_BYTES + n, sizeof header - MAGIC_BYTES - (size_t)n, "%s%u",
                       i ? ", " : "", shape->size[i]);
+    }
+    if (shape->n_dimensions == 1) {
+        header[MAGIC_BYTES + n++] = ','; /* Python's notation of a tuple of one */
     }
     n += snprintf(header + MAGIC_BYTES + n, sizeof header - MAGIC_BYTES - (size_t)n, "), }");
     memset(header + MAGIC_BYTES + n, ' ', HEADER_BYTES - MAGIC_BYTES - (size_t)n);
@@ -93,6 +96,7 @@ void sim_npy_writer_add(struct sim_npy_writer *writer, double item)
 {
     const float single = (float)item;
     uint32_t bits = 0;
+    uint64_t long_bits = 0;
     switch (writer->type) {
     case SIM_NPY_FLOAT:
         memcpy(&bits, &single, sizeof bits);
@@ -103,6 +107,13 @@ void sim_npy_writer_add(struct sim_npy_writer *writer, double item)
         break;
     case SIM_NPY_U32:
         put_number(writer, (uint32_t)item, 4);
+        break;
+    case SIM_NPY_I32:
+        put_number(writer, (uint32_t)(int32_t)item, 4);
+        break;
+    case SIM_NPY_DOUBLE:
+        memcpy(&long_bits, &item, sizeof long_bits);
+        put_number(writer, long_bits, 8);
         break;
     }
 }

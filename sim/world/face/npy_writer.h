@@ -8,7 +8,7 @@
 #include "core/base/fault.h"
 #include "sim/world/face/npy.h"
 
-enum sim_npy_type { SIM_NPY_FLOAT, SIM_NPY_HALF, SIM_NPY_U32 };
+enum sim_npy_type { SIM_NPY_FLOAT, SIM_NPY_HALF, SIM_NPY_U32, SIM_NPY_I32, SIM_NPY_DOUBLE };
 
 struct sim_npy_writer;
 
@@ -18,8 +18,8 @@ int sim_npy_writer_open(const char *path, enum sim_npy_type type, const struct s
                         struct sim_npy_writer **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Adds one item, rounded to the nearest value of the type (ties to even); SIM_NPY_U32 drops the
- * fraction. An error is kept, and sim_npy_writer_close returns it. */
+/* Adds one item, rounded to the nearest value of the type (ties to even); SIM_NPY_U32
+ * and SIM_NPY_I32 drop the fraction. An error is kept, and sim_npy_writer_close returns it. */
 void sim_npy_writer_add(struct sim_npy_writer *writer, double item);
 
 /* Closes the file. The file is removed if `good` is false or if something could not be written.

@@ -110,8 +110,8 @@ expect 2 '--out is needed' shapes generate
 expect 2 "--preset: 'square' is unknown" shapes generate --preset square --out "$work/s"
 expect 2 '--corpus and --out are needed' shapes eval --corpus x
 expect 2 "--distort: 'rain:1' is no KIND:LEVEL" shapes eval --distort rain:1
-expect 3 'nowhere/manifest.csv' shapes eval --corpus "$work/nowhere" --out "$work/s"
-expect 3 'nowhere/manifest.csv' shapes tables --corpus "$work/nowhere" --out "$work/s"
+expect 3 'nowhere: No such file' shapes eval --corpus "$work/nowhere" --out "$work/s"
+expect 3 'nowhere: No such file' shapes tables --corpus "$work/nowhere" --out "$work/s"
 expect 0 '' train --help
 expect 0 '' train metric --help
 expect 2 'Usage: isotherm-sim train head|cohort|metric' train dance

@@ -146,9 +146,16 @@ static void refuses_bad_requests(void **state)
     options.vertices = 100;
     assert_int_equal(sim_shapes_generate(&options, &n, &fault), -EINVAL);
     options.vertices = 400;
-    options.out = scratch_path(*state, "no/where");
-    assert_int_equal(sim_shapes_generate(&options, &n, &fault), -ENOENT);
+    options.out = scratch_path(*state, "file/below");
+    scratch_write_text(scratch_path(*state, "file"), "not a directory");
+    assert_int_equal(sim_shapes_generate(&options, &n, &fault), -ENOTDIR);
     assert_int_equal(n, 77);
+    options.out = scratch_path(*state, "a/b/c");
+    options.preset = "plain";
+    options.shapes = 1;
+    assert_int_equal(sim_shapes_generate(&options, &n, &fault), 0);
+    assert_true(scratch_exists(scratch_path(*state, "a/b/c/manifest.csv")));
+    assert_int_equal(n, 1);
 }
 
 /* Corpora in TOSCA's files, with common defects: a hole, a fin on an edge, a second piece. */
@@ -172,7 +179,7 @@ static void retrieves_from_tosca_files(void **state)
     const struct sim_shapes_study_options options = {.corpus = corpus,
                                                      .out = out,
                                                      .threads = 2,
-                                                     .method = "shape-dna",
+                                                     .methods = {1, {"shape-dna"}},
                                                      .seed = 1,
                                                      .pictures = 3};
     if (run_study(&options, &printed, &fault)) {
@@ -194,8 +201,8 @@ static struct sim_shapes_study_options cp_hk_options(const char *corpus, const c
     return (struct sim_shapes_study_options){.corpus = corpus,
                                              .out = out,
                                              .threads = 2,
-                                             .method = "cp-hk",
-                                             .classifier = "nn-l2",
+                                             .methods = {1, {"cp-hk"}},
+                                             .classifiers = {1, {"nn-l2"}},
                                              .seed = 1,
                                              .distortion = {SIM_DISTORTION_SCALE, 3}};
 }
@@ -240,19 +247,20 @@ static void the_reason_of_a_failed_study_is_named(void **state)
     struct iso_fault fault = {.text = ""};
     char *printed = NULL;
     generate(corpus, "plain", NULL, 3, 2);
-    options.method = "w-hks2"; /* this method needs colours */
+    options.methods.text[0] = "w-hks2"; /* this method needs colours */
     assert_int_equal(run_study(&options, &printed, &fault), -ENODATA);
-    assert_non_null(strstr(fault.text, ".off: too small, or without colours"));
+    assert_non_null(strstr(fault.text, ".off: a method needs colours, and the file has none"));
     free(printed);
-    options.method = "astrology";
+    options.methods.text[0] = "astrology";
     assert_int_equal(run_study(&options, &printed, &fault), -EINVAL);
     free(printed);
-    options.method = "cp-hk";
-    options.classifier = "oracle";
+    options.methods.text[0] = "cp-hk";
+    options.classifiers.text[0] = "oracle";
     assert_int_equal(run_study(&options, &printed, &fault), -EINVAL);
     free(printed);
     scratch_write_text(scratch_path(corpus, "dog-01.off"), "OFF\n1 0 0\n");
-    options.classifier = NULL;
+    options.classifiers.n = 0;
+    options.strict = true;
     assert_int_equal(run_study(&options, &printed, &fault), -EBADMSG);
     assert_non_null(strstr(fault.text, "dog-01.off: ends within the vertices"));
     free(printed);

@@ -1,0 +1,287 @@
+#include "sim/shapes/describe/describe.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/base/path.h"
+#include "drivers/file/text.h"
+#include "sim/base/make_directory.h"
+#include "sim/base/progress.h"
+#include "sim/lab/match/parallel.h"
+#include "sim/shapes/describe/describe_parameters.h"
+#include "sim/shapes/describe/function_picture.h"
+
+enum { NAMES_MAX = 64 };
+
+/* ---- the names ------------------------------------------------------------------------------ */
+
+static int choose(struct sim_describe_choice *choice, const char *name, struct iso_fault *fault)
+{
+    const struct sim_quantity *quantity = sim_quantity_find(name);
+    const struct iso_shape_method *method = quantity ? NULL : iso_shape_method_find(name);
+    if (quantity && choice->n_quantities < SIM_DESCRIBE_MAX) {
+        choice->quantity[choice->n_quantities++] = quantity;
+    } else if (method && choice->n_methods < SIM_DESCRIBE_MAX) {
+        choice->method[choice->n_methods++] = method;
+        choice->colours = choice->colours || method->colour;
+    } else {
+        return iso_fault_set(fault, -EINVAL,
+                             "--what: '%s' is unknown; `shapes describe --help` lists all names",
+                             name);
+    }
+    return 0;
+}
+
+static int choose_all(struct sim_describe_choice *choice, struct iso_fault *fault)
+{
+    int error = 0;
+    for (const struct sim_quantity *q = sim_quantities; q->name && !error; q++) {
+        error = choose(choice, q->name, fault);
+    }
+    for (int m = 0; iso_shape_methods[m] && !error; m++) {
+        error = choose(choice, iso_shape_methods[m]->name, fault);
+    }
+    choice->as_colours_allow = true;
+    return error;
+}
+
+static int choose_names(const char *what, struct sim_describe_choice *choice,
+                        struct iso_fault *fault)
+{
+    if (strcmp(what, "all") == 0) {
+        return choose_all(choice, fault);
+    }
+    char *copy = strdup(what), *names[NAMES_MAX];
+    if (!copy) {
+        return iso_fault_set(fault, -ENOMEM, "out of memory");
+    }
+    const size_t n = iso_text_split(copy, ',', names, NAMES_MAX);
+    int error = n <= NAMES_MAX ? 0 : iso_fault_set(fault, -EINVAL, "--what: too many names");
+    for (size_t i = 0; i < n && !error; i++) {
+        error = choose(choice, names[i], fault);
+    }
+    free(copy);
+    return error;
+}
+
+void sim_describe_names(FILE *out)
+{
+    fputs("\nNames for --what, besides all:\n", out);
+    for (const struct sim_quantity *q = sim_quantities; q->name; q++) {
+        fprintf(out, "  %-13s %s\n", q->name, q->help);
+    }
+    for (int m = 0; iso_shape_methods[m]; m++) {
+        fprintf(out, "  %-13s the whole shape by %s (%s)\n", iso_shape_methods[m]->name,
+                iso_shape_methods[m]->title, iso_shape_methods[m]->source);
+    }
+}
+
+/* ---- one mesh ------------------------------------------------------------------------------- */
+
+struct work {
+    const struct sim_describe_options *options;
+    struct sim_describe_choice choice;
+    enum sim_array_format format;
+    FILE *out;
+    pthread_mutex_t lock; /* protects the output and the members below */
+    struct iso_fault *fault;
+    int last_error, n_described;
+};
+
+static int fill_arrays(const struct work *work, const struct iso_shape *shape,
+                       struct sim_arrays *arrays, const char *path, struct iso_fault *fault)
+{
+    const struct sim_describe_choice *choice = &work->choice;
+    const char *name = "mesh";
+    int error = sim_quantity_mesh(shape, arrays);
+    for (int q = 0; q < choice->n_quantities && !error; q++) {
+        name = choice->quantity[q]->name;
+        error = choice->quantity[q]->compute(shape, &work->options->quantity, arrays);
+    }
+    for (int m = 0; m < choice->n_methods && !error; m++) {
+        name = choice->method[m]->name;
+        if (shape->colour || !choice->method[m]->colour || !choice->as_colours_allow) {
+            error = sim_quantity_method(shape, choice->method[m], arrays);
+        }
+    }
+    if (error == -EINVAL) {
+        return iso_fault_set(fault, error,
+                             "%s: %s: --times, --time-first, --time-last or "
+                             "--energies is out of range for this shape",
+                             path, name);
+    }
+    return error ? iso_fault_set(fault, error, "%s: %s: %s", path, name, strerror(-error)) : 0;
+}
+
+static int write_results(const struct work *work, const struct sim_describe_subject *subject,
+                         struct iso_fault *fault)
+{
+    char path[PATH_MAX];
+    int error = sim_make_directory(subject->directory, fault);
+    if (!error) {
+        error = sim_arrays_write(subject->arrays, work->format, subject->directory, fault);
+    }
+    if (!error) {
+        error = iso_path_join(subject->directory, "parameters.json", path, fault);
+    }
+    if (!error) {
+        error = sim_describe_parameters(work->options, work->format, subject, path, fault);
+    }
+    if (!error && !work->options->no_pictures) {
+        error = iso_path_join(subject->directory, "functions.png", path, fault);
+        if (!error) {
+            error = sim_function_picture(subject->shape, subject->arrays, path, fault);
+        }
+    }
+    return error;
+}
+
+/* The file's name without directories and ending, below `out`. */
+static int directory_of(const struct work *work, const char *mesh, char path[PATH_MAX],
+                        struct iso_fault *fault)
+{
+    char name[NAME_MAX + 1];
+    const char *slash = strrchr(mesh, '/'), *base = slash ? slash + 1 : mesh;
+    const char *dot = strrchr(base, '.');
+    (void)snprintf(name, sizeof name, "%.*s", (int)(dot ? dot - base : (long)strlen(base)), base);
+    return iso_path_join(work->options->out, name, path, fault);
+}
+
+static void report(struct work *work, const struct sim_describe_subject *subject)
+{
+    char left_out[256];
+    sim_source_left_out(&subject->look, left_out, sizeof left_out);
+    fprintf(work->out, "%s: %d vertices, %d eigenpairs, %d arrays%s%s\n", subject->path,
+            subject->shape->mesh->n_vertices, subject->shape->pairs->k, subject->arrays->n,
+            left_out[0] ? "; " : "", left_out);
+    work->n_described++;
+}
+
+static int describe_mesh(struct work *work, const char *path, struct iso_fault *fault)
+{
+    const struct sim_describe_options *options = work->options;
+    const struct sim_source_options how = {
+        .vertices = options->vertices, .mend = options->mend, .smooth = options->smooth};
+    char directory[PATH_MAX];
+    struct iso_coloured_mesh mesh = {NULL, NULL};
+    struct iso_shape *shape = NULL;
+    struct sim_arrays *arrays = calloc(1, sizeof *arrays);
+    struct sim_describe_subject subject = {path, directory, {.colours = false}, NULL, arrays};
+    int error = arrays ? directory_of(work, path, directory, fault)
+                       : iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+    if (!error) {
+        error = sim_source_read(path, path, &how, &subject.look, &mesh, fault);
+    }
+    if (!error) {
+        const bool colours = work->choice.colours &&
+                             (mesh.colour || !work->choice.as_colours_allow);
+        error = sim_source_shape(path, &mesh, colours, options->pairs, &shape, fault);
+    }
+    if (!error) {
+        subject.shape = shape;
+        error = fill_arrays(work, shape, arrays, path, fault);
+    }
+    if (!error) {
+        error = write_results(work, &subject, fault);
+    }
+    if (!error) {
+        (void)pthread_mutex_lock(&work->lock);
+        report(work, &subject);
+        (void)pthread_mutex_unlock(&work->lock);
+    }
+    if (arrays) {
+        sim_arrays_done(arrays);
+    }
+    free(arrays);
+    iso_shape_free(shape);
+    iso_coloured_mesh_done(&mesh);
+    return error;
+}
+
+static int describe_one(void *context, int worker, size_t number)
+{
+    struct work *work = context;
+    struct iso_fault fault = {.text = ""};
+    const int error = describe_mesh(work, work->options->meshes.text[number], &fault);
+    (void)worker;
+    if (!error) {
+        return 0;
+    }
+    (void)pthread_mutex_lock(&work->lock);
+    work->last_error = error;
+    *work->fault = fault;
+    if (!work->options->strict && work->options->meshes.n > 1) {
+        sim_progress_pause();
+        fprintf(stderr, "isotherm-sim: left out: %s\n", fault.text);
+        sim_progress_resume();
+    }
+    (void)pthread_mutex_unlock(&work->lock);
+    return work->options->strict ? error : 0;
+}
+
+/* ---- all meshes ----------------------------------------------------------------------------- */
+
+static int check_names(const struct work *work, struct iso_fault *fault)
+{
+    const struct sim_option_texts *meshes = &work->options->meshes;
+    char mine[PATH_MAX], other[PATH_MAX];
+    int error = 0;
+    for (size_t i = 1; i < meshes->n && !error; i++) {
+        error = directory_of(work, meshes->text[i], mine, fault);
+        for (size_t j = 0; j < i && !error; j++) {
+            error = directory_of(work, meshes->text[j], other, fault);
+            if (!error && strcmp(mine, other) == 0) {
+                error = iso_fault_set(fault, -EINVAL, "%s and %s would both be described in %s",
+                                      meshes->text[j], meshes->text[i], mine);
+            }
+        }
+    }
+    return error;
+}
+
+static int find_format(const char *name, enum sim_array_format *out, struct iso_fault *fault)
+{
+    for (int f = 0; f < SIM_ARRAY_FORMATS; f++) {
+        if (strcmp(name, sim_array_format_name((enum sim_array_format)f)) == 0) {
+            *out = (enum sim_array_format)f;
+            return 0;
+        }
+    }
+    return iso_fault_set(fault, -EINVAL, "--format: '%s' is none of npy, csv, mat5", name);
+}
+
+int sim_shapes_describe(const struct sim_describe_options *options, FILE *out,
+                        struct iso_fault *fault)
+{
+    struct iso_fault last = {.text = ""};
+    struct work work = {
+        .options = options, .out = out, .lock = PTHREAD_MUTEX_INITIALIZER, .fault = &last};
+    if (options->meshes.n == 0) {
+        return iso_fault_set(fault, -EINVAL, "no mesh is given");
+    }
+    int error = find_format(options->format, &work.format, fault);
+    if (!error) {
+        error = choose_names(options->what, &work.choice, fault);
+    }
+    if (!error) {
+        error = check_names(&work, fault);
+    }
+    if (!error) {
+        error = sim_make_directory(options->out, fault);
+    }
+    if (error) {
+        return error;
+    }
+    error = sim_parallel(options->threads, "describing shapes", options->meshes.n, describe_one,
+                         &work);
+    if (error) {
+        return iso_fault_set(fault, error, "%s", last.text[0] ? last.text : strerror(-error));
+    }
+    if (work.n_described == 0) {
+        return iso_fault_set(fault, work.last_error, "%s",
+                             options->meshes.n == 1 ? last.text : "no mesh could be described");
+    }
+    return 0;
+}

@@ -1,0 +1,45 @@
+/* What `shapes describe` can say about a shape: each quantity by its name. */
+#ifndef SIM_SHAPES_DESCRIBE_QUANTITY_H
+#define SIM_SHAPES_DESCRIBE_QUANTITY_H
+
+#include <stdbool.h>
+
+#include "isotherm/shape_method.h"
+#include "sim/shapes/describe/array.h"
+
+enum { SIM_QUANTITY_TIMES = 100, SIM_QUANTITY_ENERGIES = 100 };
+
+/* The parameters of all quantities. Times are in the square of the mesh's unit. */
+struct sim_quantity_options {
+    int times; /* of hks, evenly spaced on a logarithmic scale; 0: SIM_QUANTITY_TIMES */
+    double time_first, time_last; /* 0: 4 ln 10 / lambda of the last and of the first pair that
+                                   * is not trivial (Sun, Ovsjanikov and Guibas 2009) */
+    int energies;                 /* of wks; 0: SIM_QUANTITY_ENERGIES */
+};
+
+struct sim_quantity {
+    const char *name;
+    const char *help; /* one line, with the arrays' names and sizes */
+    /* Appends arrays. -ENOMEM, -EINVAL for parameters that do not fit the shape. */
+    int (*compute)(const struct iso_shape *shape, const struct sim_quantity_options *options,
+                   struct sim_arrays *arrays);
+};
+
+/* All quantities except the methods of isotherm/shape_method.h; the table ends with a NULL name. */
+extern const struct sim_quantity sim_quantities[];
+
+/* Finds a quantity by its name; NULL if there is none of that name. */
+const struct sim_quantity *sim_quantity_find(const char *name);
+
+/* Appends the description by a method: METHOD, the description of the shape as a whole; and of
+ * methods with bags METHOD_local, a row of values for each vertex, the bags side by side. -ENODATA
+ * for a method that needs colours, -ENOMEM. */
+int sim_quantity_method(const struct iso_shape *shape, const struct iso_shape_method *method,
+                        struct sim_arrays *arrays) __attribute__((warn_unused_result));
+
+/* Appends what all others refer to: vertices and triangles of the shape, and the area of each
+ * vertex. -ENOMEM. */
+int sim_quantity_mesh(const struct iso_shape *shape, struct sim_arrays *arrays)
+    __attribute__((warn_unused_result));
+
+#endif

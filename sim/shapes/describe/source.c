@@ -1,0 +1,192 @@
+#include "sim/shapes/describe/source.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "drivers/terminal/words.h"
+#include "sim/shapes/make/smooth.h"
+#include "sim/shapes/make/thin.h"
+#include "sim/train/head/decimate.h"
+
+/* The share of the area that may be left out without being asked for. */
+static const double least_loss = 0.01;
+
+static double loss_of(const struct iso_part_survey *part)
+{
+    return part->area_left_out / (part->area + part->area_left_out);
+}
+
+static int judge(const char *path, bool mend, const struct iso_part_survey *part,
+                 struct iso_fault *fault)
+{
+    if (part->n_triangles == 0) {
+        return iso_fault_set(fault, -EBADMSG, "%s: none of its %d triangles has an area", path,
+                             part->flat_triangles);
+    }
+    if (part->n_vertices < ISO_SHAPE_VERTICES_MIN) {
+        return iso_fault_set(fault, -ENODATA, "%s: its largest part has %d vertices, %d are needed",
+                             path, part->n_vertices, (int)ISO_SHAPE_VERTICES_MIN);
+    }
+    if (!mend && loss_of(part) > least_loss) {
+        return iso_fault_set(
+            fault, -EBADMSG,
+            "%s: it has %d parts, and without all but the largest %.1f %% of the area and %d "
+            "vertices are lost; --mend accepts this",
+            path, part->n_parts, 100.0 * loss_of(part), part->vertices_left_out);
+    }
+    return 0;
+}
+
+int sim_source_look(const char *path, bool mend, struct sim_source_look *look,
+                    struct iso_coloured_mesh *out, struct iso_fault *fault)
+{
+    struct iso_coloured_mesh mesh = {NULL, NULL};
+    struct sim_source_look seen = {.colours = false};
+    int error = iso_mesh_file_read_report(path, &mesh, &seen.mended, fault);
+    if (error) {
+        return error;
+    }
+    if (iso_mesh_check(mesh.mesh, NULL)) {
+        error = iso_fault_set(fault, -EBADMSG, "%s: a coordinate is not finite", path);
+    } else if (iso_part_survey(mesh.mesh, &seen.part)) {
+        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+    } else {
+        seen.colours = mesh.colour != NULL;
+        error = judge(path, mend, &seen.part, fault);
+    }
+    if (error || !out) {
+        iso_coloured_mesh_done(&mesh);
+    }
+    if (!error) {
+        *look = seen;
+        if (out) {
+            *out = mesh;
+        }
+    }
+    return error;
+}
+
+static void append(char *text, size_t size, int n, const char *one, const char *many,
+                   const char *what)
+{
+    if (n > 0) {
+        const size_t used = strlen(text);
+        (void)snprintf(text + used, size - used, "%s%d %s %s", used ? "; " : "", n,
+                       iso_plural((uint64_t)n, one, many), what);
+    }
+}
+
+void sim_source_left_out(const struct sim_source_look *look, char *text, size_t size)
+{
+    const struct iso_part_survey *part = &look->part;
+    text[0] = '\0';
+    append(text, size, part->n_parts - 1, "part", "parts", "left out");
+    if (part->n_parts > 1) {
+        const size_t used = strlen(text);
+        (void)snprintf(text + used, size - used, ": %.2g %% of the area, %d vertices",
+                       100.0 * loss_of(part), part->vertices_left_out);
+    }
+    append(text, size, look->mended.merged, "vertex", "vertices", "merged");
+    append(text, size, look->mended.repeated, "triangle", "triangles", "repeated");
+    append(text, size, look->mended.collapsed + part->flat_triangles, "triangle", "triangles",
+           "without area");
+    append(text, size, look->mended.unused, "vertex", "vertices", "unused");
+}
+
+/* The number of vertices to which a mesh was thinned may be a twentieth more than wanted. */
+static int thin(const char *path, struct iso_coloured_mesh *mesh, int32_t wanted,
+                struct iso_fault *fault)
+{
+    const int32_t before = mesh->mesh->n_vertices;
+    const int error = sim_thin(mesh, wanted);
+    if (error == -EINVAL) {
+        return iso_fault_set(fault, -ENOTSUP,
+                             "%s: --vertices %d: a vertex of it has more than %d triangles", path,
+                             wanted, (int)SIM_DECIMATE_FAN_LIMIT);
+    }
+    if (error) {
+        return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+    }
+    if (mesh->mesh->n_vertices > wanted + wanted / 20) {
+        return iso_fault_set(fault, -ENOTSUP,
+                             "%s: --vertices %d: %d of its %d vertices are left, because no more "
+                             "edges can be collapsed without folding or cutting the surface",
+                             path, wanted, mesh->mesh->n_vertices, before);
+    }
+    return 0;
+}
+
+static int change(const char *path, const char *name, const struct sim_source_options *options,
+                  struct iso_coloured_mesh *mesh, struct iso_fault *fault)
+{
+    int error = 0;
+    if (options->vertices > 0 && mesh->mesh->n_vertices > options->vertices) {
+        error = thin(path, mesh, options->vertices, fault);
+    }
+    if (error) {
+        return error;
+    }
+    if (options->distortion) {
+        struct sim_random random = sim_random_seeded(options->seed, sim_random_hash(name),
+                                                     (uint64_t)options->distortion->kind);
+        error = sim_distort(*options->distortion, &random, mesh);
+    }
+    if (!error && options->smooth > 0) {
+        error = sim_smooth(mesh->mesh, options->smooth);
+    }
+    return error ? iso_fault_set(fault, error, "%s: %s", path, strerror(-error)) : 0;
+}
+
+int sim_source_read(const char *path, const char *name, const struct sim_source_options *options,
+                    struct sim_source_look *look, struct iso_coloured_mesh *out,
+                    struct iso_fault *fault)
+{
+    struct iso_coloured_mesh mesh = {NULL, NULL};
+    struct sim_source_look seen;
+    int error = sim_source_look(path, options->mend, &seen, &mesh, fault);
+    if (error) {
+        return error;
+    }
+    error = change(path, name, options, &mesh, fault);
+    if (error) {
+        iso_coloured_mesh_done(&mesh);
+        return error;
+    }
+    if (look) {
+        *look = seen;
+    }
+    *out = mesh;
+    return 0;
+}
+
+int sim_source_shape(const char *path, const struct iso_coloured_mesh *mesh, bool colours,
+                     int32_t n_pairs, struct iso_shape **out, struct iso_fault *fault)
+{
+    if (colours && !mesh->colour) {
+        return iso_fault_set(fault, -ENODATA, "%s: a method needs colours, and the file has none",
+                             path);
+    }
+    const int error = iso_shape_new(mesh->mesh, colours ? mesh->colour : NULL, n_pairs, out);
+    switch (error) {
+    case 0:
+        return 0;
+    case -ENODATA:
+        return iso_fault_set(fault, error, "%s: its largest part has fewer than %d vertices", path,
+                             (int)ISO_SHAPE_VERTICES_MIN);
+    case -EDOM:
+        return iso_fault_set(fault, error,
+                             "%s: its matrices cannot be factorised: triangles are too thin, or "
+                             "their sizes differ too much",
+                             path);
+    case -ENOTRECOVERABLE:
+        return iso_fault_set(fault, error,
+                             "%s: its eigenpairs do not converge, or one of them is of a "
+                             "multiplicity above 32",
+                             path);
+    case -EINVAL:
+        return iso_fault_set(fault, error, "%s: a colour is outside 0..1, or not finite", path);
+    default:
+        return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+    }
+}

@@ -1,0 +1,52 @@
+/* Makes shapes of mesh files that nobody has prepared: reads, mends, looks at what would be left
+ * out, thins, smooths. Each cause of a failure has a sentence of its own. */
+#ifndef SIM_SHAPES_DESCRIBE_SOURCE_H
+#define SIM_SHAPES_DESCRIBE_SOURCE_H
+
+#include "core/shape/describe/largest_part.h"
+#include "sim/shapes/make/distort.h"
+#include "sim/shapes/mesh/mesh_file.h"
+
+/* How a file becomes a mesh. All-zero: as it is, except for mending. */
+struct sim_source_options {
+    int32_t vertices; /* a larger mesh is thinned to this number; 0: no thinning */
+    bool mend;        /* accept that more than 1 % of the area is left out */
+    const struct sim_distortion *distortion; /* NULL: no distortion */
+    uint64_t seed;                           /* of the distortion, with the file's name */
+    int smooth;                              /* double steps of the smoothing filter, at the end */
+};
+
+/* What was found in a file. */
+struct sim_source_look {
+    struct iso_mesh_mended mended;
+    struct iso_part_survey part; /* of the mended mesh */
+    bool colours;
+};
+
+/* Reads a file, mends it and looks at it. -EBADMSG also for a mesh without area and for one of
+ * which more than 1 % of the area is left out without `mend`; -ENODATA if its largest part has too
+ * few vertices; errors of iso_mesh_file_read; each with a fault that names the file. The mesh is
+ * that of the file, with all its parts; `out` may be NULL. */
+int sim_source_look(const char *path, bool mend, struct sim_source_look *look,
+                    struct iso_coloured_mesh *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Writes what was left out and mended into a text, or an empty text if it was nothing: "2 parts
+ * left out: 0.3 % of the area, 812 vertices; 14 vertices merged". */
+void sim_source_left_out(const struct sim_source_look *look, char *text, size_t size);
+
+/* Reads, mends, thins, distorts and smooths a mesh. `name` is the file's name in its corpus, from
+ * which the distortion's random numbers come. `look` may be NULL. -ENOTSUP if over a twentieth more
+ * vertices are left than wanted, because the mesh cannot be thinned further; errors of
+ * sim_source_look, sim_distort and sim_smooth; each with a fault that names the file. */
+int sim_source_read(const char *path, const char *name, const struct sim_source_options *options,
+                    struct sim_source_look *look, struct iso_coloured_mesh *out,
+                    struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Makes a shape of a mesh; n_pairs as in iso_shape_new(). `path` stands for it in faults. -ENODATA
+ * if colours are wanted and there are none; errors of iso_shape_new; each with a fault. */
+int sim_source_shape(const char *path, const struct iso_coloured_mesh *mesh, bool colours,
+                     int32_t n_pairs, struct iso_shape **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+#endif
