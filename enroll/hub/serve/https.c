@@ -20,6 +20,7 @@ static const struct web_plain_route plain[] = {
      .handle = hub__scim,
      .methods = "GET, POST, PUT, PATCH, DELETE",
      .body_most = HUB_SCIM_BODY_MOST},
+    {.path = "/metrics", .handle = hub__get_metrics, .methods = "GET"},
     {.path = NULL},
 };
 

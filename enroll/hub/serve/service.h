@@ -134,6 +134,8 @@ void hub__post_fetch(void *service, struct web_exchange *exchange);
 /* ---- metrics.c ---- */
 /* Writes the file of the metrics, if there is one. */
 void hub__metrics_write(struct hub_service *service);
+/* Answers GET /metrics of a program on this machine. */
+void hub__get_metrics(void *service, struct web_exchange *exchange);
 
 /* ---- home.c ---- */
 /* Announces the doors to Home Assistant, and publishes their states: what has changed since the
