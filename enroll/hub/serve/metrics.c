@@ -42,6 +42,7 @@ static void write_seconds(FILE *out, const char *name, const char *help, double 
 
 static void write_totals(FILE *out, const struct hub_service *service)
 {
+    static const char pruned[] = "Rows that were deleted because of their age";
     static const char messages[] = "Messages of doors by their kind";
     const struct hub_totals *t = &service->totals;
     const struct figure figures[] = {
@@ -63,6 +64,9 @@ static void write_totals(FILE *out, const struct hub_service *service)
         {"scim_requests_total", "", "Requests of SCIM", t->scim},
         {"scim_refused_total", "", "Requests of SCIM that were refused", t->scim_refused},
         {"scim_strangers_total", "", "Requests of SCIM without a valid token", t->scim_strangers},
+        {"pruned_total", "{kind=\"delta\"}", pruned, t->pruned.deltas},
+        {"pruned_total", "{kind=\"event\"}", pruned, t->pruned.events},
+        {"pruned_total", "{kind=\"act\"}", pruned, t->pruned.acts},
         {"leader", "", "Whether this process leads and publishes", service->is_leader},
         {"broker_connected", "", "Whether the broker is connected",
          hub_mqtt_is_connected(service->mqtt)},

@@ -28,6 +28,7 @@ struct hub_totals {
     uint64_t emitted, deltas, publish_failures, takeovers;
     uint64_t joins, joins_refused, fetches, fetches_refused, renewals;
     uint64_t scim, scim_refused, scim_strangers;
+    struct hub_pruned pruned;
     double longest_s;       /* the longest call of the database within the loop */
     double longest_fetch_s; /* of the threads */
 };
@@ -80,6 +81,8 @@ struct hub_service {
     sd_event_source *hourly;
     int64_t followed;   /* the newest act that the broker's folder follows */
     int64_t follow_s;   /* when the folder is compared in any case */
+    int64_t pruned_s;   /* when old rows were deleted last */
+    bool prunes;        /* a task does it now */
     int64_t mended_s;   /* when people of identity providers were linked last */
     int64_t measured_s; /* when the file of metrics was written last */
     struct hub_totals totals;
@@ -109,6 +112,10 @@ int hub__https_start(struct hub_service *service, struct iso_fault *fault);
 void hub__https_stop(struct hub_service *service);
 /* Renews the certificates that end soon. Returns 0 or an error with a fault. */
 int hub__https_renew(struct hub_service *service, struct iso_fault *fault);
+
+/* ---- prune.c ---- */
+/* The leader deletes what need not be kept, now and then. */
+void hub__prune(struct hub_service *service);
 
 /* ---- scim.c ---- */
 /* Answers requests of identity providers, in the threads of the API. */

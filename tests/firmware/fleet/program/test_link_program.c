@@ -12,7 +12,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "firmware/fleet/message/membership.h"
 #include "firmware/fleet/program/renew.h"
 #include "tests/firmware/fleet/link/bus_service.h"
 #include "tests/firmware/fleet/link/link_rig.h"
@@ -37,23 +36,6 @@ struct office {
     unsigned joins, renewals;
     bool sends_other_certificate;
 };
-
-static char *membership_text(const struct link_rig *rig)
-{
-    static char text[1024];
-    struct iso_fleet_membership membership = {
-        .door = rig->daemon.door, .hub_name = "Works", .door_name = "East"};
-    struct iso_fleet_bytes bytes = {.bytes = NULL};
-
-    memcpy(membership.hub_signs, rig->hub.signer.public, 32);
-    memcpy(membership.hub_receives, rig->hub.receiver.public, 32);
-    memcpy(membership.door_signs, rig->daemon.signer.public, 32);
-    assert_int_equal(iso_fleet_make_membership(&membership, &rig->hub.signer, &bytes), 0);
-    assert_non_null(sodium_bin2base64(text, sizeof text, bytes.bytes, bytes.size,
-                                      sodium_base64_VARIANT_ORIGINAL));
-    iso_fleet_bytes_free(&bytes);
-    return text;
-}
 
 static void answer_json(struct fetch_answer *out, unsigned status, json_t *object)
 {
@@ -94,9 +76,9 @@ static void answer_join(struct office *office, const json_t *body, struct fetch_
     answer_json(out, 200,
                 json_pack("{s:s, s:s, s:s, s:s, s:{s:s, s:i}}", "door",
                           iso_fleet_id_text(&door->door, id), "membership",
-                          membership_text(office->rig), "certificate", certificate, "ca",
-                          office->rig->authority.pem, "broker", "host", "127.0.0.1", "port",
-                          (int)office->rig->broker.port));
+                          fake_hub_membership(&office->rig->hub, &office->rig->daemon),
+                          "certificate", certificate, "ca", office->rig->authority.pem, "broker",
+                          "host", "127.0.0.1", "port", (int)office->rig->broker.port));
 }
 
 static void answer(void *context, const char *path, const void *bytes, size_t size,
