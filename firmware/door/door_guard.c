@@ -361,11 +361,11 @@ struct iso_door_look iso_door_guard_look(struct iso_door_guard *guard)
 {
     struct iso_door_look look = {.fault = {.text = ""}};
     (void)pthread_mutex_lock(&guard->mutex);
-    const struct iso_door_control *control = &guard->control;
-    look.state = control->door.state;
+    look.state = guard->control.door.state;
+    look.tamper = guard->control.door.tamper;
     look.ordinary = guard->ordinary;
-    if (control->broken) {
-        look.fault = control->fault;
+    if (guard->control.broken) {
+        look.fault = guard->control.fault;
     }
     (void)pthread_mutex_unlock(&guard->mutex);
     return look;

@@ -98,6 +98,7 @@ int iso_door_guard_send_card(struct iso_door_guard *guard, const struct iso_wieg
 struct iso_door_look {
     enum iso_door_state state;
     struct iso_fault fault; /* of the lines; "" while they work */
+    bool tamper;            /* the case is open */
     bool ordinary; /* its thread has no real-time priority, because the process may not have one */
 };
 

@@ -17,17 +17,20 @@ struct work {
     uint64_t acked;
 };
 
+/* What is acknowledged is not stored again: it may have been deleted since (hub_prune.h). */
 static int insert(const struct work *w, struct iso_fault *fault)
 {
     struct hub_values values = {.n = 0};
     hub_value_id(&values, &w->door->id);
     hub_value_text(&values, w->records);
-    return hub_db_run_often(w->store->db,
-                            "INSERT INTO event (door, number, time, record) "
-                            "SELECT $1, (r ->> 'sequence')::bigint, coalesce(r ->> 'time', ''), r "
-                            "FROM jsonb_array_elements($2::jsonb) r "
-                            "ON CONFLICT (door, number) DO NOTHING",
-                            &values, NULL, fault);
+    return hub_db_run_often(
+        w->store->db,
+        "INSERT INTO event (door, number, time, record) "
+        "SELECT $1, (r ->> 'sequence')::bigint, coalesce(r ->> 'time', ''), r "
+        "FROM jsonb_array_elements($2::jsonb) r WHERE (r ->> 'sequence')::bigint > "
+        "(SELECT acked FROM door WHERE id = $1) "
+        "ON CONFLICT (door, number) DO NOTHING",
+        &values, NULL, fault);
 }
 
 /* Raises the acknowledged number as far as no number is missing. If the message begins behind the

@@ -97,7 +97,9 @@ static int digest_at(const struct work *w, const struct hub__door_zone *zone,
     hub_value_id(&values, &zone->place.zone);
     hub_value_integer(&values, (int64_t)zone->reported.sequence);
     const int error = hub_db_run_often(w->store->db,
-                                       "SELECT digest FROM delta WHERE zone = $1 AND sequence = $2",
+                                       "SELECT digest FROM delta WHERE zone = $1 AND sequence = $2 "
+                                       "UNION ALL SELECT digest FROM delta_digest WHERE zone = $1 "
+                                       "AND sequence = $2",
                                        &values, &rows, fault);
     if (error) {
         return error;

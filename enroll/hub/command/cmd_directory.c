@@ -8,6 +8,7 @@
 #include "drivers/file/file.h"
 #include "enroll/hub/command/hub_command.h"
 #include "enroll/hub/directory/hub_ldap.h"
+#include "enroll/hub/scim/hub_scim.h"
 #include "enroll/hub/store/hub_zone.h"
 
 enum { PASSWORD_BYTES_MAX = 1024, GROUP_SIZE = 512 };
@@ -115,10 +116,15 @@ static int list(struct hub_run *run)
 static int link_by_hand(struct hub_run *run)
 {
     struct hub_person person;
-    const int error = hub_person_find(&run->store, run->arguments.words[1], &person, &run->fault);
-    return error ? error
-                 : hub_directory_link(&run->store, source, run->arguments.words[0], &person.id,
-                                      &run->fault);
+    const char *id = run->arguments.words[0];
+    int error = hub_person_find(&run->store, run->arguments.words[1], &person, &run->fault);
+    if (error) {
+        return error;
+    }
+    error = hub_directory_link(&run->store, source, id, &person.id, &run->fault);
+    return error == -ENOENT
+               ? hub_directory_link(&run->store, HUB_SCIM_SOURCE, id, &person.id, &run->fault)
+               : error;
 }
 
 const struct hub_command hub_directory_commands[] = {

@@ -19,7 +19,7 @@ struct options {
     char *words[OPTIONS_MAX];
     int n;
     char hosts[HUB_CONFIG_TEXT_SIZE], broker[PLACE_SIZE], door_broker[PLACE_SIZE], ports[2][8],
-        door_port[8];
+        door_port[8], days[3][16];
 };
 
 static void add(struct options *options, const char *word)
@@ -99,6 +99,12 @@ static int serve(struct hub_run *run, int argc, char **argv, int *status)
     add_pair(&options, "--door-broker", place(options.door_broker, c->broker_host, c->broker_port));
     add_pair(&options, "--broker-folder", is_folder(c->broker_folder) ? c->broker_folder : "");
     add_pair(&options, "--metrics", c->metrics);
+    const int days[3] = {c->keep_deltas, c->keep_events, c->keep_acts};
+    static const char *const keep[3] = {"--keep-deltas", "--keep-events", "--keep-acts"};
+    for (size_t i = 0; i < 3; i++) {
+        (void)snprintf(options.days[i], sizeof options.days[i], "%d", days[i]);
+        add_pair(&options, keep[i], options.days[i]);
+    }
     if (c->home_assistant) {
         add(&options, "--home-assistant");
     }

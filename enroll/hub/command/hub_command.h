@@ -92,7 +92,7 @@ struct hub_command {
 /* The tables of the files cmd_*.c; each ends with an entry without words. */
 extern const struct hub_command hub_setup_commands[], hub_zone_commands[], hub_door_commands[],
     hub_person_commands[], hub_request_commands[], hub_event_commands[], hub_serve_commands[],
-    hub_outlet_commands[], hub_directory_commands[], hub_metrics_commands[];
+    hub_outlet_commands[], hub_directory_commands[], hub_scim_commands[], hub_metrics_commands[];
 
 /* Reads options and words behind those of the command. -EINVAL with a line. */
 int hub_arguments_read(const struct hub_command *command, int argc, char **argv,

@@ -29,6 +29,17 @@ static int parse_port(const char *value, void *field)
     return 0;
 }
 
+static int parse_days(const char *value, void *field)
+{
+    int *days = field, read = 0;
+    const int error = iso_ini_parse_int(value, &read);
+    if (error || read < 0 || read > 36500) {
+        return -EINVAL;
+    }
+    *days = read;
+    return 0;
+}
+
 static int parse_switch(const char *value, void *field)
 {
     bool *on = field;
@@ -56,6 +67,9 @@ static const struct iso_ini_key keys[] = {
     KEY("hub", "pages", parse_text, pages),
     KEY("hub", "metrics", parse_text, metrics),
     KEY("hub", "home_assistant", parse_switch, home_assistant),
+    KEY("hub", "keep_deltas", parse_days, keep_deltas),
+    KEY("hub", "keep_events", parse_days, keep_events),
+    KEY("hub", "keep_acts", parse_days, keep_acts),
     KEY("broker", "host", parse_text, broker_host),
     KEY("broker", "port", parse_port, broker_port),
     KEY("broker", "hub_host", parse_text, broker_hub_host),
@@ -85,6 +99,9 @@ int hub_config_read(const char *path, bool may_be_missing, struct hub_config *ou
                                 .pages = ISOTHERM_HUB_PAGES,
                                 .listen = "[::]:8443",
                                 .port = 8443,
+                                .keep_deltas = 30,
+                                .keep_events = 365,
+                                .keep_acts = 730,
                                 .broker_hub_host = "localhost",
                                 .broker_folder = "/var/lib/isotherm-broker",
                                 .broker_persistence = "/var/lib/mosquitto",

@@ -22,6 +22,7 @@ struct hub_config {
     char pages[HUB_CONFIG_TEXT_SIZE];   /* the folder of the pages; "": none */
     char metrics[HUB_CONFIG_TEXT_SIZE]; /* a file for node_exporter; "": none */
     int port;
+    int keep_deltas, keep_events, keep_acts; /* days; 0: for ever */
     bool home_assistant;
     /* [broker] */
     char broker_host[HUB_CONFIG_TEXT_SIZE];        /* where the doors reach it; "": as host */

@@ -263,12 +263,65 @@ int hub__directory_apply(struct hub_store *store, const char *source, const stru
     return error;
 }
 
+int hub_directory_put(struct hub_store *store, const char *source, const struct hub_named *named,
+                      struct iso_fault *fault)
+{
+    bool linked = false;
+    return hub__directory_apply(store, source, named, true, &linked, fault);
+}
+
+/* Reads the name that is stored, without which nobody can be applied. */
+static int read_name(const struct work *w, struct hub_named *named, struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    PGresult *rows = NULL;
+    hub_value_text(&values, w->source);
+    hub_value_text(&values, named->external);
+    int error = hub_db_run(w->store->db,
+                           "SELECT name FROM directory WHERE source = $1 AND external = $2",
+                           &values, &rows, fault);
+    if (!error && PQntuples(rows) == 0) {
+        error = iso_fault_set(fault, -ENOENT, "%s: the directory does not name it",
+                              named->external);
+    } else if (!error) {
+        (void)snprintf(named->name, sizeof named->name, "%s", hub_row_text(rows, 0, 0));
+    }
+    PQclear(rows);
+    return error;
+}
+
+static int remove_one(void *context, struct iso_fault *fault)
+{
+    struct work *w = context;
+    struct hub_named named = *w->named;
+    struct hub_values values = {.n = 0};
+    bool linked = false;
+    int error = read_name(w, &named, fault);
+    error = error ? error
+                  : hub__directory_apply(w->store, w->source, &named, false, &linked, fault);
+    hub_value_text(&values, w->source);
+    hub_value_text(&values, named.external);
+    return error ? error
+                 : hub_db_run(w->store->db,
+                              "DELETE FROM directory WHERE source = $1 AND external = $2", &values,
+                              NULL, fault);
+}
+
+int hub_directory_remove(struct hub_store *store, const char *source, const char *external,
+                         struct iso_fault *fault)
+{
+    struct hub_named named = {.active = false};
+    struct work w = {.store = store, .source = source, .named = &named};
+    (void)snprintf(named.external, sizeof named.external, "%s", external);
+    return hub_db_transaction(store->db, HUB_READ_COMMITTED, remove_one, &w, fault);
+}
+
 int hub_directory_link(struct hub_store *store, const char *source, const char *external,
                        const struct iso_fleet_id *person, struct iso_fault *fault)
 {
     struct hub__listed *list = NULL;
     size_t n = 0, i = 0;
-    int error = hub__directory_load(store, source, &list, &n, fault);
+    int error = hub__directory_load(store, source, HUB__LISTED_ALL, &list, &n, fault);
     if (error) {
         return error;
     }

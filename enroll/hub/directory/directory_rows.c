@@ -31,24 +31,27 @@ static int take(const PGresult *rows, int row, struct hub__listed *out)
     return row;
 }
 
-int hub__directory_load(struct hub_store *store, const char *source, struct hub__listed **out,
-                        size_t *n, struct iso_fault *fault)
+int hub__directory_load(struct hub_store *store, const char *source, enum hub__listed_which which,
+                        struct hub__listed **out, size_t *n, struct iso_fault *fault)
 {
     struct hub_values values = {.n = 0};
     PGresult *rows = NULL;
     hub_value_text(&values, source);
+    hub_value_switch(&values, which == HUB__LISTED_DUE);
     const int error = hub_db_run(
         store->db,
-        "SELECT d.external, d.name, d.active, d.valid_from_s, d.valid_until_s, d.named, d.added_s, "
-        "d.person, d.person IS NULL AND EXISTS (SELECT 1 FROM person p JOIN request r "
-        "ON r.person = p.id WHERE p.folded = d.folded AND r.state = 1 AND r.time_s >= d.added_s), "
-        "CASE WHEN d.person IS NULL THEN false WHEN d.active AND d.named THEN EXISTS (SELECT 1 "
-        "FROM "
-        "directory_zone g WHERE g.directory = d.id AND NOT EXISTS (SELECT 1 FROM person_zone h "
+        "SELECT l.*, z.zone FROM (SELECT d.external, d.name, d.active, d.valid_from_s, "
+        "d.valid_until_s, d.named, d.added_s, d.person, d.person IS NULL AND EXISTS (SELECT 1 "
+        "FROM person p JOIN request r ON r.person = p.id WHERE p.folded = d.folded "
+        "AND r.state = 1 AND r.time_s >= d.added_s) AS has_face, CASE WHEN d.person IS NULL "
+        "THEN false WHEN d.active AND d.named THEN EXISTS (SELECT 1 FROM directory_zone g "
+        "WHERE g.directory = d.id AND NOT EXISTS (SELECT 1 FROM person_zone h "
         "WHERE h.person = d.person AND h.zone = g.zone)) ELSE EXISTS (SELECT 1 FROM person_zone h "
-        "WHERE h.person = d.person) END, z.zone FROM directory d LEFT JOIN directory_zone z ON "
-        "z.directory = d.id "
-        "WHERE d.source = $1 ORDER BY d.external COLLATE \"C\", z.zone",
+        "WHERE h.person = d.person) END AS is_astray FROM directory d WHERE d.source = $1) l "
+        "LEFT JOIN directory d ON d.source = $1 AND d.external = l.external "
+        "LEFT JOIN directory_zone z ON z.directory = d.id "
+        "WHERE NOT $2 OR (l.has_face AND l.active AND l.named) OR l.is_astray "
+        "ORDER BY l.external COLLATE \"C\", z.zone",
         &values, &rows, fault);
     if (error) {
         return error;

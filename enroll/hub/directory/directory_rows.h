@@ -16,9 +16,16 @@ struct hub__listed {
     bool seen;      /* of the caller */
 };
 
+/* Which rows of the list are read. */
+enum hub__listed_which {
+    HUB__LISTED_ALL,
+    HUB__LISTED_DUE, /* who has a face and is not linked, or is astray */
+};
+
 /* Reads the list of a directory in the order of the ids. The caller frees *out. */
-int hub__directory_load(struct hub_store *store, const char *source, struct hub__listed **out,
-                        size_t *n, struct iso_fault *fault) __attribute__((warn_unused_result));
+int hub__directory_load(struct hub_store *store, const char *source, enum hub__listed_which which,
+                        struct hub__listed **out, size_t *n, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 /* Whether what is stored differs from what is named. */
 bool hub__directory_differs(const struct hub__listed *listed, const struct hub_named *named);

@@ -175,12 +175,31 @@ int hub_directory_sync(struct hub_store *store, const struct hub_directory_run *
     struct sync sync = {.store = store, .run = run, .counts = {.named = n}};
     int error = check_twice(named, n, fault);
     error = error ? error
-                  : hub__directory_load(store, run->source, &sync.listed, &sync.n_listed, fault);
+                  : hub__directory_load(store, run->source, HUB__LISTED_ALL, &sync.listed,
+                                        &sync.n_listed, fault);
     error = error ? error : check_losses(&sync, named, n, fault);
     error = error ? error : run_steps(&sync, named, n, fault);
     free(sync.listed);
     if (!error) {
         *out = sync.counts;
+    }
+    return error;
+}
+
+int hub_directory_mend(struct hub_store *store, const char *source, size_t *n,
+                       struct iso_fault *fault)
+{
+    const struct hub_directory_run run = {.source = source};
+    struct sync sync = {.store = store, .run = &run};
+    int error = hub__directory_load(store, source, HUB__LISTED_DUE, &sync.listed, &sync.n_listed,
+                                    fault);
+    for (size_t i = 0; !error && i < sync.n_listed; i++) {
+        const struct hub__listed *own = &sync.listed[i];
+        error = step(&sync, own, &own->named, own->is_named, fault);
+    }
+    free(sync.listed);
+    if (!error) {
+        *n = sync.n_listed - sync.counts.failed;
     }
     return error;
 }

@@ -63,6 +63,23 @@ int hub_directory_sync(struct hub_store *store, const struct hub_directory_run *
                        const struct hub_named *named, size_t n, struct hub_directory_counts *out,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* Stores one person as the directory names it now, for a directory that tells each change as it
+ * happens. Whoever is not active loses all zones at once. -EEXIST another person of the fleet has
+ * the name; -E2BIG there are too many zones. */
+int hub_directory_put(struct hub_store *store, const char *source, const struct hub_named *named,
+                      struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Takes one person out of the list, who loses all zones and keeps the templates; the link is
+ * forgotten, so whoever gets the same name or account later does not get this face. -ENOENT. */
+int hub_directory_remove(struct hub_store *store, const char *source, const char *external,
+                         struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Does for such a directory what each run of hub_directory_sync() does besides: links people whose
+ * requests were approved since, and brings back whom somebody has given other zones by hand.
+ * *n: how many were changed. */
+int hub_directory_mend(struct hub_store *store, const char *source, size_t *n,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
+
 /* Links by hand, for somebody who was in the fleet before the directory named the person. -ENOENT
  * there is no such id in the directory or no such person; -EEXIST one of them is linked already. */
 int hub_directory_link(struct hub_store *store, const char *source, const char *external,

@@ -49,6 +49,7 @@ int hub__administration_open(struct hub_service *service, struct iso_fault *faul
         return r;
     }
     web_guess_init(&service->guess);
+    web_guess_init(&service->scim.guess);
     login->sessions = &service->sessions;
     login->guess = &service->guess;
     login->setup_code = service->setup_code;

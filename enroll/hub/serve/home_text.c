@@ -82,12 +82,13 @@ char *home_state(const struct hub_door *door, bool is_lockdown)
     const json_t *tamper = json_object_get(health, "tamper");
     const bool is_known = state && is_one_of(state, known);
     const bool is_forced = is_known && strcmp(state, "forced") == 0;
-    json_t *json = json_pack(
-        "{s:o, s:o, s:o, s:o}", "lock",
-        switch_of(is_known, is_known && strcmp(state, "locked") != 0), "contact",
-        switch_of(is_known, is_known && is_one_of(state, open)), "tamper",
-        switch_of(is_known || json_is_boolean(tamper), is_forced || json_is_true(tamper)),
-        "lockdown", switch_of(true, is_lockdown));
+    json_t *json = json_pack("{s:o, s:o, s:o, s:o}", "lock",
+                             switch_of(is_known, is_known && strcmp(state, "locked") != 0),
+                             "contact", switch_of(is_known, is_known && is_one_of(state, open)),
+                             "tamper",
+                             switch_of(is_known || json_is_integer(tamper),
+                                       is_forced || json_integer_value(tamper) != 0),
+                             "lockdown", switch_of(true, is_lockdown));
 
     json_decref(health);
     return text_of(json);

@@ -22,7 +22,7 @@ const char *home_topic_state(const struct hub_door *door, char topic[HOME_TOPIC_
 char *home_config(const struct hub_door *door, enum home_part part, const char *hub_name);
 
 /* From the door's last report (the words of firmware/contract/status_keys.h: "door-state",
- * "tamper"); what it does not say is null. */
+ * "tamper", 0 or 1); what it does not say is null. */
 char *home_state(const struct hub_door *door, bool is_lockdown);
 
 #endif

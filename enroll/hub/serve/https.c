@@ -13,10 +13,15 @@
 enum { RENEW_US = 3600 * 1000000U };
 
 static const struct web_plain_route plain[] = {
-    {"/fleet/v1/join", "application/json", hub__post_join},
-    {"/fleet/v1/renew", "application/json", hub__post_renew},
-    {"/fleet/v1/fetch", "application/octet-stream", hub__post_fetch},
-    {NULL, NULL, NULL},
+    {.path = "/fleet/v1/join", .type = "application/json", .handle = hub__post_join},
+    {.path = "/fleet/v1/renew", .type = "application/json", .handle = hub__post_renew},
+    {.path = "/fleet/v1/fetch", .type = "application/octet-stream", .handle = hub__post_fetch},
+    {.path = "/scim/v2/",
+     .handle = hub__scim,
+     .methods = "GET, POST, PUT, PATCH, DELETE",
+     .body_most = HUB_SCIM_BODY_MOST},
+    {.path = "/metrics", .handle = hub__get_metrics, .methods = "GET"},
+    {.path = NULL},
 };
 
 static int start_server(struct hub_service *service, struct iso_fault *fault)

@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "core/base/fault.h"
+#include "enroll/hub/answer/hub_prune.h"
 #include "enroll/hub/broker/hub_pair.h"
 #include "enroll/hub/store/hub_store.h"
 
@@ -33,9 +34,10 @@ struct hub_serve_options {
     bool broker_plain;            /* without TLS, for tests alone */
     const char *door_broker_host; /* where the doors reach it; told to them when they join */
     uint16_t door_broker_port;
-    const char *broker_folder; /* acl and crl.pem there follow the doors; NULL: they do not */
-    const char *metrics_file;  /* for the textfile collector of node_exporter; NULL: none */
-    bool home_assistant;       /* the doors are announced to Home Assistant */
+    const char *broker_folder;  /* acl and crl.pem there follow the doors; NULL: they do not */
+    const char *metrics_file;   /* for the textfile collector of node_exporter; NULL: none */
+    struct hub_prune_days keep; /* what the leader deletes, and after how long */
+    bool home_assistant;        /* the doors are announced to Home Assistant */
 };
 
 /* Serves until SIGTERM or SIGINT. Tells the service manager that it is ready when the database is

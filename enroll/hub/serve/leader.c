@@ -280,6 +280,8 @@ static int on_tick(sd_event_source *source, uint64_t usec, void *context)
     follow_broker(service);
     hub__look_for_notes(service);
     hub__home_publish(service, false);
+    hub__scim_mend(service);
+    hub__prune(service);
     hub__metrics_write(service);
     return sd_event_source_set_time_relative(source, HUB_TICK_MS * 1000ULL);
 }

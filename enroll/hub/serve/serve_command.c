@@ -9,7 +9,7 @@
 #include "enroll/hub/broker/hub_options.h"
 #include "enroll/hub/serve/hub_serve.h"
 
-enum { EXIT_USAGE = 2, EXIT_FAULT = 4 };
+enum { EXIT_USAGE = 2, EXIT_FAULT = 4, DAYS_MOST = 36500 };
 
 static const char usage[] =
     "Usage: isotherm-hub serve [OPTION...]\n"
@@ -23,6 +23,9 @@ static const char usage[] =
     "  --door-broker HOST[:PORT] where the doors reach it (the first --host, port 8883)\n"
     "  --broker-folder DIR       its acl and crl.pem follow the doors\n"
     "  --metrics FILE            for the textfile collector of node_exporter\n"
+    "  --keep-deltas DAYS        then changes go that not every door has confirmed (30; 0: never)\n"
+    "  --keep-events DAYS        then the records of doors go (365; 0: never)\n"
+    "  --keep-acts DAYS          then the acts of administrators go (730; 0: never)\n"
     "  --home-assistant          announce the doors to Home Assistant\n"
     "  --broker-plain            no TLS to the broker, for tests alone\n"
     "  --help                    print this and end\n";
@@ -36,6 +39,9 @@ enum choice {
     DOOR_BROKER,
     FOLDER,
     METRICS,
+    KEEP_DELTAS,
+    KEEP_EVENTS,
+    KEEP_ACTS,
     HOME,
     PLAIN,
     HELP
@@ -50,6 +56,9 @@ static const struct option longs[] = {
     {"door-broker", required_argument, NULL, DOOR_BROKER},
     {"broker-folder", required_argument, NULL, FOLDER},
     {"metrics", required_argument, NULL, METRICS},
+    {"keep-deltas", required_argument, NULL, KEEP_DELTAS},
+    {"keep-events", required_argument, NULL, KEEP_EVENTS},
+    {"keep-acts", required_argument, NULL, KEEP_ACTS},
     {"home-assistant", no_argument, NULL, HOME},
     {"broker-plain", no_argument, NULL, PLAIN},
     {"help", no_argument, NULL, HELP},
@@ -91,6 +100,18 @@ static int split(const char *text, char host[HOST_NAME_MAX + 1], uint16_t *port)
     return 0;
 }
 
+static int read_days(const char *text, uint32_t *out)
+{
+    char *end = NULL;
+    const unsigned long days = strtoul(text, &end, 10);
+
+    if (*text < '0' || *text > '9' || *end || days > DAYS_MOST) {
+        return -EINVAL;
+    }
+    *out = (uint32_t)days;
+    return 0;
+}
+
 static int take(int option, const char *value, void *context)
 {
     struct words *words = context;
@@ -119,6 +140,12 @@ static int take(int option, const char *value, void *context)
     case METRICS:
         options->metrics_file = value;
         return 0;
+    case KEEP_DELTAS:
+        return read_days(value, &options->keep.deltas);
+    case KEEP_EVENTS:
+        return read_days(value, &options->keep.events);
+    case KEEP_ACTS:
+        return read_days(value, &options->keep.acts);
     case HOME:
         options->home_assistant = true;
         return 0;
@@ -161,6 +188,7 @@ int hub_serve_command(const struct hub_store_options *store, const char *folder,
                                        .folder = folder,
                                        .listen = "[::]:8443",
                                        .broker_host = "localhost",
+                                       .keep = {.deltas = 30, .events = 365, .acts = 730},
                                        .broker_port = HUB_BROKER_HUB_PORT,
                                        .door_broker_port = HUB_BROKER_PORT}};
     const int r = read_options(&words, argc, argv);

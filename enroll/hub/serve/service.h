@@ -11,6 +11,7 @@
 #include "enroll/hub/api/hub_api.h"
 #include "enroll/hub/broker/hub_ca.h"
 #include "enroll/hub/outlet/run/hub_outlets.h"
+#include "enroll/hub/scim/hub_scim.h"
 #include "enroll/hub/serve/bucket.h"
 #include "enroll/hub/serve/fetch_worker.h"
 #include "enroll/hub/serve/hub_serve.h"
@@ -19,15 +20,24 @@
 #include "enroll/web/account/guess.h"
 #include "enroll/web/http/server.h"
 
-enum { HUB_TICK_MS = 1000, HUB_API_HOST_SIZE = 256 };
+enum { HUB_TICK_MS = 1000, HUB_API_HOST_SIZE = 256, HUB_SCIM_KNOWN = 8 };
 
 /* What is counted since the start. */
 struct hub_totals {
     uint64_t questions, events, requests, presences, refused; /* messages of doors */
     uint64_t emitted, deltas, publish_failures, takeovers;
     uint64_t joins, joins_refused, fetches, fetches_refused, renewals;
+    uint64_t scim, scim_refused, scim_strangers;
+    struct hub_pruned pruned;
     double longest_s;       /* the longest call of the database within the loop */
     double longest_fetch_s; /* of the threads */
+};
+
+/* Who may try a token of SCIM. */
+struct hub_scim_gate {
+    struct web_guess guess;
+    /* Tokens that were valid, the newest first: failures of others do not hold them up. */
+    uint8_t known[HUB_SCIM_KNOWN][HUB_SCIM_DIGEST_BYTES];
 };
 
 struct hub_service {
@@ -47,6 +57,7 @@ struct hub_service {
     char accounts[PATH_MAX], setup_code[PATH_MAX], api_host[HUB_API_HOST_SIZE];
     struct web_server *server;
     struct hub_bucket joins, renewals;
+    struct hub_scim_gate scim;
 
     /* mail of doors */
     struct hub_mail_queue mail;
@@ -72,6 +83,9 @@ struct hub_service {
     sd_event_source *hourly;
     int64_t followed;   /* the newest act that the broker's folder follows */
     int64_t follow_s;   /* when the folder is compared in any case */
+    int64_t pruned_s;   /* when old rows were deleted last */
+    bool prunes;        /* a task does it now */
+    int64_t mended_s;   /* when people of identity providers were linked last */
     int64_t measured_s; /* when the file of metrics was written last */
     struct hub_totals totals;
 };
@@ -101,6 +115,16 @@ void hub__https_stop(struct hub_service *service);
 /* Renews the certificates that end soon. Returns 0 or an error with a fault. */
 int hub__https_renew(struct hub_service *service, struct iso_fault *fault);
 
+/* ---- prune.c ---- */
+/* The leader deletes what need not be kept, now and then. */
+void hub__prune(struct hub_service *service);
+
+/* ---- scim.c ---- */
+/* Answers requests of identity providers, in the threads of the API. */
+void hub__scim(void *service, struct web_exchange *exchange);
+/* The leader links people whose requests were approved, now and then. */
+void hub__scim_mend(struct hub_service *service);
+
 /* ---- administration.c ---- */
 /* Opens the accounts and what the API needs besides; before HTTPS starts. */
 int hub__administration_open(struct hub_service *service, struct iso_fault *fault);
@@ -119,6 +143,8 @@ void hub__post_fetch(void *service, struct web_exchange *exchange);
 /* ---- metrics.c ---- */
 /* Writes the file of the metrics, if there is one. */
 void hub__metrics_write(struct hub_service *service);
+/* Answers GET /metrics of a program on this machine. */
+void hub__get_metrics(void *service, struct web_exchange *exchange);
 
 /* ---- home.c ---- */
 /* Announces the doors to Home Assistant, and publishes their states: what has changed since the

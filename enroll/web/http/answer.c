@@ -45,7 +45,7 @@ static struct MHD_Response *complete(struct MHD_Response *response, const char *
     return response;
 }
 
-struct MHD_Response *web__answer_text(unsigned status, char *text, size_t size)
+struct MHD_Response *web__answer_typed(const char *content_type, char *text, size_t size)
 {
     struct MHD_Response *response;
 
@@ -56,7 +56,13 @@ struct MHD_Response *web__answer_text(unsigned status, char *text, size_t size)
     if (!response) {
         free(text);
     }
-    return complete(response, status >= 400 ? "application/problem+json" : "application/json");
+    return complete(response, content_type);
+}
+
+struct MHD_Response *web__answer_text(unsigned status, char *text, size_t size)
+{
+    return web__answer_typed(status >= 400 ? "application/problem+json" : "application/json", text,
+                             size);
 }
 
 struct MHD_Response *web__answer_json(unsigned status, json_t *json)

@@ -16,6 +16,9 @@ bool web__answer_add_headers(struct MHD_Response *response, const char *content_
  * makes it a problem. NULL: there is no memory, or `text` is NULL. */
 struct MHD_Response *web__answer_text(unsigned status, char *text, size_t size);
 
+/* The same with another type. */
+struct MHD_Response *web__answer_typed(const char *content_type, char *text, size_t size);
+
 /* The same with a JSON value, which is taken over. A status of 400 and more makes it a problem.
  * NULL: there is no memory, or `json` is NULL. */
 struct MHD_Response *web__answer_json(unsigned status, json_t *json);

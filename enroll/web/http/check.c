@@ -175,27 +175,64 @@ static void check_api(struct web_exchange *exchange, char *path, char *query, co
     }
 }
 
+static bool is_plain_path(const char *route, const char *path)
+{
+    const size_t n = strlen(route);
+
+    return route[n - 1] == '/' ? strncmp(route, path, n) == 0 && path[n] != '\0'
+                               : strcmp(route, path) == 0;
+}
+
+/* Whether a list such as "GET, PUT" has a method. */
+static bool has_method(const char *list, const char *method)
+{
+    const size_t n = strlen(method);
+
+    while (n > 0 && *list) {
+        const size_t length = strcspn(list, ",");
+        if (length == n && strncmp(list, method, n) == 0) {
+            return true;
+        }
+        list += length;
+        list += strspn(list, ", ");
+    }
+    return false;
+}
+
 static const struct web_plain_route *find_plain(const struct web_exchange *exchange,
                                                 const char *path)
 {
     const struct web_plain_route *route = exchange->server->setup.plain;
 
-    while (route && route->path && strcmp(route->path, path) != 0) {
+    while (route && route->path && !is_plain_path(route->path, path)) {
         route++;
     }
     return route && route->path ? route : NULL;
 }
 
 static void check_plain(struct web_exchange *exchange, const struct web_plain_route *route,
-                        const char *method)
+                        char *path, char *query, const char *method)
 {
-    if (strcmp(method, "POST") != 0) {
+    const char *methods = route->methods ? route->methods : "POST";
+    const size_t n = strlen(route->path);
+
+    if (!has_method(methods, method)) {
         refuse(exchange, 405, "no-such-method", "this path has no such method");
-        strcpy(exchange->refusal.allow, "POST");
+        (void)snprintf(exchange->refusal.allow, sizeof exchange->refusal.allow, "%s", methods);
         return;
     }
+    if (route->path[n - 1] == '/') {
+        exchange->part = path + n;
+        if (!web_percent_decode(path + n, false)) {
+            refuse(exchange, 404, "no-such-path", "the path is not percent-encoded UTF-8");
+        }
+    }
+    if (!exchange->refusal.status && query && !web_query_read(query, &exchange->query)) {
+        refuse(exchange, 400, "invalid-parameter", "the query of the path cannot be read");
+    }
     /* Nothing depends on a cookie, so it does not matter which page has made a browser ask. */
-    if (!is_type(header(exchange, "Content-Type"), route->type)) {
+    if (!exchange->refusal.status && route->type &&
+        !is_type(header(exchange, "Content-Type"), route->type)) {
         refuse(exchange, 415, "other-type", "the body has to be of another type");
     }
     exchange->plain = route;
@@ -229,7 +266,7 @@ void web__request_check(struct web_exchange *exchange, const char *method)
     } else if (strncmp(path, api, sizeof api - 1) == 0 && path[sizeof api - 1] == '/') {
         check_api(exchange, path + sizeof api - 1, query, method);
     } else if (plain) {
-        check_plain(exchange, plain, method);
+        check_plain(exchange, plain, path, query, method);
     } else {
         check_file(exchange, path, method);
     }

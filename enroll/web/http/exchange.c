@@ -120,6 +120,18 @@ void web__exchange_refuse(struct web_exchange *exchange)
     web_exchange_problem(exchange, refusal->status, refusal->code, refusal->detail);
 }
 
+const char *web_exchange_method(const struct web_exchange *exchange)
+{
+    return exchange->method;
+}
+
+const char *web_exchange_request_header(const struct web_exchange *exchange, const char *name)
+{
+    return exchange->connection
+               ? MHD_lookup_connection_value(exchange->connection, MHD_HEADER_KIND, name)
+               : NULL;
+}
+
 const char *web_exchange_part(const struct web_exchange *exchange)
 {
     return exchange->part;
@@ -187,6 +199,13 @@ void web_exchange_text(struct web_exchange *exchange, unsigned status, char *tex
         web_exchange_header(exchange, "Content-Encoding", "gzip");
     }
     answer_or_fail(exchange, status, web__answer_text(status, text, size));
+}
+
+void web_exchange_typed(struct web_exchange *exchange, unsigned status, const char *content_type,
+                        char *text, size_t size)
+{
+    answer_or_fail(exchange, status,
+                   text ? web__answer_typed(content_type, text, size) : web__answer_empty());
 }
 
 void web_exchange_source(struct web_exchange *exchange, const char *content_type,

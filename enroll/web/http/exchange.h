@@ -20,8 +20,14 @@
 
 struct web_exchange;
 
-/* The value of {name} in the path of the route, percent-decoded; valid UTF-8; NULL if the route has
- * none. */
+/* The method of the request, such as "GET". */
+const char *web_exchange_method(const struct web_exchange *exchange);
+
+/* A header of the request; NULL: there is none, or the client is gone. By the event loop alone. */
+const char *web_exchange_request_header(const struct web_exchange *exchange, const char *name);
+
+/* The value of {name} in the path of the route, or the rest of the path of a plain route,
+ * percent-decoded; valid UTF-8; NULL if the route has none. */
 const char *web_exchange_part(const struct web_exchange *exchange);
 
 /* The value of a parameter of the query, percent-decoded; NULL if there is none. */
@@ -65,6 +71,11 @@ void web_exchange_json(struct web_exchange *exchange, unsigned status, json_t *j
  * gzip if the client accepts it. `text` is taken
  * over, and freed with free(); NULL (no memory) is answered as 500. */
 void web_exchange_text(struct web_exchange *exchange, unsigned status, char *text, size_t size);
+
+/* Answers with a text of another type. `text` is taken over, and freed with free(); NULL: the
+ * answer has no body. */
+void web_exchange_typed(struct web_exchange *exchange, unsigned status, const char *content_type,
+                        char *text, size_t size);
 
 /* Where the bytes of a long answer come from. */
 struct web_source {

@@ -40,6 +40,7 @@ struct web_exchange {
     struct MHD_Connection *connection; /* the same */
     struct web_exchange *previous, *next;
 
+    char method[16];
     char *uri; /* as the client sent it; later its parts, decoded */
     const char *part;
     struct web_query query;

@@ -1,6 +1,7 @@
 /* The way of a request through libmicrohttpd. */
 #include <netinet/in.h>
 #include <sodium.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,6 +65,12 @@ static void remember_address(struct web_exchange *exchange)
     }
 }
 
+static size_t body_most(const struct web_exchange *exchange)
+{
+    return exchange->plain && exchange->plain->body_most ? exchange->plain->body_most
+                                                         : WEB_BODY_MOST_BYTES;
+}
+
 /* The first call for a request: its headers are known. */
 static enum MHD_Result check(struct web_exchange *exchange, struct MHD_Connection *connection,
                              const char *method)
@@ -72,10 +79,11 @@ static enum MHD_Result check(struct web_exchange *exchange, struct MHD_Connectio
 
     exchange->checked = true;
     exchange->connection = connection;
+    (void)snprintf(exchange->method, sizeof exchange->method, "%s", method);
     remember_address(exchange);
     web__request_check(exchange, method);
     length = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Content-Length");
-    if (length && strtoull(length, NULL, 10) > WEB_BODY_MOST_BYTES) {
+    if (length && strtoull(length, NULL, 10) > body_most(exchange)) {
         if (!exchange->refusal.status) {
             refuse_as_too_large(exchange);
         }
@@ -112,7 +120,7 @@ static bool grow(struct web_exchange *exchange)
 static enum MHD_Result take(struct web_exchange *exchange, const char *data, size_t size)
 {
     exchange->body_received += size;
-    if (exchange->body_received > WEB_BODY_MOST_BYTES && !exchange->refusal.status) {
+    if (exchange->body_received > body_most(exchange) && !exchange->refusal.status) {
         refuse_as_too_large(exchange);
     }
     if (exchange->refusal.status || (!exchange->route && !exchange->plain)) {

@@ -13,12 +13,15 @@ struct web_route {
     void (*handle)(void *context, struct web_exchange *exchange);
 };
 
-/* What other programs ask, beside the API: a POST of bytes of one type, without a session. The
- * handler finds out itself who asks. */
+/* What other programs ask, beside the API, without a session. The handler finds out itself who
+ * asks. */
 struct web_plain_route {
-    const char *path; /* whole: "/fleet/v1/join" */
-    const char *type; /* of the body: "application/octet-stream" */
+    const char *path; /* whole: "/fleet/v1/join"; with "/" at its end it stands for all paths below,
+                       * and web_exchange_part() is the rest */
+    const char *type; /* of the body: "application/octet-stream"; NULL: the handler checks it */
     void (*handle)(void *context, struct web_exchange *exchange);
+    const char *methods; /* "GET, PUT"; NULL: POST alone */
+    size_t body_most;    /* bytes; 0: WEB_BODY_MOST_BYTES */
 };
 
 #endif

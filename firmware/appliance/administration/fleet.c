@@ -94,7 +94,10 @@ static void write_health(void *context, struct iso_json_line *line)
 {
     const struct iso_appliance *appliance = context;
     const struct iso_appliance_status status = iso_appliance_status(appliance);
+    const struct iso_door_look door = iso_door_guard_look(appliance->door);
     iso_json_line_string(line, "version", ISOTHERM_VERSION);
+    iso_json_line_string(line, "door-state", iso_door_state_name(door.state));
+    iso_json_line_integer(line, "tamper", door.tamper);
     iso_json_line_string(line, "sensor-state", status.sensor_state);
     iso_json_line_string(line, "sensor-fault", status.sensor_fault);
     iso_json_line_string(line, "door-fault", status.door_fault);

@@ -347,6 +347,11 @@ struct link_report link_door_report(const struct link_door *door)
                    : !door->is_subscribed                               ? LINK_SUBSCRIBING
                    : !door->has_lease                                   ? LINK_ASKING
                                                                         : LINK_ONLINE;
+    for (size_t i = 0; i < door->zone_count; i++) {
+        const struct link_zone *zone = &door->zones[i];
+        report.missing += zone->target > zone->mine.sequence ? zone->target - zone->mine.sequence
+                                                             : 0;
+    }
     return report;
 }
 

@@ -90,6 +90,7 @@ struct link_report {
     uint64_t refused;                   /* messages that the daemon has refused */
     uint64_t events_sent, events_acked; /* numbers of records */
     uint64_t requests;
+    uint64_t missing; /* changes of all zones that the hub has named and the daemon does not have */
 };
 
 /* Makes a link, which asks the daemon at once from the event loop. The texts of the setup are

@@ -4,9 +4,11 @@
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "firmware/fleet/link/link_bus.h"
+#include "firmware/fleet/program/figures.h"
 #include "firmware/fleet/program/join.h"
 #include "firmware/fleet/program/options.h"
 #include "firmware/fleet/program/renew.h"
@@ -98,6 +100,20 @@ static void print_zones(const struct iso_link_status *status)
     }
 }
 
+static int print_metrics(const struct iso_link_status *status, const struct link_bus_lease *lease,
+                         const struct link_options *options, struct iso_fault *fault)
+{
+    struct link_report report;
+    bool is_due = false;
+    int64_t ends_s = 0;
+
+    if (link_renew_look(options->state, time(NULL), &is_due, &ends_s, NULL) < 0) {
+        ends_s = 0;
+    }
+    link_figures_write(stdout, status, lease, ends_s, link_figures_find(&report) ? &report : NULL);
+    return fflush(stdout) ? iso_fault_set(fault, -EIO, "standard output: %s", strerror(errno)) : 0;
+}
+
 static int print_status(struct link_bus *bus, const struct link_options *options,
                         struct iso_fault *fault)
 {
@@ -109,6 +125,9 @@ static int print_status(struct link_bus *bus, const struct link_options *options
 
     if (r < 0) {
         return r;
+    }
+    if (options->metrics) {
+        return print_metrics(&status, &lease, options, fault);
     }
     printf("door         %s, %s\n", lease.door_name, iso_fleet_id_text(&status.door, door));
     printf("hub          %s\n", lease.hub_name);

@@ -14,17 +14,16 @@ static const char usage[] =
     "\n"
     "  --state DIR    key, certificate and the hub's address (" ISOTHERM_LINK_STATE ")\n"
     "  --bus ADDRESS  system, session or an address of D-Bus (system)\n"
+    "  --metrics      status: figures in the text format of Prometheus\n"
     "  --help         print this and end\n"
     "  --version      print the version and end\n";
 
-enum choice { STATE = 1, BUS, HELP, VERSION };
+enum choice { STATE = 1, BUS, METRICS, HELP, VERSION };
 
 static const struct option longs[] = {
-    {"state", required_argument, NULL, STATE},
-    {"bus", required_argument, NULL, BUS},
-    {"help", no_argument, NULL, HELP},
-    {"version", no_argument, NULL, VERSION},
-    {NULL, 0, NULL, 0},
+    {"state", required_argument, NULL, STATE}, {"bus", required_argument, NULL, BUS},
+    {"metrics", no_argument, NULL, METRICS},   {"help", no_argument, NULL, HELP},
+    {"version", no_argument, NULL, VERSION},   {NULL, 0, NULL, 0},
 };
 
 static int take(int option, const char *value, struct link_options *out)
@@ -35,6 +34,9 @@ static int take(int option, const char *value, struct link_options *out)
         return 0;
     case BUS:
         out->bus = value;
+        return 0;
+    case METRICS:
+        out->metrics = true;
         return 0;
     case HELP:
         fputs(usage, stdout);
@@ -71,6 +73,9 @@ static int take_command(int n, char **words, struct link_options *out)
     const int expected = out->command == LINK_COMMAND_JOIN ? 2 : 1;
     if (n != expected) {
         return complain(expected == 2 ? "join needs one address" : "there is a word too many");
+    }
+    if (out->metrics && out->command != LINK_COMMAND_STATUS) {
+        return complain("--metrics is for status");
     }
     out->address = n == 2 ? words[1] : NULL;
     return 0;

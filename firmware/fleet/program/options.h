@@ -2,11 +2,14 @@
 #ifndef ISO_FIRMWARE_FLEET_PROGRAM_OPTIONS_H
 #define ISO_FIRMWARE_FLEET_PROGRAM_OPTIONS_H
 
+#include <stdbool.h>
+
 enum link_command { LINK_COMMAND_RUN, LINK_COMMAND_JOIN, LINK_COMMAND_LEAVE, LINK_COMMAND_STATUS };
 
 struct link_options {
     enum link_command command;
     const char *address; /* of `join` */
+    bool metrics;        /* of `status`: for Prometheus */
     const char *bus;     /* "system", "session" or an address */
     const char *state;   /* the folder (home.h) */
 };

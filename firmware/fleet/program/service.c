@@ -11,6 +11,7 @@
 #include "drivers/process/service_loop.h"
 #include "firmware/fleet/link/link.h"
 #include "firmware/fleet/link/link_bus.h"
+#include "firmware/fleet/program/figures.h"
 #include "firmware/fleet/program/home.h"
 #include "firmware/fleet/program/renew.h"
 
@@ -133,6 +134,10 @@ static int on_look(sd_event_source *source, uint64_t at_us, void *context)
     (void)at_us;
     follow_home(service);
     say_phase(service);
+    if (service->door) {
+        const struct link_report report = link_door_report(service->door);
+        link_figures_keep(&report);
+    }
     (void)sd_event_source_set_time_relative(source, LOOK_S * UINT64_C(1000000));
     return sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
 }

@@ -9,7 +9,7 @@
 #include "tests/enroll/web/rigs/web_rig.h"
 #include "tests/support/scratch.h"
 
-enum { MUCH = 1 << 20, CUT_AT = 100000 };
+enum { MUCH = 1 << 20, CUT_AT = 100000, LARGE = 100000 };
 
 static struct web_rig rig;
 static int asked, ended;
@@ -60,11 +60,28 @@ static void much(void *context, struct web_exchange *exchange)
     web_exchange_source(exchange, "application/octet-stream", &source);
 }
 
+/* Answers what it was asked: the method, the rest of the path, a parameter, a header, and how long
+ * the body is. */
+static void below(void *context, struct web_exchange *exchange)
+{
+    const char *a = web_exchange_query(exchange, "a");
+    const char *known = web_exchange_request_header(exchange, "If-Match");
+    char *text = NULL;
+    size_t size;
+
+    (void)context;
+    (void)web_exchange_bytes(exchange, &size);
+    assert_true(asprintf(&text, "%s %s %s %s %zu", web_exchange_method(exchange),
+                         web_exchange_part(exchange), a ? a : "-", known ? known : "-", size) > 0);
+    web_exchange_typed(exchange, 418, "text/tea", text, strlen(text));
+}
+
 static const struct web_route routes[] = {{NULL, NULL, WEB_ROLE_NONE, NULL}};
 static const struct web_plain_route plain[] = {
-    {"/fleet/v1/echo", "application/octet-stream", echo},
-    {"/fleet/v1/much", "application/octet-stream", much},
-    {NULL, NULL, NULL},
+    {.path = "/fleet/v1/echo", .type = "application/octet-stream", .handle = echo},
+    {.path = "/fleet/v1/much", .type = "application/octet-stream", .handle = much},
+    {.path = "/below/", .handle = below, .methods = "GET, PATCH", .body_most = LARGE},
+    {.path = NULL},
 };
 
 static int setup(void **state)
@@ -127,6 +144,39 @@ static void other_requests_are_refused(void **state)
     https_close(&client);
 }
 
+static void paths_below_a_route_are_its_own(void **state)
+{
+    struct https client;
+    struct https_answer answer;
+    char *large = malloc(LARGE + 2);
+    (void)state;
+
+    web_rig_connect(&rig, &client);
+    https_ask(&client, "GET", "/below/a%20b/c?a=1%3D2", "If-Match: 7\r\n", NULL, &answer);
+    assert_int_equal(answer.status, 418);
+    assert_string_equal(answer.body, "GET a b/c 1=2 7 0");
+    assert_string_equal(https_header(&answer, "Content-Type"), "text/tea");
+    web_rig_check_headers(&answer);
+    https_answer_free(&answer);
+    memset(large, 'x', LARGE + 1);
+    large[LARGE] = '\0';
+    https_ask(&client, "PATCH", "/below/x", "", large, &answer);
+    assert_string_equal(answer.body, "PATCH x - - 100000");
+    https_answer_free(&answer);
+    large[LARGE] = 'x';
+    large[LARGE + 1] = '\0';
+    web_rig_expect(&client, "PATCH", "/below/x", "", large, 413, "too-large");
+    https_close(&client);
+    web_rig_connect(&rig, &client);
+    web_rig_expect(&client, "POST", "/below/x", "", "x", 405, "no-such-method");
+    web_rig_expect(&client, "PAT", "/below/x", "", "x", 405, "no-such-method");
+    web_rig_expect(&client, "GET", "/below/%zz", "", NULL, 404, "no-such-path");
+    web_rig_expect(&client, "GET", "/below/x?a=1&a=2", "", NULL, 400, "invalid-parameter");
+    web_rig_expect(&client, "GET", "/below/", "", NULL, 404, "no-such-path");
+    https_close(&client);
+    free(large);
+}
+
 static void a_long_answer_arrives_whole(void **state)
 {
     struct https client;
@@ -181,6 +231,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(bytes_arrive_as_they_are, setup, teardown),
         cmocka_unit_test_setup_teardown(other_requests_are_refused, setup, teardown),
+        cmocka_unit_test_setup_teardown(paths_below_a_route_are_its_own, setup, teardown),
         cmocka_unit_test_setup_teardown(a_long_answer_arrives_whole, setup, teardown),
         cmocka_unit_test_setup_teardown(an_answer_that_cannot_go_on_is_cut_off, setup, teardown),
     };

@@ -6,6 +6,7 @@
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "drivers/door/door_null.h"
 #include "tests/firmware/appliance/access_rig.h"
 #include "tests/firmware/fleet/door/door_rig.h"
 #include "tests/firmware/rigs/stores.h"
@@ -50,6 +51,40 @@ static void a_person_of_the_hub_comes_and_goes(void **state)
     assert_int_equal(door_rig_give(&hub, door_rig_remove(&hub, 0, 1, 2)), ISO_FLEET_APPLIED);
     access_rig_expect_visit(rig, ADA, "visit deny left");
     access_rig_expect(rig_record(rig, "fleet"), "\"reason\":\"removed\"");
+}
+
+/* What the door tells the hub of itself has these members. */
+static void expect_health(const char *members)
+{
+    struct iso_fault fault = {.text = ""};
+    struct iso_fleet_question question;
+    struct iso_fleet_bytes asked = {.bytes = NULL};
+    char text[ISO_FLEET_HEALTH_MAX + 1];
+
+    assert_int_equal(iso_fleet_question(hub.fleet, &asked, &fault), 0);
+    assert_int_equal(
+        iso_fleet_read_question(asked.bytes, asked.size, hub.door_signs.public, &question), 0);
+    assert_true(question.health_length < sizeof text);
+    memcpy(text, question.health, question.health_length);
+    text[question.health_length] = '\0';
+    access_rig_expect(text, members);
+    iso_fleet_bytes_free(&asked);
+}
+
+/* Home Assistant shows these members (enroll/hub/serve/home_text.h). */
+static void the_hub_learns_how_the_door_stands(void **state)
+{
+    struct rig *rig = *state;
+    begin(rig, "");
+    expect_health("\"door-state\":\"locked\",\"tamper\":0,");
+    assert_int_equal(iso_door_null_set_input(rig->door_io, ISO_DOOR_TAMPER, true), 0);
+    assert_int_equal(iso_door_null_set_input(rig->door_io, ISO_DOOR_CONTACT, true), 0);
+    access_rig_expect_visit(rig, ADA, "visit deny left"); /* time passes */
+    expect_health("\"door-state\":\"forced\",\"tamper\":1,");
+    assert_int_equal(iso_door_null_set_input(rig->door_io, ISO_DOOR_TAMPER, false), 0);
+    assert_int_equal(iso_door_null_set_input(rig->door_io, ISO_DOOR_CONTACT, false), 0);
+    access_rig_expect_visit(rig, ADA, "visit deny left");
+    expect_health("\"door-state\":\"locked\",\"tamper\":0,");
 }
 
 /* An hour is over; the door has a clock of its own, and the hub answers again. */
@@ -220,6 +255,7 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, rig_setup, rig_teardown)
     const struct CMUnitTest tests[] = {
         TEST(a_person_of_the_hub_comes_and_goes),
+        TEST(the_hub_learns_how_the_door_stands),
         TEST(without_a_lease_nobody_of_the_hub_enters),
         TEST(local_people_enter_if_the_hub_says_so),
         TEST(the_policy_does_not_replace_the_lease),

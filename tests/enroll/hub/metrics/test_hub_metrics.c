@@ -6,7 +6,6 @@
 
 #include <cmocka.h>
 
-#include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +17,7 @@
 #include "enroll/hub/metrics/hub_metrics.h"
 #include "enroll/hub/outlet/hub_outlet.h"
 #include "tests/enroll/hub/rigs/store_rig.h"
+#include "tests/support/programs/prometheus_text.h"
 #include "tests/support/scratch.h"
 
 static const char file[] = "/tmp/isotherm-test-metrics.prom";
@@ -143,30 +143,12 @@ static void outlets_and_directories_are_counted(void **state)
     free(text);
 }
 
-/* Each line is a comment or a series of the family that the comment before it names. */
 static void the_text_has_the_format(void **state)
 {
     struct store_rig *rig = *state;
-    char family[128] = "", type[16] = "";
     (void)make_fleet(rig);
-    char *text = text_of(rig), *rest = NULL;
-    assert_true(text[strlen(text) - 1] == '\n');
-    for (char *line = strtok_r(text, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
-        if (sscanf(line, "# TYPE %127s %15s", family, type) == 2) {
-            assert_true(strcmp(type, "counter") == 0 || strcmp(type, "gauge") == 0);
-            assert_int_equal(strcmp(type, "counter") == 0, strstr(family, "_total") != NULL);
-            continue;
-        }
-        if (strncmp(line, "# HELP ", 7) == 0) {
-            continue;
-        }
-        const size_t name = strcspn(line, "{ ");
-        assert_int_equal(strlen(family), name);
-        assert_int_equal(strncmp(line, family, name), 0);
-        const char *value = strrchr(line, ' ') + 1;
-        assert_true(isdigit((unsigned char)*value));
-        assert_int_equal(strspn(value, "0123456789"), strlen(value));
-    }
+    char *text = text_of(rig);
+    prometheus_text_check(text);
     free(text);
 }
 

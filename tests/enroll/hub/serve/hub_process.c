@@ -26,6 +26,7 @@ int main(int argc, char **argv)
         .door_broker_port = (uint16_t)atoi(argv[6]),
         .broker_folder = argv[7],
         .metrics_file = argv[8],
+        .keep = {.acts = 30},
         .home_assistant = true};
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
     const int error = hub_serve_run(&options, &fault);

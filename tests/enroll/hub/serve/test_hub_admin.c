@@ -11,6 +11,7 @@
 #include "enroll/hub/store/hub_zone.h"
 #include "enroll/web/account/setup_code.h"
 #include "tests/enroll/hub/rigs/served_door.h"
+#include "tests/support/programs/prometheus_text.h"
 #include "tests/support/scratch.h"
 
 static CURL *curl;
@@ -200,12 +201,69 @@ static void home_assistant_sees_the_door_and_can_command_nothing(void **state)
     free(home);
 }
 
+/* Asks for the figures; returns the status, and the text, which the caller frees. */
+static long scrape(const char *header, char **text)
+{
+    struct door_reply reply = {.bytes = calloc(1, 1)};
+    struct curl_slist *headers = header ? curl_slist_append(NULL, header) : NULL;
+    char url[128];
+    long status = 0;
+
+    (void)snprintf(url, sizeof url, "https://127.0.0.1:%u/metrics", rig.hubs[0].port);
+    curl_easy_reset(curl);
+    (void)curl_easy_setopt(curl, CURLOPT_URL, url);
+    (void)curl_easy_setopt(curl, CURLOPT_CAINFO, scratch_path(rig.folder, "ca.pem"));
+    (void)curl_easy_setopt(curl, CURLOPT_HTTPHEADER, headers);
+    (void)curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, door_reply_add);
+    (void)curl_easy_setopt(curl, CURLOPT_WRITEDATA, &reply);
+    (void)curl_easy_setopt(curl, CURLOPT_NOPROXY, "*");
+    assert_int_equal(curl_easy_perform(curl), CURLE_OK);
+    (void)curl_easy_getinfo(curl, CURLINFO_RESPONSE_CODE, &status);
+    curl_slist_free_all(headers);
+    *text = reply.bytes;
+    return status;
+}
+
+static void figures_are_for_programs_of_the_machine(void **state)
+{
+    struct iso_fleet_lease lease;
+    const char *type = NULL;
+    char *text = NULL;
+    (void)state;
+
+    served_door_begin();
+    served_door_connect(&lease);
+    assert_int_equal(scrape(NULL, &text), 200);
+    (void)curl_easy_getinfo(curl, CURLINFO_CONTENT_TYPE, &type);
+    assert_string_equal(type, "text/plain; version=0.0.4; charset=utf-8");
+    prometheus_text_check(text);
+    assert_true(prometheus_text_value(text, "isotherm_hub_leader") == 1);
+    assert_true(prometheus_text_value(text, "isotherm_hub_broker_connected") == 1);
+    assert_true(prometheus_text_value(text, "isotherm_hub_joins_total") == 1);
+    assert_true(prometheus_text_value(text, "isotherm_hub_messages_total{kind=\"question\"}") >= 1);
+    assert_true(prometheus_text_value(text, "isotherm_fleet_doors_joined") == 1);
+    assert_true(prometheus_text_value(text, "isotherm_fleet_leader") == 1);
+    free(text);
+    /* What a proxy of the machine passes on is not from the machine. */
+    assert_int_equal(scrape("X-Forwarded-For: 192.0.2.1", &text), 403);
+    free(text);
+    /* The file for the textfile collector has the same form. */
+    for (int i = 0; !scratch_exists(rig.hubs[0].metrics); i++) {
+        assert_true(i < 200);
+        (void)usleep(100000);
+    }
+    text = scratch_read_text(rig.hubs[0].metrics);
+    prometheus_text_check(text);
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(nothing_is_shown_without_a_login, setup, teardown),
         cmocka_unit_test_setup_teardown(home_assistant_sees_the_door_and_can_command_nothing, setup,
                                         teardown),
+        cmocka_unit_test_setup_teardown(figures_are_for_programs_of_the_machine, setup, teardown),
         cmocka_unit_test_setup_teardown(an_administrator_sees_doors_and_closes_them, setup,
                                         teardown),
     };

@@ -109,9 +109,40 @@ static void the_broker_may_go_away_for_a_while(void **state)
     assert_int_equal(lease.places[0].sequence, 1);
 }
 
+/* hub_process keeps acts for thirty days. */
+static void the_leader_deletes_old_acts(void **state)
+{
+    struct iso_fault fault = {.text = ""};
+    PGresult *rows = NULL;
+    int64_t left = 1;
+    (void)state;
+
+    served_door_begin();
+    hub_rig_kill(&rig, 0);
+    served_ok(hub_db_script(rig.store.db,
+                            "INSERT INTO act (time_s, actor, what, object) SELECT "
+                            "extract(epoch FROM now())::bigint - d * 86400, 'a', 'old', 'c' "
+                            "FROM unnest(ARRAY[29, 31, 31]) d; "
+                            "INSERT INTO act (time_s, actor, what, object) VALUES "
+                            "(extract(epoch FROM now())::bigint, 'a', 'new', 'c')",
+                            &fault),
+              &fault);
+    hub_rig_serve(&rig, 0);
+    for (int i = 0; left != 0; i++) {
+        assert_true(i < 200);
+        (void)usleep(100000);
+        served_ok(hub_db_run(rig.store.db, "SELECT abs(count(*) - 1) FROM act WHERE what = 'old'",
+                             NULL, &rows, &fault),
+                  &fault);
+        left = hub_row_integer(rows, 0, 0);
+        PQclear(rows);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        SERVED_TEST(the_leader_deletes_old_acts),
         SERVED_TEST(another_hub_takes_over),
         SERVED_TEST(the_database_may_go_away_for_a_while),
         SERVED_TEST(the_broker_may_go_away_for_a_while),

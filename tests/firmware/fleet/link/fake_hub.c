@@ -1,11 +1,13 @@
 #include "tests/firmware/fleet/link/fake_hub.h"
 
+#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "firmware/fleet/message/delta.h"
 #include "firmware/fleet/message/head.h"
+#include "firmware/fleet/message/membership.h"
 #include "firmware/fleet/message/snapshot.h"
 #include "tests/firmware/rigs/cmocka_headers.h"
 
@@ -334,4 +336,21 @@ void fake_hub_stop(struct fake_hub *hub)
             iso_fleet_bytes_free(&hub->zones[i].deltas[k]);
         }
     }
+}
+
+char *fake_hub_membership(const struct fake_hub *hub, const struct fake_daemon *daemon)
+{
+    static char text[1024];
+    struct iso_fleet_membership membership = {
+        .door = daemon->door, .hub_name = "Works", .door_name = "East"};
+    struct iso_fleet_bytes bytes = {.bytes = NULL};
+
+    memcpy(membership.hub_signs, hub->signer.public, 32);
+    memcpy(membership.hub_receives, hub->receiver.public, 32);
+    memcpy(membership.door_signs, daemon->signer.public, 32);
+    assert_int_equal(iso_fleet_make_membership(&membership, &hub->signer, &bytes), 0);
+    assert_non_null(sodium_bin2base64(text, sizeof text, bytes.bytes, bytes.size,
+                                      sodium_base64_VARIANT_ORIGINAL));
+    iso_fleet_bytes_free(&bytes);
+    return text;
 }

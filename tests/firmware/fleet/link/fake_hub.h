@@ -58,4 +58,7 @@ void fake_hub_publish(struct fake_hub *hub, const struct hub_zone *zone, uint64_
 void fake_hub_publish_head(struct fake_hub *hub, const struct hub_zone *zone);
 void fake_hub_send(struct fake_hub *hub, const char *topic, const void *bytes, size_t size);
 
+/* The MEMBERSHIP of a door, in base64, in a static buffer. */
+char *fake_hub_membership(const struct fake_hub *hub, const struct fake_daemon *daemon);
+
 #endif

@@ -12,10 +12,10 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "firmware/fleet/message/membership.h"
 #include "firmware/fleet/program/renew.h"
 #include "tests/firmware/fleet/link/bus_service.h"
 #include "tests/firmware/fleet/link/link_rig.h"
+#include "tests/firmware/fleet/program/link_figures.h"
 #include "tests/firmware/rigs/cmocka_headers.h"
 #include "tests/support/programs/private_bus.h"
 #include "tests/support/programs/run.h"
@@ -36,23 +36,6 @@ struct office {
     unsigned joins, renewals;
     bool sends_other_certificate;
 };
-
-static char *membership_text(const struct link_rig *rig)
-{
-    static char text[1024];
-    struct iso_fleet_membership membership = {
-        .door = rig->daemon.door, .hub_name = "Works", .door_name = "East"};
-    struct iso_fleet_bytes bytes = {.bytes = NULL};
-
-    memcpy(membership.hub_signs, rig->hub.signer.public, 32);
-    memcpy(membership.hub_receives, rig->hub.receiver.public, 32);
-    memcpy(membership.door_signs, rig->daemon.signer.public, 32);
-    assert_int_equal(iso_fleet_make_membership(&membership, &rig->hub.signer, &bytes), 0);
-    assert_non_null(sodium_bin2base64(text, sizeof text, bytes.bytes, bytes.size,
-                                      sodium_base64_VARIANT_ORIGINAL));
-    iso_fleet_bytes_free(&bytes);
-    return text;
-}
 
 static void answer_json(struct fetch_answer *out, unsigned status, json_t *object)
 {
@@ -93,9 +76,9 @@ static void answer_join(struct office *office, const json_t *body, struct fetch_
     answer_json(out, 200,
                 json_pack("{s:s, s:s, s:s, s:s, s:{s:s, s:i}}", "door",
                           iso_fleet_id_text(&door->door, id), "membership",
-                          membership_text(office->rig), "certificate", certificate, "ca",
-                          office->rig->authority.pem, "broker", "host", "127.0.0.1", "port",
-                          (int)office->rig->broker.port));
+                          fake_hub_membership(&office->rig->hub, &office->rig->daemon),
+                          "certificate", certificate, "ca", office->rig->authority.pem, "broker",
+                          "host", "127.0.0.1", "port", (int)office->rig->broker.port));
 }
 
 static void answer(void *context, const char *path, const void *bytes, size_t size,
@@ -138,6 +121,7 @@ static int setup(void **state)
     (void)snprintf(office.state, sizeof office.state, "%s",
                    scratch_path(office.rig->broker.directory, "state"));
     scratch_mkdir(office.state);
+    assert_int_equal(setenv("RUNTIME_DIRECTORY", office.state, 1), 0);
     office.daemon = bus_service_start(bus.address, &office.rig->daemon, false);
     *state = &office;
     return 0;
@@ -213,6 +197,32 @@ static void join(struct office *office)
     assert_true(has_joined);
 }
 
+/* The service renews its file every five seconds. */
+static void the_figures_are_those_of_the_door(struct office *office)
+{
+    bool is_connected = false;
+    struct run run;
+
+    for (int i = 0; i < 100 && !is_connected; i++) {
+        command(office, &run, "status", "--metrics");
+        run_expect(&run, 0);
+        is_connected = link_figures_say_connected(run.out);
+        if (!is_connected) {
+            run_free(&run);
+            link_rig_run(office->rig, 100);
+        }
+    }
+    assert_true(is_connected);
+    link_figures_are_online(run.out);
+    run_free(&run);
+    /* Without the service the door is not connected, and its counts are not told. */
+    assert_int_equal(setenv("RUNTIME_DIRECTORY", "/nowhere", 1), 0);
+    command(office, &run, "status", "--metrics");
+    run_expect(&run, 0);
+    link_figures_are_alone(run.out);
+    run_free(&run);
+}
+
 static void a_door_joins_and_leaves(void **state)
 {
     struct office *office = *state;
@@ -235,6 +245,7 @@ static void a_door_joins_and_leaves(void **state)
     assert_non_null(strstr(run.out, "change 10"));
     assert_non_null(strstr(run.out, "certificate  until"));
     run_free(&run);
+    the_figures_are_those_of_the_door(office);
     command(office, &run, "join", address_of(office, "GOODCODE", 0));
     run_expect(&run, 1);
     assert_non_null(strstr(run.err, "leave it first"));
@@ -342,8 +353,12 @@ static void a_certificate_is_renewed_with_the_same_key(void **state)
 
 static void bad_command_lines_are_refused(void **state)
 {
-    static const char *const bad[][4] = {
-        {NULL}, {"jump", NULL}, {"join", NULL}, {"leave", "x", NULL}, {"--nothing", "run", NULL}};
+    static const char *const bad[][4] = {{NULL},
+                                         {"jump", NULL},
+                                         {"join", NULL},
+                                         {"leave", "x", NULL},
+                                         {"--nothing", "run", NULL},
+                                         {"run", "--metrics", NULL}};
 
     (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
