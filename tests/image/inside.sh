@@ -169,7 +169,7 @@ refused() {
     grep -q "$2" "$story_scratch/said" || die "the refusal of $1 does not say '$2': $(cat "$story_scratch/said")"
     case $1 in damaged*) ;; *) [ "$(entries)" = "$before" ] || die "$1 changes the boot entries: $(entries)" ;; esac
     rm /var/tmp/bundle
-    say "refused: $1 ($2)"
+    say "refused: $1"
 }
 
 update() {
