@@ -1,10 +1,10 @@
 #!/bin/sh
 # Installs the Debian packages of some tags of cmake/packages.txt. It does nothing if all of them are installed.
-# usage: install_packages.sh TAG...        (build, demo, test, gate, docs, vm, bench, arm64, package, install, web)
+# usage: install_packages.sh TAG...        (build, demo, test, gate, docs, vm, bench, arm64, package, install, image, web)
 set -eu
 
 if [ $# -eq 0 ]; then
-    echo "usage: $0 TAG...   (build, demo, test, gate, docs, vm, bench, arm64, package, install, web)" >&2
+    echo "usage: $0 TAG...   (build, demo, test, gate, docs, vm, bench, arm64, package, install, image, web)" >&2
     exit 2
 fi
 

@@ -1,0 +1,38 @@
+# For scripts that start the image: `. tests/image/machine.sh`. Plain sh. Set machine_out to a directory for logs.
+#
+#   machine_start NAME PHASE DISK      starts a PC with UEFI (OVMF, systemd-boot) whose disk is DISK, and waits until it is off; the phase is for
+#                                      inside.sh. Returns the exit code that it gives; 124: too long, 125: the machine ended without
+# Set machine_reboots=reset for a machine that may restart, and machine_devices for further options of QEMU.
+#
+# The log of the serial line is machine_out/NAME.log. The processor is emulated, without AVX, which is slow so.
+machine_source=$(cd "$(dirname "$0")/../.." && pwd)
+machine_seconds=${machine_seconds:-600}
+
+machine_start() {
+    name=$1
+    rm -f "$machine_out/$name.status"
+    cp /usr/share/OVMF/OVMF_VARS_4M.fd "$machine_out/$name.vars"
+    # The limit is processor time, so that other work of the host fails no test, and six times as much by the clock.
+    (ulimit -t "$machine_seconds" && exec timeout $((6 * machine_seconds)) qemu-system-x86_64 -machine q35 -accel tcg -cpu Nehalem -smp 1 \
+        -m "${machine_memory:-512}" -nodefaults -no-user-config -display none -action "reboot=${machine_reboots:-shutdown}" \
+        -drive if=pflash,format=raw,unit=0,readonly=on,file=/usr/share/OVMF/OVMF_CODE_4M.fd \
+        -drive "if=pflash,format=raw,unit=1,file=$machine_out/$name.vars" \
+        -serial "file:$machine_out/$name.log" -serial "file:$machine_out/$name.status" \
+        -smbios "type=1,serial=$2" -device virtio-rng-pci \
+        -drive "if=virtio,format=qcow2,file=$3" \
+        -fsdev "local,id=source,path=$machine_source,security_model=none,readonly=on,multidevs=remap" \
+        -device virtio-9p-pci,fsdev=source,mount_tag=source ${machine_devices:-} \
+        </dev/null >"$machine_out/$name.qemu" 2>&1) || {
+        case $? in 124 | 137 | 152) return 124 ;; esac # by the clock; by the processor's, SIGKILL or SIGXCPU
+        cat "$machine_out/$name.qemu" >&2
+        return 125
+    }
+    code=$(sed -n 's/^exit \([0-9]*\).*/\1/p' "$machine_out/$name.status")
+    return "${code:-125}"
+}
+
+# machine_disk IMAGE DISK: makes a disk with room for /var whose content is the image; the image itself is not changed
+machine_disk() {
+    rm -f "$2"
+    qemu-img create -q -f qcow2 -F raw -b "$1" "$2" 1G
+}

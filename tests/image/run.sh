@@ -1,0 +1,178 @@
+#!/bin/sh
+# Tests the image of the appliance (board/image): it makes the image and the same one with a unit for the test, and starts the latter as a PC
+# with UEFI, from the boot loader on.
+#
+#   run.sh PACKAGES OUT [CHECK...]      PACKAGES: the packages of `make packages`; without names, all checks of the list below in order
+#
+# IMAGE_KEEP=yes takes the images of the last run. Needs root and the tags `image`, `vm` and `install` of cmake/packages.txt. Ends with "N passed, N failed".
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+source_dir=$(cd "$here/../.." && pwd)
+. "$here/../support/verdict.sh"
+. "$here/machine.sh"
+. "$here/production.sh"
+packages=$(cd "$1" && pwd)
+mkdir -p "$2/vm"
+out=$(cd "$2" && pwd)
+shift 2
+machine_out=$out/vm
+ISOTHERM_CACHE=$out/cache
+SOURCE_DATE_EPOCH=$(dpkg-parsechangelog -l "$source_dir/board/debian/changelog" -S Timestamp)
+export ISOTHERM_CACHE SOURCE_DATE_EPOCH
+checks=${*:-boot_slots production reproducible first_start later_start updates damaged_root wrong_root tpm}
+
+# The keys of this test: of updates, and of somebody else.
+make_keys() {
+    mkdir -p "$out/keys"
+    for name in update other; do
+        [ -s "$out/keys/$name.crt" ] || openssl req -x509 -newkey rsa:2048 -nodes -days 3650 -subj "/CN=$name of a test" \
+            -keyout "$out/keys/$name.key" -out "$out/keys/$name.crt" 2>"$out/keys/log" || die "keys: $(cat "$out/keys/log")"
+    done
+}
+
+# The image for doors, and that of the test.
+build() {
+    "$source_dir/board/image/build.sh" "$packages" "$out/production" qemu >"$out/production.log" 2>&1 || die "building: $(tail -n 5 "$out/production.log")"
+    say "the root has $(($(stat -c %s "$out/production/root.squashfs") / 1000000)) MB compressed, at most 120"
+    [ "$(stat -c %s "$out/production/root.squashfs")" -le 120000000 ] || die 'the root is too large'
+    ISOTHERM_EXTRA=$here/extra.sh ISOTHERM_COMPRESSION=lz4 ISOTHERM_CMDLINE='console=tty0 console=ttyS0 systemd.show_status=false' \
+        ISOTHERM_UPDATE_CERT=$out/keys/update.crt "$source_dir/board/image/build.sh" "$packages" "$out/test" qemu >"$out/test.log" 2>&1 || die "building: $(tail -n 5 "$out/test.log")"
+}
+
+say() {
+    echo "    $1"
+}
+
+die() {
+    echo "FAILED: $1"
+    exit 1
+}
+
+# ---- the checks ----
+
+boot_slots() {
+    "$here/slots.sh"
+}
+
+# Two builds have the same bytes.
+reproducible() {
+    "$source_dir/board/image/build.sh" "$packages" "$out/again" qemu >"$out/again.log" 2>&1 || die "building: $(tail -n 5 "$out/again.log")"
+    cmp "$out/production/isotherm.img" "$out/again/isotherm.img" || die 'a second build has other bytes'
+    rm -rf "$out/again"
+    say 'two builds have the same bytes'
+}
+
+first_start() {
+    cp --reflink=auto "$out/test/isotherm.img" "$machine_out/first.img"
+    # Whoever flashes a card writes the configuration there.
+    mcopy -i "$machine_out/first.img@@$(start_of esp)" "$out/test/root/usr/lib/isotherm-image/test.conf" ::isotherm.conf
+    machine_disk "$machine_out/first.img" "$machine_out/disk.qcow2"
+    machine_start first first "$machine_out/disk.qcow2" || die_with first $?
+    tell first
+}
+
+later_start() {
+    machine_start second second "$machine_out/disk.qcow2" || die_with second $?
+    tell second
+}
+
+# Needs the disk of first_start.
+updates() {
+    . "$here/bundles.sh"
+    make_bundles
+    machine_start update update "$machine_out/disk.qcow2" || die_with update $?
+    tell update
+    machine_start updated updated "$machine_out/disk.qcow2" || die_with updated $?
+    tell updated
+    # Three attempts and the way back: this machine may restart.
+    machine_reboots=reset machine_start back back "$machine_out/disk.qcow2" || die_with back $?
+    tell back
+}
+
+# A byte of the root that was changed on the disk: the machine does not start from it. Every 64th block is changed, so that one is read.
+damaged_root() {
+    cp --reflink=auto "$out/test/isotherm.img" "$machine_out/damaged.img"
+    change_bytes "$machine_out/damaged.img" "$(start_of root-a)" "$(stat -c %s "$out/test/root.squashfs")" 262144
+    refuses damaged 'device-mapper: verity: .* is corrupted'
+}
+
+# Another root with a tree of its own, whose hash the kernel image does not have.
+wrong_root() {
+    cp --reflink=auto "$out/test/isotherm.img" "$machine_out/damaged.img"
+    dd if="$out/production/root.squashfs" of="$machine_out/damaged.img" bs=1M seek=$(($(start_of root-a) / 1048576)) conv=notrunc status=none
+    dd if="$out/production/root.verity" of="$machine_out/damaged.img" bs=1M seek=$(($(start_of root-a-verity) / 1048576)) conv=notrunc status=none
+    refuses damaged 'no slot has the root of this kernel'
+}
+
+# With a TPM the key of /var is in the TPM only.
+tpm() {
+    rm -rf "$machine_out/tpm"
+    mkdir "$machine_out/tpm"
+    machine_disk "$out/test/isotherm.img" "$machine_out/tpm.qcow2"
+    for phase in tpm_first tpm_second; do
+        swtpm socket --tpm2 --tpmstate "dir=$machine_out/tpm" --ctrl "type=unixio,path=$machine_out/tpm/socket" --terminate --daemon
+        machine_devices="-chardev socket,id=tpm,path=$machine_out/tpm/socket -tpmdev emulator,id=tpm,chardev=tpm -device tpm-crb,tpmdev=tpm" \
+            machine_start $phase $phase "$machine_out/tpm.qcow2" || die_with $phase $?
+        tell $phase
+    done
+}
+
+# ---- helpers ----
+
+die_with() {
+    tr -d '\r' <"$machine_out/$1.log" | tail -n 40
+    die "$1 ($2)"
+}
+
+# tell NAME: what the machine said about its checks
+tell() {
+    tr -d '\r' <"$machine_out/$1.log" | grep -E '^ *[0-9]+ s  |^boot to|^memory|^  [a-z-]+ [0-9]+ MB|^Startup' | sed 's/^/    /'
+}
+
+# start_of PARTITION: the byte at which it begins
+start_of() {
+    sfdisk --json "$out/test/isotherm.img" | tr -d ' \n' | sed "s/.*\"start\":\([0-9]*\),[^}]*\"name\":\"$1\".*/\1/" | awk '{ print $1 * 512 }'
+}
+
+# change_bytes FILE BEGIN SIZE STEP: changes one byte in every STEP bytes
+change_bytes() {
+    python3 - "$@" <<'END'
+import sys
+name, begin, size, step = sys.argv[1], *map(int, sys.argv[2:])
+with open(name, 'r+b') as disk:
+    for place in range(begin, begin + size, step):
+        disk.seek(place)
+        byte = disk.read(1)[0]
+        disk.seek(place)
+        disk.write(bytes([byte ^ 1]))
+END
+}
+
+# refuses NAME WORDS: the machine with this disk ends without running the test, and its kernel says why
+refuses() {
+    machine_disk "$machine_out/$1.img" "$machine_out/$1.qcow2"
+    code=0
+    machine_start "$1" first "$machine_out/$1.qcow2" || code=$?
+    [ $code -eq 125 ] || die "the machine ends with $code, not before the test begins"
+    grep -qE "$2" "$machine_out/$1.log" || die_with "$1" "the kernel does not say: $2"
+    rm -f "$machine_out/$1.img" "$machine_out/$1.qcow2"
+    say "the machine does not start: $(grep -oE "$2" "$machine_out/$1.log" | head -n 1)"
+}
+
+PATH=$PATH:/usr/sbin:/sbin
+[ "$(id -u)" -eq 0 ] || die 'only root can make the image'
+"$source_dir/tests/vm/kernel.sh" "$source_dir/build/vm"
+make_keys
+[ "${IMAGE_KEEP:-}" = yes ] || build
+passed=0 failed=0
+for check in $checks; do
+    began=$(date +%s)
+    if (set -e && "$check"); then
+        passed=$((passed + 1)) result=passed
+    else
+        failed=$((failed + 1)) result=FAILED
+    fi
+    printf '%-14s %-6s %4d s\n' "$check" $result $(($(date +%s) - began))
+done
+say_tally $passed $failed 0
+[ $failed -eq 0 ]
