@@ -14,6 +14,7 @@
 #include "enroll/hub/store/hub_zone.h"
 #include "firmware/fleet/message/snapshot.h"
 #include "tests/enroll/hub/rigs/served_door.h"
+#include "tests/support/programs/prometheus_text.h"
 #include "tests/support/scratch.h"
 
 static void a_door_joins_and_gets_lease_and_key(void **state)
@@ -89,11 +90,10 @@ static void a_change_arrives_within_a_second(void **state)
 }
 
 /* The value of a measurement in the file of the hub. */
-static double metric(const char *name)
+static double metric(const char *series)
 {
     char *text = scratch_read_text(rig.hubs[0].metrics);
-    const char *at = strstr(text, name);
-    const double value = at ? atof(at + strlen(name)) : -1;
+    const double value = prometheus_text_value(text, series);
 
     free(text);
     return value;
@@ -132,6 +132,7 @@ static size_t leases(size_t from)
 static void a_change_does_not_wait_for_many_questions(void **state)
 {
     enum { QUESTIONS = 1000 };
+    static const char questions[] = "isotherm_hub_messages_total{kind=\"question\"}";
     char topic[ISO_FLEET_TOPIC_SIZE];
     struct iso_fleet_lease lease;
     struct iso_fault fault = {.text = ""};
@@ -158,14 +159,14 @@ static void a_change_does_not_wait_for_many_questions(void **state)
                   "when %zu were answered\n",
                   QUESTIONS, served_now_s() - begun, 1e3 * (arrived - changed), answered);
     assert_true(arrived - changed < 1);
-    for (int i = 0; i < 2000 && metric("messages_total{kind=\"question\"} ") < QUESTIONS; i++) {
+    for (int i = 0; i < 2000 && metric(questions) < QUESTIONS; i++) {
         (void)usleep(10000);
     }
-    assert_true(metric("messages_total{kind=\"question\"} ") >= QUESTIONS);
-    assert_true(metric("isotherm_hub_leader ") == 1);
-    assert_true(metric("\nisotherm_fleet_doors_joined ") == 1);
+    assert_true(metric(questions) >= QUESTIONS);
+    assert_true(metric("isotherm_hub_leader") == 1);
+    assert_true(metric("isotherm_fleet_doors_joined") == 1);
     print_message("the longest call of the database within the loop took %.0f ms\n",
-                  1e3 * metric("isotherm_hub_longest_call_seconds "));
+                  1e3 * metric("isotherm_hub_longest_call_seconds"));
 }
 
 static int count_event(void *context, const struct hub_event *event)
