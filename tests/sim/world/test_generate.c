@@ -156,8 +156,10 @@ static void bad_options_are_refused(void **state)
     assert_int_equal(sim_generate(&bad, &fault), -ENOENT);
     assert_non_null(strstr(fault.text, "no-model"));
     bad = options;
-    bad.directory = scratch_path(*state, "no/such/parent");
-    assert_int_equal(sim_generate(&bad, &fault), -ENOENT);
+    scratch_write_text(scratch_path(*state, "a-file"), "text");
+    bad.directory = scratch_path(*state, "a-file/corpus");
+    assert_int_equal(sim_generate(&bad, &fault), -ENOTDIR);
+    assert_non_null(strstr(fault.text, "a-file"));
 }
 
 static void recordings_are_not_overwritten(void **state)
