@@ -94,7 +94,8 @@ void sim_mat5_write(const struct sim_arrays *arrays, FILE *out)
     memset(header, ' ', HEADER_TEXT);
     memcpy(header, text, sizeof text - 1);
     (void)iso_put_u16(&header[HEADER_TEXT + 8], 0x0100);
-    memcpy(&header[HEADER_TEXT + 10], "IM", 2);
+    header[HEADER_TEXT + 10] = 'I';
+    header[HEADER_TEXT + 11] = 'M';
     (void)fwrite(header, 1, sizeof header, out);
     for (int i = 0; i < arrays->n; i++) {
         put_array(out, &arrays->array[i]);
