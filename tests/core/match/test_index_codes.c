@@ -53,7 +53,7 @@ static void filters_agree(void **context)
             codes[i] = (int8_t)((int)(next(&state) & 255u) - 128);
         }
         for (int k = 0; k < 40; k++) {
-            const int32_t limit = (int32_t)(next(&state) << 7) * (k % 4) / 3;
+            const int32_t limit = (int32_t)((int64_t)(next(&state) << 7) * (k % 4) / 3);
             const uint32_t plain = iso__code_filter_plain(codes, &probe, n_pairs, limit);
             assert_int_equal(here(codes, &probe, n_pairs, limit), plain);
             n_passed += __builtin_popcount(plain);
