@@ -230,26 +230,22 @@ int hub__scim_groups_each(struct hub_store *store, const struct scim_page *page,
                                       const struct scim_row *row),
                           void *context, struct iso_fault *fault)
 {
+    static const struct scim_page_query query = {
+        .count = "SELECT count(*) " WHERE,
+        .select = "SELECT " COLUMNS "CASE WHEN $7 THEN " MEMBERS " ELSE '[]' END " WHERE
+                  "ORDER BY g.made_s, g.id OFFSET $5 LIMIT $6",
+    };
     char *folded = NULL;
     struct iso_fleet_id ids[2];
     struct hub_values values = {.n = 0};
-    PGresult *counted = NULL, *rows = NULL;
+    PGresult *rows = NULL;
     bool none = false;
     int error = filter_values(&page->filter, &folded, ids, &none, &values, fault);
 
+    *total = 0;
     if (!error && !none) {
-        error = hub_db_run(store->db, "SELECT count(*) " WHERE, &values, &counted, fault);
-        hub_value_integer(&values, page->start - 1);
-        hub_value_integer(&values, page->count);
-        hub_value_switch(&values, page->related);
-        error = error ? error
-                      : hub_db_run(store->db,
-                                   "SELECT " COLUMNS "CASE WHEN $7 THEN " MEMBERS
-                                   " ELSE '[]' END " WHERE
-                                   "ORDER BY g.made_s, g.id OFFSET $5 LIMIT $6",
-                                   &values, &rows, fault);
+        error = hub__scim_page_rows(store, page, &query, &values, total, &rows, fault);
     }
-    *total = error || none ? 0 : hub_row_integer(counted, 0, 0);
     for (int i = 0; !error && i < PQntuples(rows); i++) {
         struct scim_group group;
         struct scim_row row;
@@ -257,7 +253,6 @@ int hub__scim_groups_each(struct hub_store *store, const struct scim_page *page,
         error = each(context, &group, &row);
     }
     PQclear(rows);
-    PQclear(counted);
     free(folded);
     return error;
 }

@@ -1,11 +1,8 @@
 #include <errno.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "enroll/hub/directory/hub_directory.h"
 #include "enroll/hub/scim/scim_rows.h"
 #include "enroll/hub/store/hub_act.h"
-#include "firmware/contract/name_folding.h"
 
 #define SCIM_LOCK "7311466419"
 
@@ -122,42 +119,4 @@ static int allow(void *context, struct iso_fault *fault)
 int hub_scim_allow(struct hub_store *store, struct iso_fault *fault)
 {
     return hub_db_transaction(store->db, HUB_READ_COMMITTED, allow, store, fault);
-}
-
-/* ---- for users and groups ---- */
-
-const char *hub__scim_term(const struct scim_filter *filter, const char *attribute)
-{
-    for (size_t i = 0; i < filter->n; i++) {
-        if (strcmp(filter->terms[i].attribute, attribute) == 0) {
-            return filter->terms[i].value;
-        }
-    }
-    return NULL;
-}
-
-int hub__scim_check_terms(const struct scim_filter *filter, const char *const *names,
-                          struct iso_fault *fault)
-{
-    for (size_t i = 0; i < filter->n; i++) {
-        const struct scim_term *term = &filter->terms[i];
-        const char *const *name = names;
-        while (*name && strcmp(*name, term->attribute) != 0) {
-            name++;
-        }
-        if (!*name) {
-            return iso_fault_set(fault, -EDOM, "%.80s cannot be filtered by", term->attribute);
-        }
-        if (hub__scim_term(filter, term->attribute) != term->value) {
-            return iso_fault_set(fault, -EDOM, "%.80s is compared twice", term->attribute);
-        }
-    }
-    return 0;
-}
-
-int hub__scim_fold(const char *text, char **out, struct iso_fault *fault)
-{
-    const int error = iso_name_fold(text, out);
-
-    return error ? iso_fault_set(fault, error, "%.80s: cannot be folded", text) : 0;
 }

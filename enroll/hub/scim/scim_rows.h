@@ -93,7 +93,7 @@ int hub__scim_groups_each(struct hub_store *store, const struct scim_page *page,
                           void *context, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* ---- for both ---- */
+/* ---- scim_page.c: the lists of both ---- */
 
 /* The first value that a filter compares an attribute with; NULL: none. */
 const char *hub__scim_term(const struct scim_filter *filter, const char *attribute);
@@ -104,6 +104,20 @@ int hub__scim_check_terms(const struct scim_filter *filter, const char *const *n
 
 /* The common form of all spellings; the caller frees it. -EINVAL it is not UTF-8, -ENOMEM. */
 int hub__scim_fold(const char *text, char **out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The statements of a list. Both have the values of the filter; `select` has three more behind
+ * them: how many rows are left out, how many are wanted, and whether those with the related ones.
+ */
+struct scim_page_query {
+    const char *count, *select;
+};
+
+/* The rows of a page, which the caller clears, and how many there are in all. After an error there
+ * are no rows. Appends to the values of the filter. */
+int hub__scim_page_rows(struct hub_store *store, const struct scim_page *page,
+                        const struct scim_page_query *query, struct hub_values *filter,
+                        int64_t *total, PGresult **rows, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 #endif
