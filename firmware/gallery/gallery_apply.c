@@ -186,20 +186,27 @@ static void discard(struct prepared *prepared, const struct iso_gallery_change *
 
 /* ---- the transaction ---- */
 
+int iso__gallery_put_template(struct iso_gallery *gallery, int64_t person,
+                              const struct iso_gallery_item *item, size_t i, int64_t *number,
+                              struct iso_fault *fault)
+{
+    const int error = iso_gallery_db_put_template(gallery->db, person, item->templates[i].algorithm,
+                                                  item->templates[i].bytes, item->templates[i].size,
+                                                  number, fault);
+    if (!error && item->templates[i].excluded) {
+        iso_site_record_exclude(iso_gallery_db_site(gallery->db), (uint64_t)*number,
+                                (uint64_t)*number + 1);
+    }
+    return error;
+}
+
 static int store_templates(struct iso_gallery *gallery, const struct iso_gallery_change *change,
                            struct prepared *prepared, struct iso_fault *fault)
 {
     int error = 0;
     for (size_t i = 0; !error && i < change->item.n; i++) {
-        int64_t number = 0;
-        error = iso_gallery_db_put_template(
-            gallery->db, prepared->row.id, change->item.templates[i].algorithm,
-            change->item.templates[i].bytes, change->item.templates[i].size, &number, fault);
-        prepared->kept[i].number = number;
-        if (change->item.templates[i].excluded) {
-            iso_site_record_exclude(iso_gallery_db_site(gallery->db), (uint64_t)number,
-                                    (uint64_t)number + 1);
-        }
+        error = iso__gallery_put_template(gallery, prepared->row.id, &change->item, i,
+                                          &prepared->kept[i].number, fault);
     }
     return error;
 }

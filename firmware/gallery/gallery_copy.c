@@ -108,13 +108,7 @@ static int put_item(struct iso_gallery *gallery, const struct iso_gallery_item *
     int64_t number = 0;
     int error = iso_gallery_db_put_person(gallery->db, &row, &row.id, fault);
     for (size_t i = 0; !error && i < item->n; i++) {
-        error = iso_gallery_db_put_template(gallery->db, row.id, item->templates[i].algorithm,
-                                            item->templates[i].bytes, item->templates[i].size,
-                                            &number, fault);
-        if (item->templates[i].excluded) {
-            iso_site_record_exclude(iso_gallery_db_site(gallery->db), (uint64_t)number,
-                                    (uint64_t)number + 1);
-        }
+        error = iso__gallery_put_template(gallery, row.id, item, i, &number, fault);
     }
     if (!error && access) {
         error = iso_gallery_db_put_access(gallery->db, row.id, access->bytes, access->size, fault);
@@ -138,7 +132,7 @@ static void tell_reread(void *context, uint64_t done, uint64_t total)
 static int put_items(struct iso_gallery *gallery, const struct iso_gallery_item *items, size_t n,
                      const struct iso_work_listener *listener, struct iso_fault *fault)
 {
-    /* The number of steps if nobody of the import is in the gallery yet. */
+    /* It is smaller by each person who is replaced; the number is not known yet. */
     const size_t most = n + gallery->memory.n_people + n;
     int error = 0;
     for (size_t i = 0; !error && i < n; i++) {

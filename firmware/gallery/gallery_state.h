@@ -26,6 +26,12 @@ struct iso_gallery {
 int iso__gallery_begin(struct iso_gallery *gallery, struct iso_fault *fault);
 int iso__gallery_end(struct iso_gallery *gallery, int error, struct iso_fault *fault);
 
+/* Stores template i of an item for a person; one that does not teach is excluded. *number is that
+ * of the template. Called within a transaction. (gallery_apply.c) */
+int iso__gallery_put_template(struct iso_gallery *gallery, int64_t person,
+                              const struct iso_gallery_item *item, size_t i, int64_t *number,
+                              struct iso_fault *fault);
+
 /* iso_gallery_apply() with a listener, which counts two steps for each change. (gallery_apply.c) */
 int iso__gallery_apply(struct iso_gallery *gallery, struct iso_gallery_change *changes, size_t n,
                        const struct iso_work_listener *listener, struct iso_fault *fault);
