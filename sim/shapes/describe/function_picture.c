@@ -68,39 +68,6 @@ static int colours_of(const struct sim_array *array, int32_t column, struct rang
     return 0;
 }
 
-static void draw_points(const struct sheet *sheet, const struct sim_scene *scene)
-{
-    for (int32_t i = 0; sheet->critical && i < sheet->critical->rows; i++) {
-        const int32_t v = (int32_t)sim_array_item(sheet->critical, i, 0);
-        sim_scene_dot(scene, sheet->shape->mesh->vertices_mm[v], sim_colour_hex(0xffffff), 3.5);
-    }
-}
-
-static int draw_shape(const struct sheet *sheet, const struct sim_colour *colour,
-                      cairo_surface_t **out)
-{
-    const struct iso_mesh *mesh = sheet->shape->mesh;
-    struct sim_view view = sim_shape_view(mesh);
-    const struct sim_surface_style style = {.vertex = colour};
-    struct sim_canvas *canvas = NULL;
-    struct sim_scene *scene = NULL;
-    int error = sim_canvas_new(CELL_PX, CELL_PX, sim_colour_hex(0xf4f6f8), sim_colour_hex(0xd8dee4),
-                               &canvas);
-    if (!error) {
-        error = sim_scene_new(mesh, &view, canvas, &scene);
-    }
-    if (!error) {
-        error = sim_scene_shade(scene, &style);
-    }
-    if (!error) {
-        draw_points(sheet, scene);
-        *out = sim_canvas_surface(canvas);
-    }
-    sim_scene_free(scene);
-    sim_canvas_free(canvas);
-    return error;
-}
-
 static int draw_cell(const struct sheet *sheet, const struct sim_array *array, int32_t column,
                      double x, double y)
 {
@@ -111,7 +78,7 @@ static int draw_cell(const struct sheet *sheet, const struct sim_array *array, i
     char name[SIM_ARRAY_NAME_MAX + 16], values[64];
     int error = colours_of(array, column, &shown, ends, &colour);
     if (!error) {
-        error = draw_shape(sheet, colour, &picture);
+        error = sim_shape_picture(sheet->shape->mesh, colour, sheet->critical, CELL_PX, &picture);
     }
     free(colour);
     if (error) {

@@ -19,3 +19,36 @@ struct sim_view sim_shape_view(const struct iso_mesh *mesh)
         .height_mm = size,
     };
 }
+
+static void draw_dots(const struct iso_mesh *mesh, const struct sim_array *dots,
+                      const struct sim_scene *scene)
+{
+    for (int32_t i = 0; dots && i < dots->rows; i++) {
+        const int32_t v = (int32_t)sim_array_item(dots, i, 0);
+        sim_scene_dot(scene, mesh->vertices_mm[v], sim_colour_hex(0xffffff), 3.5);
+    }
+}
+
+int sim_shape_picture(const struct iso_mesh *mesh, const struct sim_colour *colour,
+                      const struct sim_array *dots, int size_px, cairo_surface_t **out)
+{
+    struct sim_view view = sim_shape_view(mesh);
+    const struct sim_surface_style style = {.vertex = colour};
+    struct sim_canvas *canvas = NULL;
+    struct sim_scene *scene = NULL;
+    int error = sim_canvas_new(size_px, size_px, sim_colour_hex(0xf4f6f8), sim_colour_hex(0xd8dee4),
+                               &canvas);
+    if (!error) {
+        error = sim_scene_new(mesh, &view, canvas, &scene);
+    }
+    if (!error) {
+        error = sim_scene_shade(scene, &style);
+    }
+    if (!error) {
+        draw_dots(mesh, dots, scene);
+        *out = sim_canvas_surface(canvas);
+    }
+    sim_scene_free(scene);
+    sim_canvas_free(canvas);
+    return error;
+}

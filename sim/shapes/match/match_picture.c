@@ -31,26 +31,13 @@ static void colour_places(const struct iso_mesh *mesh, struct sim_colour *colour
 static int draw_shape(cairo_t *cr, const struct iso_mesh *mesh, const struct sim_colour *colour,
                       double x)
 {
-    struct sim_view view = sim_shape_view(mesh);
-    const struct sim_surface_style style = {.vertex = colour};
-    struct sim_canvas *canvas = NULL;
-    struct sim_scene *scene = NULL;
-    int error = sim_canvas_new(CELL_PX, CELL_PX, sim_colour_hex(0xf4f6f8), sim_colour_hex(0xd8dee4),
-                               &canvas);
+    cairo_surface_t *picture = NULL;
+    const int error = sim_shape_picture(mesh, colour, NULL, CELL_PX, &picture);
     if (!error) {
-        error = sim_scene_new(mesh, &view, canvas, &scene);
-    }
-    if (!error) {
-        error = sim_scene_shade(scene, &style);
-    }
-    if (!error) {
-        cairo_surface_t *picture = sim_canvas_surface(canvas);
         cairo_set_source_surface(cr, picture, x, 0.0);
         cairo_paint(cr);
         cairo_surface_destroy(picture);
     }
-    sim_scene_free(scene);
-    sim_canvas_free(canvas);
     return error;
 }
 
