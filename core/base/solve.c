@@ -5,10 +5,11 @@
 
 #include "core/base/lanes.h"
 
-/* Columns are eliminated by panels. What a panel subtracts from the rest of the matrix is
- * independent from entry to entry, so that whole registers compute it; a dot product of two rows
- * would wait for each sum before the next one. Each entry has the same operations in the same order
- * as in the textbook's loop, so that the factor is the same to the bit. */
+/* Columns are eliminated in panels of PANEL columns. A panel is then subtracted from the rest of
+ * the matrix, where no entry depends on another one, so a register computes several entries at
+ * once. A dot product of two rows would have to wait for each sum before the next one. Each entry
+ * goes through the same operations in the same order as in the plain loop, so both factors have the
+ * same bits. */
 enum { PANEL = ISO_DOUBLES };
 
 /* A column of the factor, from a matrix from which all panels before `first` are subtracted. */

@@ -29,12 +29,13 @@ static const double beyond_doubt_mm2 = 6.0;
  * least this far from the first one, and if it is at most this many times as far away. */
 static const double other_coverage_min = 0.8;
 static const double other_apart_mm = 110.0, other_far_ratio = 1.2;
-/* Once a fit is beyond doubt, a pose is not fitted whose rigid cost is higher than the best one by
- * more than hopeless_mm2: of 3,400 searches in rendered and real frames, 16 found a slightly better
- * fit of the same face after such a pose. A pose with a rigid cost above rigid_face_mm2 is not
- * tried as a second face: of 2,963 faces, 3 had a higher one, all of them before attacks. No pose
- * above rigid_most_mm2 is fitted at all: none of these searches found a fit good enough for a face
- * above 20.5 mm2. */
+/* Bounds of the rigid cost of a pose, from 3,400 searches in rendered and real frames. They decide
+ * which poses are fitted.
+ *   hopeless_mm2    After a fit beyond doubt, only poses are fitted whose cost is at most this much
+ *                   above the least one. Without this bound, 16 searches found a slightly better
+ * fit of the same face. rigid_face_mm2  A second face costs at most this. Of 2,963 faces 3 cost
+ * more, all of them in images of attacks. rigid_most_mm2  No pose that costs more is fitted. No
+ * face was found from a pose that cost more than 20.5 mm2. */
 static const double hopeless_mm2 = 6.0, rigid_face_mm2 = 16.0, rigid_most_mm2 = 23.0;
 /* A nearer fit gives way to one that is better by more than this. */
 static const double much_worse_mm2 = 4.0;

@@ -4,8 +4,9 @@
  * A block has ISO_CODE_LANES people. codes is [n_pairs][ISO_CODE_LANES][2]: two numbers of each
  * person. The difference of a code from the probe is weight * code - centre, with a weight and a
  * centre for each number. Bit i of the result says whether the squares of the differences of person
- * i add up to at most `limit`. The caller chooses the weights so that no difference exceeds 16 bits
- * and no sum 32 bits. All variants compute whole numbers, so that their results are the same. */
+ * i add up to at most `limit`. The caller chooses weights with which every difference
+ * fits in 16 bits and every sum in 32 bits. All filters compute with whole numbers, so their
+ * results are equal. */
 #ifndef ISO_CORE_MATCH_INDEX_CODE_FILTER_H
 #define ISO_CORE_MATCH_INDEX_CODE_FILTER_H
 

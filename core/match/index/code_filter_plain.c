@@ -1,4 +1,5 @@
-/* The filter in plain C, with which the tests compare the others, and the choice among them. */
+/* The filter in plain C, and the function that chooses a filter for this machine. Tests compare the
+ * other filters with this one. */
 #include <stddef.h>
 
 #include "core/match/index/code_filter.h"

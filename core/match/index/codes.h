@@ -84,7 +84,7 @@ typedef void iso_codes_moved(void *owner, uint32_t row, uint32_t place);
 /* Removes the codes at a place. Others take the place, and the owner is told so. */
 void iso_codes_remove(struct iso_codes *codes, uint32_t place, iso_codes_moved *moved, void *owner);
 
-/* Sets the number of the row whose codes are at a place. */
+/* Tells that the person whose codes are at this place has another row of the index now. */
 void iso_codes_set_row(struct iso_codes *codes, uint32_t place, uint32_t row);
 
 /* Computes the bounds of the terms. */

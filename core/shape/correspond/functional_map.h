@@ -1,6 +1,6 @@
-/* Correspondence of two shapes that bend: functional maps (Ovsjanikov, Ben-Chen, Solomon, Butscher
- * and Guibas, ACM TOG 31, 2012), refined by ZoomOut (Melzi, Ren, Rodola, Sharma, Wonka and
- * Ovsjanikov, ACM TOG 38, 2019).
+/* Finds which points of two non-rigid shapes correspond. It uses functional maps (Ovsjanikov,
+ * Ben-Chen, Solomon, Butscher and Guibas, ACM TOG 31, 2012), and refines them by ZoomOut (Melzi,
+ * Ren, Rodola, Sharma, Wonka and Ovsjanikov, ACM TOG 38, 2019).
  *
  * A functional map C takes the coefficients of a function on the shape `from` in its first k
  * eigenfunctions to those of the same function on the shape `to`. C is [k][k], row by row. A map of
@@ -16,11 +16,11 @@ struct iso_shared_functions {
     const double *from, *to;
 };
 
-/* The map that takes each function on `from` nearest to its partner on `to` and commutes with the
- * Laplacians as well as possible: min |C a - b|^2 + weight |C diag(lambda_from) - diag(lambda_to)
- * C|^2, functions with norm 1 and eigenvalues divided by the largest one. -EINVAL for k < 1 or
- * more than either shape has pairs, n < 1 or a weight not above 0; -EDOM if it has no solution;
- * -ENOMEM. */
+/* Computes the map C with the least |C a - b|^2 + weight |C diag(lambda_from) - diag(lambda_to)
+ * C|^2. The first term takes each function a on `from` to its function b on `to`; the second one
+ * makes C commute with the Laplacians. Functions are scaled to norm 1, and eigenvalues are divided
+ * by the largest one. -EINVAL for k < 1 or more than either shape has pairs, n < 1 or a weight not
+ * above 0; -EDOM if it has no solution; -ENOMEM. */
 int iso_functional_map_fit(const struct iso_shape *from, const struct iso_shape *to, int32_t k,
                            const struct iso_shared_functions *functions, double weight, double *c)
     __attribute__((warn_unused_result));

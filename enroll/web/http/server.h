@@ -7,8 +7,9 @@
  *                 request (403 "other-origin"), the type and size of the body (415, 413), and that
  *                 it is a JSON object (400 "invalid-json"). 404 "no-such-path" and 405
  *                 "no-such-method" otherwise
- *   plain paths   by the table of plain routes: POST, or the methods of the route. Checked are the
- *                 type (415) and the size of the body, which the handler gets as bytes
+ *   plain paths   by the table of plain routes: POST, or the methods of the route. The server has
+ *                 checked the type (415) and the size (413) of the body. The handler gets the body
+ *                 as bytes
  *   other paths   files of the folder of pages: GET and HEAD, with an ETag. It lists the folder
  *                 when it starts and serves nothing else; "/" is index.html
  *

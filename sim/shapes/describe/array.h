@@ -55,8 +55,8 @@ const char *sim_array_format_name(enum sim_array_format format);
 void sim_array_file_name(const struct sim_array *array, enum sim_array_format format, char *name,
                          size_t size);
 
-/* Writes all arrays into a directory and replaces their files. -EFBIG for an array of 2 GiB as
- * MAT5; errors of writing; each with a fault that names the file. */
+/* Writes each array into a directory, in place of an earlier file of its name. -EFBIG if an array
+ * has 2 GiB or more and the format is MAT5; errors of writing. The fault names the file. */
 int sim_arrays_write(const struct sim_arrays *arrays, enum sim_array_format format,
                      const char *directory, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -1,4 +1,5 @@
-/* The list of parameters beside the arrays of a shape. Internal to sim/shapes/describe. */
+/* Writes the file of parameters that lies beside the arrays of a shape. Internal to
+ * sim/shapes/describe. */
 #ifndef SIM_SHAPES_DESCRIBE_DESCRIBE_PARAMETERS_H
 #define SIM_SHAPES_DESCRIBE_DESCRIBE_PARAMETERS_H
 
@@ -11,8 +12,8 @@ struct sim_describe_choice {
     const struct sim_quantity *quantity[SIM_DESCRIBE_MAX];
     const struct iso_shape_method *method[SIM_DESCRIBE_MAX];
     int n_quantities, n_methods;
-    bool colours;          /* whether a method needs them */
-    bool as_colours_allow; /* leave such methods out of a mesh without colours */
+    bool colours;          /* one of the methods needs a mesh with colours */
+    bool as_colours_allow; /* a mesh without colours is described without these methods */
 };
 
 /* A mesh that was described. All are borrowed. */

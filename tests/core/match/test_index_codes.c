@@ -107,7 +107,8 @@ static struct iso_metric_vector relative_of(const struct iso_metric *m, struct i
     return v;
 }
 
-/* Searches by both filters and by none: the hits are the same to the bit. */
+/* Searches without a filter, with the plain filter and with the filter of this machine, and expects
+ * the same people and the same bits of their scores. */
 static void expect_same(struct iso_index *index, const struct iso_metric_vector *probe)
 {
     iso_code_filter *const filters[] = {NULL, iso__code_filter_plain, iso_code_filter_here()};

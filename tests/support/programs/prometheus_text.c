@@ -72,7 +72,8 @@ static void take_type(struct reading *r, const char *line)
     }
 }
 
-/* Reads {name="value",...} and returns what follows; NULL: it is not so. */
+/* `at` points to the labels of a series: {name="value",...}. Returns the text behind them, or NULL
+ * if the labels are not written in this way. */
 static const char *labels_end(const char *at)
 {
     do {
