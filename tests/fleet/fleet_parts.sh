@@ -1,6 +1,6 @@
 # The parts of fleet_check.sh: how servers, hubs and doors are started, killed and asked.
 
-checks=0 wrong=0
+checks=0 wrong=0 work=
 
 # Counts a check: ok TEXT, or bad TEXT.
 ok() {
@@ -25,18 +25,10 @@ as_postgres() {
     if [ "$(id -u)" -eq 0 ]; then runuser -u postgres -- "$@"; else "$@"; fi
 }
 
-prepare() {
-    local program
-    pg=$(ls -d /usr/lib/postgresql/*/bin 2>/dev/null | tail -n 1)
-    for program in "$pg/initdb" /usr/sbin/mosquitto; do
-        [ -x "$program" ] || {
-            echo "fleet_check: $program is missing: skipped"
-            exit 77
-        }
-    done
-    work=$(mktemp -d "${TMPDIR:-/var/tmp}/fleet-check.XXXXXX")
+# Makes a directory `work`, whose name begins with NAME, with a database that runs and a hub that does not run yet.
+make_database() { # NAME
+    work=$(mktemp -d "${TMPDIR:-/var/tmp}/$1.XXXXXX")
     chmod 755 "$work"
-    trap 'clean_up' EXIT
     mkdir "$work/db" "$work/doors" "$work/hub" "$work/broker" "$work/log"
     if [ "$(id -u)" -eq 0 ]; then # both servers give up the rights of root
         chown postgres "$work/db"
@@ -50,6 +42,19 @@ prepare() {
     start_postgres
     as_postgres "$pg/createdb" -h "$work/db" -U postgres fleet
     make_hub
+}
+
+prepare() {
+    local program
+    pg=$(ls -d /usr/lib/postgresql/*/bin 2>/dev/null | tail -n 1)
+    for program in "$pg/initdb" /usr/sbin/mosquitto; do
+        [ -x "$program" ] || {
+            echo "fleet_check: $program is missing: skipped"
+            exit 77
+        }
+    done
+    trap 'clean_up' EXIT
+    make_database fleet-check
     start_broker
     start_hub 1
     start_hub 2

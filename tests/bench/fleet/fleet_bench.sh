@@ -25,21 +25,7 @@ step() {
 }
 
 start_servers() {
-    work=$(mktemp -d "${TMPDIR:-/var/tmp}/fleet-bench.XXXXXX")
-    chmod 755 "$work"
-    mkdir "$work/db" "$work/doors" "$work/hub" "$work/broker" "$work/log"
-    if [ "$(id -u)" -eq 0 ]; then # both servers give up the rights of root
-        chown postgres "$work/db"
-        chown mosquitto:mosquitto "$work/broker"
-        chmod 2770 "$work/broker"
-    fi
-    as_postgres "$pg/initdb" -D "$work/db/data" -A trust -U postgres >"$work/log/initdb" 2>&1
-    broker_port=$(free_port) hub_broker_port=$(free_port)
-    https_port=([1]=$(free_port) [2]=$(free_port))
-    conninfo="host=$work/db user=postgres dbname=fleet"
-    start_postgres
-    as_postgres "$pg/createdb" -h "$work/db" -U postgres fleet
-    make_hub
+    make_database fleet-bench
     : >"$work/pids"
     pin postgres "$pid_of_postgres"
 }
