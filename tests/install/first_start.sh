@@ -23,16 +23,6 @@ installed_packages='isotherm isotherm-data libisotherm0 isotherm-board-pc-usb is
 . "$here/web_story.sh"
 . "$here/pam_story.sh"
 
-# apt WHAT COMMAND...: runs COMMAND, and shows its output only if it fails
-apt() {
-    apt_what=$1
-    shift
-    "$@" >"$story_scratch/apt" 2>&1 || {
-        tail -n 20 "$story_scratch/apt" >&2
-        die "$apt_what"
-    }
-}
-
 # ---- installing ----
 
 packages() {
@@ -48,14 +38,14 @@ install_packages() {
     cp $(packages isotherm isotherm-data libisotherm0 isotherm-sim isotherm-board-pc-usb isotherm-web libpam-isotherm) "$container_root/srv/packages"
     in_root apt-get update -qq
     in_root dpkg-query -W -f '${Package}\n' | sort >"$story_scratch/before"
-    apt 'installing isotherm' in_root sh -c "$install"' /srv/packages/isotherm_*.deb /srv/packages/isotherm-data_*.deb /srv/packages/libisotherm0_*.deb'
+    quiet 'installing isotherm' in_root sh -c "$install"' /srv/packages/isotherm_*.deb /srv/packages/isotherm-data_*.deb /srv/packages/libisotherm0_*.deb'
     in_root dpkg-query -W -f '${Package}\n' | sort >"$story_scratch/after"
     new=$(comm -13 "$story_scratch/before" "$story_scratch/after")
     heavy=$(echo "$new" | grep -E '^lib(llvm|icu|gl|egl|gbm|z3|opencv|camera)|mesa' || true)
     # shellcheck disable=SC2086
     say "isotherm is installed: $(echo "$new" | wc -l) packages, $(in_root dpkg-query -W -f '${Installed-Size}\n' $new | awk '{ s += $1 } END { printf "%.0f", s / 1024 }') MiB"
     [ -z "$heavy" ] || die "isotherm alone pulls in $(echo "$heavy" | tr '\n' ' ')"
-    apt 'installing isotherm-board-pc-usb' in_root sh -c "$install"' /srv/packages/isotherm-board-pc-usb_*.deb'
+    quiet 'installing isotherm-board-pc-usb' in_root sh -c "$install"' /srv/packages/isotherm-board-pc-usb_*.deb'
 }
 
 # Installs the dependencies of the packages, and the files that `make install` has put into a staging folder.
@@ -67,7 +57,7 @@ install_tree() {
     done | cut -d : -f 1 | sort -u)
     in_root apt-get update -qq
     # shellcheck disable=SC2086
-    apt 'installing libraries' in_root apt-get install -q -y --no-install-recommends $libraries
+    quiet 'installing libraries' in_root apt-get install -q -y --no-install-recommends $libraries
     make -s -C "$source_dir" install DESTDIR="$container_root" >"$story_scratch/make" 2>&1 || {
         tail -n 20 "$story_scratch/make"
         die 'make install'
@@ -103,7 +93,7 @@ END
 install_web() {
     web_is_gone
     case $way in
-    packages) apt 'installing isotherm-web' inside sh -c "$install"' /srv/packages/isotherm-web_*.deb' ;;
+    packages) quiet 'installing isotherm-web' inside sh -c "$install"' /srv/packages/isotherm-web_*.deb' ;;
     tree) inside systemctl --quiet enable --now isotherm-web.service || die 'the unit of the web server does not start' ;;
     esac
     web_works
@@ -111,7 +101,7 @@ install_web() {
 
 # Only the packages put the module where PAM finds it.
 install_pam() {
-    apt 'installing libpam-isotherm' inside sh -c "$install"' pamtester /srv/packages/libpam-isotherm_*.deb'
+    quiet 'installing libpam-isotherm' inside sh -c "$install"' pamtester /srv/packages/libpam-isotherm_*.deb'
     pam_works
 }
 
@@ -152,7 +142,7 @@ upgrade_keeps() {
         "$here/repack.sh" "$file" +upgrade "$container_root/srv/newer"
     done
     before=$(daemon_pid)
-    apt 'the upgrade' inside sh -c "$install"' /srv/newer/isotherm_*.deb /srv/newer/isotherm-data_*.deb /srv/newer/libisotherm0_*.deb \
+    quiet 'the upgrade' inside sh -c "$install"' /srv/newer/isotherm_*.deb /srv/newer/isotherm-data_*.deb /srv/newer/libisotherm0_*.deb \
         /srv/newer/isotherm-board-pc-usb_*.deb /srv/newer/isotherm-web_*.deb /srv/newer/libpam-isotherm_*.deb'
     wait_for 10 'the unit does not come back' unit_is active
     [ "$(daemon_pid)" != "$before" ] || die 'the upgrade does not restart the daemon'
@@ -169,20 +159,20 @@ state_files() {
 removal_keeps_people() {
     state_files >"$story_scratch/state"
     # shellcheck disable=SC2086
-    apt 'the removal' inside apt-get remove -q -y $installed_packages
+    quiet 'the removal' inside apt-get remove -q -y $installed_packages
     [ -z "$(inside find /proc -maxdepth 2 -name exe -lname '*/isothermd*' 2>/dev/null)" ] || die 'the daemon outlives the removal of its package'
     pam_is_gone
     web_is_gone
-    apt 'the purge' inside apt-get purge -q -y isotherm
+    quiet 'the purge' inside apt-get purge -q -y isotherm
     state_files | cmp -s - "$story_scratch/state" || die 'purging removes people without a question'
     say 'removing and purging keep the people if the package manager cannot ask'
 }
 
 purge_leaves_nothing() {
-    apt 'the second installation' inside sh -c "$install"' /srv/newer/*.deb'
+    quiet 'the second installation' inside sh -c "$install"' /srv/newer/*.deb'
     echo 'isotherm isotherm/remove-people boolean true' | inside debconf-set-selections
     # shellcheck disable=SC2086
-    apt 'the purge' inside apt-get purge -q -y $installed_packages
+    quiet 'the purge' inside apt-get purge -q -y $installed_packages
     left=$(inside find / -xdev -path /srv -prune -o -path /proc -prune -o -path /sys -prune -o -path /var/lib/apt -prune -o \
         \( -iname '*isotherm*' -o -name 'org.isotherm*' \) -print)
     # The drop-in belongs to this test.

@@ -75,16 +75,6 @@ install_previous() { # NAME...
     rm "$container_root/usr/sbin/policy-rc.d"
 }
 
-# quiet WHAT COMMAND...: shows the output of COMMAND only if it fails
-quiet() {
-    quiet_what=$1
-    shift
-    "$@" >"$story_scratch/output" 2>&1 || {
-        tail -n 20 "$story_scratch/output" >&2
-        die "$quiet_what"
-    }
-}
-
 # ---- the fleet ----
 
 make_hub() {

@@ -15,6 +15,16 @@ die() {
     exit 1
 }
 
+# quiet WHAT COMMAND...: shows the output of COMMAND only if it fails
+quiet() {
+    quiet_what=$1
+    shift
+    "$@" >"$story_scratch/output" 2>&1 || {
+        tail -n 20 "$story_scratch/output" >&2
+        die "$quiet_what"
+    }
+}
+
 finish() {
     status=$?
     trap - EXIT
