@@ -8,6 +8,7 @@ set -euo pipefail
 build=$(cd "$1" && pwd)
 mkdir -p "$2"
 results=$(cd "$2" && pwd)
+rm -f "$results"/*.txt # the law takes all files, so those of an earlier run would count
 shift 2
 here=$(cd "$(dirname "$0")" && pwd)
 . "$here/../../fleet/fleet_parts.sh"
