@@ -93,9 +93,17 @@ follow_lists() {
     local seen='' now
     while sleep 0.5; do
         now=$(cat "$work/broker/acl" "$work/broker/crl.pem" 2>/dev/null | cksum)
-        [ "$now" = "$seen" ] || kill -HUP "$(cat "$work/broker.pid")" 2>/dev/null || true
+        if [ "$now" = "$seen" ] || ! handles_hangup "$(cat "$work/broker.pid")"; then continue; fi
+        kill -HUP "$(cat "$work/broker.pid")" 2>/dev/null || true
         seen=$now
     done
+}
+
+# SIGHUP ends a program that has not yet set its handler; SIGHUP is bit 0 of the set of caught signals in proc(5).
+handles_hangup() { # PID
+    local caught
+    caught=$(sed -n 's/^SigCgt:\t*//p' "/proc/$1/status" 2>/dev/null)
+    [ "${caught:-0}" != 0 ] && ((0x$caught & 1))
 }
 
 # ---- the hub ----
