@@ -19,7 +19,8 @@ enum {
     BACKOFF_CAP_MS = 64000,
     KEEPALIVE_S = 30,
     KEEPALIVE_LEAST_S = 5,
-    ANSWER_S = 15, /* for connection, TLS and the broker's acceptance */
+    TCP_S = 15,    /* for the TCP connection */
+    ANSWER_S = 60, /* for TCP, TLS and acceptance: a broker begins TLS with many doors at once */
     TICK_S = 5,    /* between two looks at the keep-alive */
     STEADY_S = 10, /* a connection that has lasted for so long was a success */
     TIMER_ACCURACY_US = 20000,
@@ -109,7 +110,10 @@ static int settle(struct link_mqtt *mqtt, int result)
                                                           : mosquitto_strerror(result));
         return -ENOTCONN;
     }
-    if (!mqtt->has_socket_opened || mosquitto_want_write(mqtt->client)) {
+    /* While TLS waits for the broker, the library wants to write CONNECT, and the socket can always
+     * be written: it would wake the loop without end. So on_socket() writes after each read. */
+    if (mqtt->state == LINK_MQTT_CONNECTING ? !mqtt->has_socket_opened
+                                            : mosquitto_want_write(mqtt->client)) {
         events |= EPOLLOUT;
     }
     if (mqtt->socket) {
@@ -137,7 +141,7 @@ static void try_to_connect(struct link_mqtt *mqtt)
         link__mqtt_break(mqtt, strerror(-r));
         return;
     }
-    set_timer(mqtt, mqtt->since_us + ANSWER_S * S_US);
+    set_timer(mqtt, mqtt->since_us + TCP_S * S_US);
 }
 
 static void accept_connection(struct link_mqtt *mqtt)
@@ -195,7 +199,7 @@ static int on_socket(sd_event_source *source, int fd, uint32_t revents, void *co
         link__mqtt_break(mqtt, "the broker has hung up");
         return 0;
     }
-    if (r == 0 && (revents & EPOLLOUT)) {
+    if (r == 0 && ((revents & EPOLLOUT) || mqtt->state == LINK_MQTT_CONNECTING)) {
         r = settle(mqtt, mosquitto_loop_write(mqtt->client, 1));
     }
     if (r == 0 && !mqtt->is_broken && mqtt->has_acceptance) {
@@ -219,7 +223,13 @@ static int on_time(sd_event_source *source, uint64_t at_us, void *context)
         try_to_connect(mqtt);
         break;
     case LINK_MQTT_CONNECTING:
-        link__mqtt_break(mqtt, "the broker does not answer");
+        /* A door that gave up here would begin TLS anew, which costs a busy broker the same again.
+         */
+        if (mqtt->has_socket_opened && now_us(mqtt) < mqtt->since_us + ANSWER_S * S_US) {
+            set_timer(mqtt, mqtt->since_us + ANSWER_S * S_US);
+        } else {
+            link__mqtt_break(mqtt, "the broker does not answer");
+        }
         break;
     case LINK_MQTT_CONNECTED:
         if (settle(mqtt, mosquitto_loop_misc(mqtt->client)) == 0) {

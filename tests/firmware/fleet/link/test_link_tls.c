@@ -1,7 +1,9 @@
 /* The link over TLS: it trusts the authority of its hub alone, and shows its certificate. */
 #include <errno.h>
+#include <netinet/in.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "tests/firmware/fleet/link/link_rig.h"
@@ -46,6 +48,51 @@ static void a_broker_that_is_down_is_tried_again_soon(void **state)
     link_rig_until(rig, link_rig_report(rig).connections == 1);
     assert_true(link_rig_now_ms() - since_ms < 8000);
     link_rig_until_level(rig);
+}
+
+static int listen_with(const int fd, int most)
+{
+    assert_int_equal(listen(fd, most), 0);
+    return fd;
+}
+
+/* A socket of a program that accepts no connection. `most` of them wait; the kernel lets those
+ * that come then try again, after about a second. */
+static int busy_listener(int most, struct sockaddr_in *out)
+{
+    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    socklen_t size = sizeof *out;
+    *out = (struct sockaddr_in){.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
+
+    assert_true(fd >= 0);
+    assert_int_equal(bind(fd, (const struct sockaddr *)out, sizeof *out), 0);
+    assert_int_equal(getsockname(fd, (struct sockaddr *)out, &size), 0);
+    return listen_with(fd, most);
+}
+
+/* While a broker is busy with other doors, TCP and then TLS take long. Until then the link sleeps;
+ * a loop that a writable socket wakes makes many thousand rounds here. */
+static void the_link_sleeps_while_the_broker_is_busy(void **state)
+{
+    struct link_rig *rig = *state;
+    struct sockaddr_in address;
+    uint64_t before, after;
+    const int listener = busy_listener(0, &address);
+    const int first = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+
+    assert_int_equal(connect(first, (const struct sockaddr *)&address, sizeof address), 0);
+    rig->broker.port = ntohs(address.sin_port);
+    link_rig_start(rig);
+    link_rig_run(rig, 300); /* TCP does not connect */
+    (void)listen_with(listener, 16);
+    link_rig_run(rig, 1500); /* TCP has connected, and TLS waits */
+    assert_int_equal(sd_event_get_iteration(rig->event, &before), 0);
+    link_rig_run(rig, 1000);
+    assert_int_equal(sd_event_get_iteration(rig->event, &after), 0);
+    assert_in_range(after - before, 0, 400);
+    assert_int_equal(link_rig_report(rig).phase, LINK_OFFLINE);
+    (void)close(first);
+    (void)close(listener);
 }
 
 /* Writes a client and an authority of a stranger. */
@@ -179,6 +226,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         RIG_TEST(everything_works_over_tls),
         RIG_TEST(a_broker_that_is_down_is_tried_again_soon),
+        RIG_TEST(the_link_sleeps_while_the_broker_is_busy),
         RIG_TEST(a_broker_of_another_authority_is_not_trusted),
         RIG_TEST(a_certificate_of_another_authority_is_refused),
         RIG_TEST(a_missing_certificate_is_said),
