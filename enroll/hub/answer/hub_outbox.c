@@ -115,36 +115,22 @@ static int emit_deltas(struct hub_store *store, struct pending *zone, uint32_t *
     return error;
 }
 
-/* Moves the cursor. A recovery may have moved it further in between. */
-static int store_published(struct hub_store *store, const struct pending *zone,
-                           struct iso_fault *fault)
-{
-    struct hub_values values = {.n = 0};
-    hub_value_id(&values, &zone->place.zone);
-    hub_value_integer(&values, (int64_t)zone->published);
-    hub_value_integer(&values, (int64_t)zone->published_epoch);
-    return hub_db_run(store->db,
-                      "UPDATE zone SET published = greatest(published, $2), "
-                      "published_epoch = greatest(published_epoch, $3) WHERE id = $1",
-                      &values, NULL, fault);
-}
-
-static int publish(struct hub_store *store, struct pending *zone, uint32_t *most,
+static int publish(struct hub_store *store, struct pending *zone, uint32_t most,
                    const struct hub_emit *emit, struct iso_fault *fault)
 {
     int error = 0;
     if (zone->published_epoch < zone->place.epoch) {
         error = emit_keys(store, &zone->place.zone, emit, fault);
     }
-    while (!error && *most > 0 && zone->published < zone->place.sequence) {
-        error = emit_deltas(store, zone, most, emit, fault);
+    while (!error && most > 0 && zone->published < zone->place.sequence) {
+        error = emit_deltas(store, zone, &most, emit, fault);
     }
     /* HEAD is published after the deltas, so that a door which reads HEAD finds all of them. */
     if (!error && zone->published >= zone->place.sequence) {
         error = emit_head(store, &zone->place, zone->snapshot_sequence, emit, fault);
         zone->published_epoch = error ? zone->published_epoch : zone->place.epoch;
     }
-    return error ? error : store_published(store, zone, fault);
+    return error;
 }
 
 #define PENDING                                                                          \
@@ -165,26 +151,54 @@ static int take_pending(const PGresult *rows, int row, struct pending *out, stru
                : 0;
 }
 
-int hub_outbox_each(struct hub_store *store, uint32_t most, const struct hub_emit *emit, bool *done,
-                    struct iso_fault *fault)
+int hub_outbox_emit(struct hub_store *store, uint32_t most, const struct hub_emit *emit,
+                    struct hub_outbox *out, struct iso_fault *fault)
 {
     PGresult *rows = NULL;
-    bool all = true;
+    *out = (struct hub_outbox){.n = 0};
     int error = hub_db_run(store->db,
                            PENDING "WHERE published < sequence OR published_epoch < epoch "
                                    "ORDER BY id",
                            NULL, &rows, fault);
+    if (!error && PQntuples(rows) > 0) {
+        out->zones = calloc((size_t)PQntuples(rows), sizeof *out->zones);
+        error = out->zones ? 0 : iso_fault_set(fault, -ENOMEM, "the zones: no memory");
+    }
     for (int i = 0; !error && i < PQntuples(rows); i++) {
         struct pending zone;
         error = take_pending(rows, i, &zone, fault);
-        error = error ? error : publish(store, &zone, &most, emit, fault);
-        all = all && zone.published >= zone.place.sequence;
+        error = error ? error : publish(store, &zone, most, emit, fault);
+        out->more = out->more || zone.published < zone.place.sequence;
+        out->zones[out->n++] = (struct hub_outbox_zone){.zone = zone.place.zone,
+                                                        .published = zone.published,
+                                                        .published_epoch = zone.published_epoch};
     }
     PQclear(rows);
-    if (!error) {
-        *done = all;
+    return error;
+}
+
+int hub_outbox_confirm(struct hub_store *store, const struct hub_outbox *outbox,
+                       struct iso_fault *fault)
+{
+    int error = 0;
+    for (size_t i = 0; !error && i < outbox->n; i++) {
+        struct hub_values values = {.n = 0};
+        hub_value_id(&values, &outbox->zones[i].zone);
+        hub_value_integer(&values, (int64_t)outbox->zones[i].published);
+        hub_value_integer(&values, (int64_t)outbox->zones[i].published_epoch);
+        /* A recovery may have moved the cursor further in between. */
+        error = hub_db_run(store->db,
+                           "UPDATE zone SET published = greatest(published, $2), "
+                           "published_epoch = greatest(published_epoch, $3) WHERE id = $1",
+                           &values, NULL, fault);
     }
     return error;
+}
+
+void hub_outbox_free(struct hub_outbox *outbox)
+{
+    free(outbox->zones);
+    *outbox = (struct hub_outbox){.n = 0};
 }
 
 int hub_outbox_heads(struct hub_store *store, const struct hub_emit *emit, struct iso_fault *fault)

@@ -6,12 +6,33 @@
 
 #include "enroll/hub/answer/hub_answer.h"
 
+/* How far each zone is in what was emitted. */
+struct hub_outbox_zone {
+    struct iso_fleet_id zone;
+    uint64_t published, published_epoch;
+};
+
+/* What was emitted and is not confirmed yet. All zero: nothing. Free it with hub_outbox_free(). */
+struct hub_outbox {
+    struct hub_outbox_zone *zones;
+    size_t n;
+    bool more; /* a zone has more deltas than were emitted */
+};
+
 /* Emits what the broker does not have: for each zone the KEY of a new epoch for each of its doors,
- * the new deltas in their order, and the HEAD (retained). At most `most` deltas; *done is false if
- * there are more. What was emitted counts as published when the function returns 0, so a failure
- * lets it be emitted again. */
-int hub_outbox_each(struct hub_store *store, uint32_t most, const struct hub_emit *emit, bool *done,
-                    struct iso_fault *fault) __attribute__((warn_unused_result));
+ * the new deltas in their order, at most `most` of each zone, and the HEAD (retained) if all of
+ * them were emitted. *out is written in any case. It counts as published only after
+ * hub_outbox_confirm(), so without that the next call emits the same again. */
+int hub_outbox_emit(struct hub_store *store, uint32_t most, const struct hub_emit *emit,
+                    struct hub_outbox *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Stores that the broker has what was emitted. */
+int hub_outbox_confirm(struct hub_store *store, const struct hub_outbox *outbox,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Frees the zones, and makes it empty. */
+void hub_outbox_free(struct hub_outbox *outbox);
 
 /* The HEAD of every zone again, for a broker that may have lost what it retained. */
 int hub_outbox_heads(struct hub_store *store, const struct hub_emit *emit, struct iso_fault *fault)

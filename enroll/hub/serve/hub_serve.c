@@ -37,6 +37,7 @@ static int open_broker(struct hub_service *service, struct iso_fault *fault)
                                    .port = options->broker_port,
                                    .on_state = hub__broker_state,
                                    .on_message = hub__mail_arrived,
+                                   .on_acknowledged = hub__broker_acknowledged,
                                    .context = service};
 
     randombytes_buf(random, sizeof random);

@@ -12,10 +12,13 @@
 #include "enroll/hub/store/hub_door.h"
 
 enum {
-    DELTAS_AT_ONCE = 200,
-    FLUSH_MS = 5000,
+    DELTAS_LEAST = 4, /* of a zone at once */
+    DELTAS_MOST = 200,
+    LATE_S = 5,
     FOLLOW_S = 60, /* the broker's folder is compared with the doors at least so often */
 };
+
+#define SLOW_S 1.0 /* for the acknowledgement of what was published at once */
 
 /* The broker gives each message to one process of the hub. */
 static const char shared_mail[] = "$share/hub/" ISO_FLEET_TOPIC_ALL_OUT;
@@ -41,12 +44,6 @@ int hub__emit(void *context, const char *topic, const void *bytes, size_t size, 
     return r;
 }
 
-/* What one call of the outbox has emitted. */
-struct outbox {
-    struct hub_service *service;
-    unsigned deltas;
-};
-
 static bool is_delta(const char *topic)
 {
     static const char end[] = "/delta";
@@ -55,57 +52,129 @@ static bool is_delta(const char *topic)
     return n >= sizeof end && strcmp(topic + n - (sizeof end - 1), end) == 0;
 }
 
-/* Emits for the outbox. Deltas may count as published only when the broker has them. So the last
- * message of a zone is waited for: its HEAD, which alone is retained, or the last delta that the
- * outbox may emit at once. */
-static int emit_and_wait(void *context, const char *topic, const void *bytes, size_t size,
-                         bool retain)
+static int emit_counted(void *context, const char *topic, const void *bytes, size_t size,
+                        bool retain)
 {
-    struct outbox *outbox = context;
-    struct hub_service *service = outbox->service;
-    int r = hub__emit(service, topic, bytes, size, retain);
+    struct hub_service *service = context;
 
-    outbox->deltas += is_delta(topic);
-    if (r == 0 && (retain || outbox->deltas == DELTAS_AT_ONCE)) {
-        r = hub_mqtt_flush(service->mqtt, FLUSH_MS);
-        service->emit_failed = r < 0;
-    }
-    return r;
+    service->publishing.deltas += is_delta(topic);
+    return hub__emit(service, topic, bytes, size, retain);
 }
 
 static void failed(struct hub_service *service, int error, const struct iso_fault *fault)
 {
     service->totals.publish_failures++;
     if (error != -ENOTCONN) {
-        fprintf(stderr, SD_WARNING "isotherm-hub: cannot publish: %s\n",
-                *fault->text ? fault->text : "the broker does not acknowledge");
+        fprintf(stderr, SD_WARNING "isotherm-hub: cannot publish: %s\n", fault->text);
     }
+}
+
+/* What was not confirmed is emitted again. */
+static void forget(struct hub_publishing *publishing)
+{
+    hub_outbox_free(&publishing->outbox);
+    publishing->waits = false;
+}
+
+/* The broker hands a delta to every door before it acknowledges it. With many doors that takes
+ * long, and another zone waits; so fewer are published at once. */
+static void follow_time(struct hub_publishing *publishing, double took_s)
+{
+    const uint32_t most = publishing->most;
+
+    if (took_s > SLOW_S) {
+        publishing->most = most / 2 > DELTAS_LEAST ? most / 2 : DELTAS_LEAST;
+    } else if (publishing->outbox.more && took_s < SLOW_S / 4) {
+        publishing->most = 2 * most < DELTAS_MOST ? 2 * most : DELTAS_MOST;
+    }
+}
+
+/* Deltas count as published only when the broker has them. Returns whether it has them all. The
+ * loop does not wait for it: doors would get no lease meanwhile. And what is sent is not sent again
+ * as long as the connection lasts: a slow broker would have the more to do, the slower it is. */
+static bool is_acknowledged(struct hub_service *service)
+{
+    struct hub_publishing *publishing = &service->publishing;
+    struct hub_mqtt_counts counts;
+    struct iso_fault fault = {.text = ""};
+    const double took_s = hub__clock_s() - publishing->since_s;
+
+    hub_mqtt_counts(service->mqtt, &counts);
+    if (counts.acknowledged < publishing->until) {
+        if (!publishing->is_late && took_s > LATE_S) {
+            publishing->is_late = true;
+            fprintf(stderr, SD_WARNING "isotherm-hub: the broker takes long for %u changes\n",
+                    publishing->deltas);
+        }
+        return false;
+    }
+    follow_time(publishing, took_s);
+    const int r = hub_outbox_confirm(&service->store, &publishing->outbox, &fault);
+    hub__database_state(service, r, &fault);
+    forget(publishing);
+    if (r) {
+        failed(service, r, &fault);
+    }
+    return true;
+}
+
+static int emit_all(struct hub_service *service, struct iso_fault *fault)
+{
+    const struct hub_emit emit = {.emit = emit_counted, .context = service};
+    struct hub_publishing *publishing = &service->publishing;
+    int r = 0;
+
+    publishing->deltas = 0;
+    if (service->heads_wanted) {
+        r = hub_outbox_heads(&service->store, &emit, fault);
+        service->heads_wanted = r != 0;
+    }
+    return r ? r
+             : hub_outbox_emit(&service->store, publishing->most, &emit, &publishing->outbox,
+                               fault);
 }
 
 /* Publishes what the broker does not have. */
 static void publish(struct hub_service *service)
 {
-    struct outbox outbox = {.service = service};
-    const struct hub_emit emit = {.emit = emit_and_wait, .context = &outbox};
+    struct hub_publishing *publishing = &service->publishing;
     const double begun_s = hub__clock_s();
+    struct hub_mqtt_counts counts;
     struct iso_fault fault = {.text = ""};
-    bool done = true;
-    int r = 0;
 
     if (!service->is_leader || !hub_mqtt_is_connected(service->mqtt)) {
+        forget(publishing);
+        return;
+    }
+    if (publishing->waits && !is_acknowledged(service)) {
         return;
     }
     service->emit_failed = false;
-    if (service->heads_wanted) {
-        r = hub_outbox_heads(&service->store, &emit, &fault);
-        service->heads_wanted = r != 0;
-    }
-    r = r ? r : hub_outbox_each(&service->store, DELTAS_AT_ONCE, &emit, &done, &fault);
+    const int r = emit_all(service, &fault);
     hub__measured(service, "publishing", begun_s);
     hub__database_state(service, service->emit_failed ? 0 : r, &fault);
+    if (r || publishing->outbox.n == 0) {
+        forget(publishing);
+    } else {
+        hub_mqtt_counts(service->mqtt, &counts);
+        publishing->waits = true;
+        publishing->is_late = false;
+        publishing->until = counts.published;
+        publishing->since_s = hub__clock_s();
+    }
     if (r) {
         failed(service, r, &fault);
-    } else if (!done) {
+    }
+}
+
+/* No message may be published from here: the library is on the stack. */
+void hub__broker_acknowledged(void *context)
+{
+    struct hub_service *service = context;
+    struct hub_mqtt_counts counts;
+
+    hub_mqtt_counts(service->mqtt, &counts);
+    if (service->publishing.waits && counts.acknowledged >= service->publishing.until) {
         (void)sd_event_source_set_enabled(service->publish, SD_EVENT_ONESHOT);
     }
 }
@@ -184,6 +253,7 @@ void hub__broker_state(void *context, bool is_connected)
 {
     struct hub_service *service = context;
 
+    forget(&service->publishing);
     if (!is_connected) {
         return;
     }
@@ -292,6 +362,7 @@ int hub__leader_start(struct hub_service *service)
     int r = sd_event_add_defer(event, &service->publish, on_publish, service);
 
     service->notify_fd = -1;
+    service->publishing.most = DELTAS_LEAST;
     r = r < 0 ? r : sd_event_source_set_enabled(service->publish, SD_EVENT_OFF);
     r = r < 0 ? r
               : sd_event_add_time_relative(event, &service->tick, CLOCK_MONOTONIC, 0, 10000,
@@ -308,5 +379,6 @@ void hub__leader_stop(struct hub_service *service)
         end_outlets(service);
         (void)!hub_leader_leave(&service->store, NULL);
     }
+    forget(&service->publishing);
     free(service->home);
 }

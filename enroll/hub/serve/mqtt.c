@@ -17,7 +17,8 @@ enum {
     TICK_MS = 1000, /* libmosquitto's own work: keepalive */
     CONNECTING_MS =
         20, /* while the connection is made, libmosquitto does not say what it waits for */
-    CONNECT_MOST_MS = 10000,
+    TCP_MOST_MS = 10000,     /* for the TCP connection */
+    CONNECT_MOST_MS = 60000, /* for TCP, TLS and acceptance: many doors may begin TLS at once */
     RETRY_FIRST_MS = 500,
     RETRY_MOST_MS = 5000,
     PACKETS_AT_ONCE = 64, /* then other sources of the loop get their turn */
@@ -75,6 +76,7 @@ static void on_publish(struct mosquitto *m, void *context, int mid, int reason,
         fprintf(stderr, SD_ERR "isotherm-hub: the broker refuses a message of the hub: %s\n",
                 mosquitto_reason_string(reason));
     }
+    mqtt->setup.on_acknowledged(mqtt->setup.context);
 }
 
 static void on_message(struct mosquitto *m, void *context, const struct mosquitto_message *message,
@@ -144,13 +146,24 @@ static bool read_packets(struct hub_mqtt *mqtt, int *code)
     return true;
 }
 
+/* What poll() says of the socket of a connection that is being made: 0, TCP is not there yet. */
+static short tcp_events(const struct hub_mqtt *mqtt)
+{
+    struct pollfd fd = {.fd = mosquitto_socket(mqtt->mosquitto), .events = POLLOUT};
+
+    return fd.fd >= 0 && poll(&fd, 1, 0) > 0 ? fd.revents : 0;
+}
+
 /* Over TLS libmosquitto takes a connection that was refused for one that is not there yet, and
  * would wait for it. */
 static bool was_refused(const struct hub_mqtt *mqtt)
 {
-    struct pollfd fd = {.fd = mosquitto_socket(mqtt->mosquitto), .events = POLLOUT};
+    return tcp_events(mqtt) & (POLLERR | POLLHUP);
+}
 
-    return fd.fd >= 0 && poll(&fd, 1, 0) > 0 && (fd.revents & (POLLERR | POLLHUP));
+static bool is_late(const struct hub_mqtt *mqtt)
+{
+    return now_ms() - mqtt->begun_ms > (tcp_events(mqtt) ? CONNECT_MOST_MS : TCP_MOST_MS);
 }
 
 /* Lets libmosquitto work. */
@@ -230,7 +243,7 @@ static int on_timer(sd_event_source *source, uint64_t usec, void *context)
         begin(mqtt);
         return 0;
     }
-    if (mqtt->is_connecting && now_ms() - mqtt->begun_ms > CONNECT_MOST_MS) {
+    if (mqtt->is_connecting && is_late(mqtt)) {
         (void)mosquitto_disconnect(mqtt->mosquitto);
         lose(mqtt, "it does not answer");
         return 0;
@@ -359,38 +372,6 @@ int hub_mqtt_publish(struct hub_mqtt *mqtt, const char *topic, const void *bytes
     }
     watch(mqtt);
     return r;
-}
-
-int hub_mqtt_flush(struct hub_mqtt *mqtt, int64_t timeout_ms)
-{
-    const int64_t until_ms = now_ms() + timeout_ms;
-    int code = MOSQ_ERR_SUCCESS;
-
-    while (code == MOSQ_ERR_SUCCESS && mqtt->counts.acknowledged < mqtt->counts.published) {
-        const int64_t left_ms = until_ms - now_ms();
-        struct pollfd fd = {.fd = mosquitto_socket(mqtt->mosquitto), .events = POLLIN};
-        if (!mqtt->is_connected) {
-            return -ENOTCONN;
-        }
-        if (left_ms <= 0) {
-            return -ETIMEDOUT;
-        }
-        if (mosquitto_want_write(mqtt->mosquitto)) {
-            fd.events |= POLLOUT;
-        }
-        (void)poll(&fd, 1, left_ms < 100 ? (int)left_ms : 100);
-        (void)read_packets(mqtt, &code);
-        code = code ? code : mosquitto_loop_write(mqtt->mosquitto, 1);
-        code = code ? code : mosquitto_loop_misc(mqtt->mosquitto);
-    }
-    if (code != MOSQ_ERR_SUCCESS) {
-        lose(mqtt, mosquitto_strerror(code));
-        return -ENOTCONN;
-    }
-    watch(mqtt);
-    /* What TLS has decrypted already would wait for the next packet. */
-    (void)sd_event_source_set_enabled(mqtt->more, SD_EVENT_ONESHOT);
-    return 0;
 }
 
 void hub_mqtt_counts(const struct hub_mqtt *mqtt, struct hub_mqtt_counts *out)

@@ -23,6 +23,8 @@ struct hub_mqtt_setup {
     void (*on_state)(void *context, bool is_connected);
     /* A message; topic and bytes are valid during the call, in which nothing may be published. */
     void (*on_message)(void *context, const char *topic, const void *bytes, size_t size);
+    /* The broker has acknowledged a message. */
+    void (*on_acknowledged)(void *context);
     void *context;
 };
 
@@ -46,10 +48,8 @@ int hub_mqtt_unsubscribe(struct hub_mqtt *mqtt, const char *topic)
 int hub_mqtt_publish(struct hub_mqtt *mqtt, const char *topic, const void *bytes, size_t size,
                      bool retain) __attribute__((warn_unused_result));
 
-/* Waits until the broker has acknowledged everything that was published. -ETIMEDOUT it has not done
- * so in time, -ENOTCONN the connection was lost. */
-int hub_mqtt_flush(struct hub_mqtt *mqtt, int64_t timeout_ms) __attribute__((warn_unused_result));
-
+/* Since the start. The broker acknowledges messages in the order in which they were published, so
+ * those published up to a count of `published` are with it when `acknowledged` is as high. */
 struct hub_mqtt_counts {
     uint64_t published, acknowledged, received, attempts, connections;
     bool is_connected;

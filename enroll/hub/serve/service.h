@@ -40,6 +40,17 @@ struct hub_scim_gate {
     uint8_t known[HUB_SCIM_KNOWN][HUB_SCIM_DIGEST_BYTES];
 };
 
+/* What the broker has to acknowledge before the leader publishes more. */
+struct hub_publishing {
+    bool waits;
+    struct hub_outbox outbox;
+    uint64_t until;  /* so many acknowledged messages of hub_mqtt_counts() are all of it */
+    double since_s;  /* when the last of it was published */
+    bool is_late;    /* it was said that the broker takes long */
+    unsigned deltas; /* in it */
+    uint32_t most;   /* deltas of a zone at once */
+};
+
 struct hub_service {
     struct hub_api api; /* the first, because its handlers have it as their context */
     const struct hub_serve_options *options;
@@ -71,6 +82,7 @@ struct hub_service {
     bool is_leader;
     struct hub_outlets *outlets; /* of the leader; NULL: none, or they could not be started */
     bool heads_wanted;           /* the broker may have lost what it has retained */
+    struct hub_publishing publishing;
     bool database_lost;
     bool
         emit_failed; /* the last message of this call could not be sent: not the database's fault */
@@ -101,6 +113,7 @@ int hub__leader_start(struct hub_service *service);
 void hub__leader_stop(struct hub_service *service);
 /* The connection to the broker is there, or is lost. */
 void hub__broker_state(void *service, bool is_connected);
+void hub__broker_acknowledged(void *service);
 /* A call of the database takes notifications from the socket, which then does not become readable.
  * Called after such calls: lets the leader publish if there is one. */
 void hub__look_for_notes(struct hub_service *service);

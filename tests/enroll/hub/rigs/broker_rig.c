@@ -191,6 +191,23 @@ static bool wait_for(struct broker_client *client, const int *what, int value, d
     return ok;
 }
 
+/* The library's own thread may never end: it takes a client whose connection is just accepted for
+ * one that shall stay. */
+static void *run_client(void *context)
+{
+    struct broker_client *client = context;
+
+    while (!__atomic_load_n(&client->ends, __ATOMIC_ACQUIRE)) {
+        if (mosquitto_loop(client->mosquitto, 50, 1) != MOSQ_ERR_SUCCESS &&
+            !__atomic_load_n(&client->ends, __ATOMIC_ACQUIRE)) {
+            (void)usleep(50000);
+            (void)mosquitto_reconnect_async(client->mosquitto);
+        }
+    }
+    (void)mosquitto_loop_write(client->mosquitto, 1); /* the end of the connection */
+    return NULL;
+}
+
 void broker_client_begin(struct broker_client *client, const char *id, uint16_t port,
                          const char *ca, const char *certificate, const char *key)
 {
@@ -213,12 +230,8 @@ void broker_client_begin(struct broker_client *client, const char *id, uint16_t 
     if (mosquitto_connect_async(client->mosquitto, "127.0.0.1", port, 60) != MOSQ_ERR_SUCCESS) {
         client->connected = -1;
     }
-    assert_int_equal(mosquitto_loop_start(client->mosquitto), 0);
-}
-
-bool broker_client_connects(struct broker_client *client)
-{
-    return wait_for(client, &client->connected, 1, 10);
+    (void)mosquitto_threaded_set(client->mosquitto, true);
+    assert_int_equal(pthread_create(&client->thread, NULL, run_client, client), 0);
 }
 
 void broker_client_subscribe(struct broker_client *client, const char *topic)
@@ -227,6 +240,11 @@ void broker_client_subscribe(struct broker_client *client, const char *topic)
 
     assert_int_equal(mosquitto_subscribe(client->mosquitto, &mid, topic, 1), 0);
     assert_true(wait_for(client, &client->subscribed, mid, 10));
+}
+
+bool broker_client_connects(struct broker_client *client)
+{
+    return wait_for(client, &client->connected, 1, 10);
 }
 
 void broker_client_publish(struct broker_client *client, const char *topic, const void *bytes,
@@ -262,14 +280,9 @@ void broker_client_end(struct broker_client *client)
     if (!client->mosquitto) {
         return;
     }
-    const int fd = mosquitto_socket(client->mosquitto);
-    /* The thread ends by itself; one that is cancelled would leave what TLS has allocated. It has
-     * to know that it shall end before the connection does, or it would connect again. */
     (void)mosquitto_disconnect(client->mosquitto);
-    if (fd >= 0) {
-        (void)shutdown(fd, SHUT_RDWR);
-    }
-    (void)mosquitto_loop_stop(client->mosquitto, false);
+    __atomic_store_n(&client->ends, true, __ATOMIC_RELEASE);
+    (void)pthread_join(client->thread, NULL);
     mosquitto_destroy(client->mosquitto);
     client->mosquitto = NULL;
     for (size_t i = 0; i < client->n; i++) {

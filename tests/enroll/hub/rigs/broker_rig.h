@@ -40,6 +40,8 @@ struct broker_message {
 
 struct broker_client {
     struct mosquitto *mosquitto;
+    pthread_t thread;
+    bool ends;
     pthread_mutex_t lock;
     pthread_cond_t changed;
     int connected; /* 0: not yet, 1: it is, -1: it was refused or has ended */

@@ -1,5 +1,6 @@
 /* What may break while the hub runs: the leader dies, the database or the broker goes away. No
  * change is lost. */
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -11,14 +12,66 @@
 #include "tests/enroll/hub/rigs/served_door.h"
 #include "tests/support/scratch.h"
 
+/* How often the door's client has got a delta, and when it got the first one after `since_s`. */
+static int count_deltas(double since_s, double *first_s)
+{
+    char topic[ISO_FLEET_TOPIC_SIZE];
+    int n = 0;
+
+    *first_s = 0;
+    (void)iso_fleet_topic_delta(&rig.zone, topic);
+    for (size_t i = 0; i < door.client.n; i++) {
+        const double at_s = 1e-9 * (double)door.client.messages[i].at_ns;
+        if (strcmp(door.client.messages[i].topic, topic) == 0) {
+            n++;
+            if (at_s > since_s && (*first_s == 0 || at_s < *first_s)) {
+                *first_s = at_s;
+            }
+        }
+    }
+    return n;
+}
+
+static void follow_until(uint64_t sequence)
+{
+    for (int i = 0; i < 1000 && door.place.sequence < sequence; i++) {
+        (void)usleep(10000);
+        (void)door_rig_follow(&door, 0);
+    }
+    assert_int_equal(door.place.sequence, sequence); /* each follows the one before it */
+}
+
+/* A hub that sent again what a slow broker has not acknowledged would give it the more to do. */
+static void a_slow_broker_gets_each_change_once(void **state)
+{
+    enum { CHANGES = 12 };
+    struct iso_fleet_lease lease;
+    struct iso_fault fault = {.text = ""};
+    double first_s;
+    (void)state;
+
+    served_door_begin();
+    served_door_connect(&lease);
+    (void)hub_rig_leader(&rig);
+    assert_int_equal(kill(rig.broker.pid, SIGSTOP), 0);
+    for (int i = 0; i < CHANGES; i++) {
+        served_ok(hub_zone_lockdown(&rig.store, &rig.zone, i % 2 == 0, &fault), &fault);
+        (void)usleep(20000);
+    }
+    (void)sleep(8);
+    assert_int_equal(kill(rig.broker.pid, SIGCONT), 0);
+    follow_until(CHANGES);
+    (void)sleep(2);
+    (void)door_rig_follow(&door, 0);
+    assert_int_equal(count_deltas(0, &first_s), CHANGES);
+}
+
 static void another_hub_takes_over(void **state)
 {
     enum { CHANGES = 60 };
     struct iso_fleet_lease lease;
     struct iso_fault fault = {.text = ""};
-    char topic[ISO_FLEET_TOPIC_SIZE];
-    double killed = 0, longest = 0;
-    int delivered = 0;
+    double killed = 0, first = 0;
     (void)state;
 
     served_door_begin();
@@ -34,26 +87,13 @@ static void another_hub_takes_over(void **state)
         (void)usleep(30000);
     }
     (void)hub_rig_leader(&rig);
-    for (int i = 0; i < 1000 && door.place.sequence < CHANGES; i++) {
-        (void)usleep(10000);
-        (void)door_rig_follow(&door, 0);
-    }
-    assert_int_equal(door.place.sequence, CHANGES); /* each follows the one before it */
-    (void)iso_fleet_topic_delta(&rig.zone, topic);
-    for (size_t i = 0; i < door.client.n; i++) {
-        const double at = 1e-9 * (double)door.client.messages[i].at_ns;
-        if (strcmp(door.client.messages[i].topic, topic) == 0) {
-            delivered++;
-            if (at > killed && (longest == 0 || at - killed < longest)) {
-                longest = at - killed;
-            }
-        }
-    }
+    follow_until(CHANGES);
+    const int delivered = count_deltas(killed, &first);
     print_message(
         "the first delta after the death of the leader came after %.2f s; %d of %d deltas "
         "came twice\n",
-        longest, delivered - CHANGES, CHANGES);
-    assert_true(longest < 5);
+        first - killed, delivered - CHANGES, CHANGES);
+    assert_true(first > killed && first - killed < 5);
     /* The other one answers mail, too. */
     assert_true(door_rig_ask(&door, "{}", 0, &lease, 10));
 }
@@ -143,6 +183,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         SERVED_TEST(the_leader_deletes_old_acts),
+        SERVED_TEST(a_slow_broker_gets_each_change_once),
         SERVED_TEST(another_hub_takes_over),
         SERVED_TEST(the_database_may_go_away_for_a_while),
         SERVED_TEST(the_broker_may_go_away_for_a_while),
