@@ -18,13 +18,13 @@ struct broker_places {
 /* Writes mosquitto.conf. */
 void broker_text_config(FILE *out, const struct broker_places *places);
 
-/* Writes the beginning of the list of rights: what the hub and Home
- * Assistant may do. Who is not in the list may do
- * nothing, and mosquitto refuses everything else. */
+/* Writes the beginning of the list of rights: what the hub and Home Assistant may do, and that each
+ * door reads what is addressed to it and writes in its own name. Mosquitto refuses everything
+ * else. */
 void broker_text_hub(FILE *out);
 
-/* Writes the rights of one door: it reads what is addressed to it and the streams of its zones, and
- * writes in its own name alone. A door that has not joined or is expelled has none. */
+/* Writes the rights of one door: it reads the streams of its zones. A door that has not joined, or
+ * is expelled, may do nothing, also by a connection that it has. */
 void broker_text_door(FILE *out, const struct hub_door *door);
 
 #endif

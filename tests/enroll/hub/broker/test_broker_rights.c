@@ -244,10 +244,14 @@ static void nobody_comes_in_without_a_certificate_of_the_hub(void **state)
 
 static void an_expelled_door_is_refused_after_a_reload(void **state)
 {
-    char topic[ISO_FLEET_TOPIC_SIZE];
+    char topic[ISO_FLEET_TOPIC_SIZE], in[ISO_FLEET_TOPIC_SIZE], from[ISO_FLEET_TOPIC_SIZE];
     (void)state;
 
+    iso_fleet_topic_in(&rig.doors[0].id, in);
+    iso_fleet_topic_out(&rig.doors[0].id, from);
     iso_fleet_topic_delta(&rig.zones[0], topic);
+    broker_client_subscribe(&rig.hub, from);
+    broker_client_subscribe(&rig.client[0], in);
     broker_client_subscribe(&rig.client[0], topic);
     broker_client_publish(&rig.hub, topic, "before", 6, false);
     assert_true(broker_client_wait(&rig.client[0], topic, 0, 10) >= 0);
@@ -258,6 +262,10 @@ static void an_expelled_door_is_refused_after_a_reload(void **state)
     /* The connection that it has gets nothing more. */
     broker_client_publish(&rig.hub, topic, "after", 5, false);
     assert_int_equal(broker_client_wait(&rig.client[0], topic, 1, WORTH_WAITING_S), -1);
+    broker_client_publish(&rig.hub, in, "after", 5, false);
+    assert_int_equal(broker_client_wait(&rig.client[0], in, 0, WORTH_WAITING_S), -1);
+    broker_client_publish(&rig.client[0], from, "after", 5, false);
+    assert_int_equal(broker_client_wait(&rig.hub, from, 0, WORTH_WAITING_S), -1);
     broker_client_end(&rig.client[0]);
     begin(&rig.client[0], 0);
     assert_false(broker_client_connects(&rig.client[0]));
