@@ -35,6 +35,7 @@ enum cli_verb {
     CLI_POLICY,
     CLI_CREDENTIAL,
     CLI_WEB,
+    CLI_UPDATE,
     CLI_VERBS /* how many there are; as a verb: no command was given */
 };
 
@@ -91,6 +92,7 @@ struct cli_arguments {
     int64_t at_s;                            /* since 1970 */
     const char *door, *zone;                 /* policy test, policy import; NULL: not given */
     const char *shown;                       /* policy test: "face,card"; NULL: not given */
+    bool status;                             /* update: show what there is */
     struct cli_credential_change credential; /* credential set */
 };
 

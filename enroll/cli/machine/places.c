@@ -22,6 +22,10 @@ const struct cli_setup_places cli_setup_installed = {
     .daemon_wait_s = 10,
 };
 
+const struct cli_image_places cli_image_installed = {
+    .os_release = "/usr/lib/os-release", /* /etc/os-release is a link */
+};
+
 void cli_places_policy_reader(char path[PATH_MAX])
 {
     char own[PATH_MAX] = "";
