@@ -58,6 +58,8 @@ static bool *flag_member(struct cli_arguments *out, enum cli_option_id id)
         return &out->yes;
     case CLI_OPTION_DRY_RUN:
         return &out->dry_run;
+    case CLI_OPTION_ALL:
+        return &out->all;
     case CLI_OPTION_STATUS:
         return &out->status;
     case CLI_OPTION_SESSION:

@@ -1,13 +1,17 @@
-/* update: the image of the appliance, its slots, and updates by RAUC. */
+/* update and version: the image of the appliance, its slots, updates by RAUC, and the versions of
+ * all that decides how the appliance behaves. */
 #include "enroll/cli/commands/commands.h"
 
 #include <errno.h>
 #include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
+#include "enroll/cli/client/state.h"
 #include "enroll/cli/image/update_text.h"
+#include "enroll/cli/image/versions.h"
 #include "enroll/cli/machine/interrupt.h"
 #include "enroll/cli/text/report.h"
 
@@ -97,4 +101,65 @@ enum cli_exit cli_update(const struct cli_image_places *places,
     }
     cli_installer_close(installer);
     return exit;
+}
+
+/* ---- version ---- */
+
+/* A daemon that does not answer, or not to this user, has no version. */
+static void ask_daemon(const struct cli_bus *bus, struct cli_versions *versions)
+{
+    struct cli_fault ignored = {.text = ""};
+    struct cli_daemon *daemon = NULL;
+    json_t *state = NULL;
+
+    if (cli_daemon_open(bus, &daemon, &ignored) == CLI_EXIT_OK &&
+        cli_state_fetch(daemon, &state, &ignored) == CLI_EXIT_OK) {
+        const char *version = cli_state_text(state, "version");
+        (void)snprintf(versions->daemon, sizeof versions->daemon, "%s", version ? version : "");
+    }
+    json_decref(state);
+    cli_daemon_close(daemon);
+}
+
+static void ask_rauc(const struct cli_bus *bus, struct cli_versions *versions)
+{
+    struct cli_fault ignored = {.text = ""};
+    struct cli_installer *installer = NULL;
+    struct cli_slots slots = {.n = 0};
+
+    if (cli_installer_open(bus, &installer, &ignored) == CLI_EXIT_OK &&
+        cli_installer_slots(installer, &slots, &ignored) == CLI_EXIT_OK) {
+        for (size_t i = 0; i < slots.n; i++) {
+            if (slots.slots[i].running) {
+                (void)snprintf(versions->bundle, sizeof versions->bundle, "%s",
+                               slots.slots[i].version);
+            }
+        }
+    }
+    cli_installer_close(installer);
+}
+
+enum cli_exit cli_version(const struct cli_image_places *places,
+                          const struct cli_arguments *arguments, struct cli_fault *fault)
+{
+    struct cli_versions versions;
+
+    (void)fault; /* what cannot be found out is left out */
+    if (!arguments->all) {
+        if (arguments->json) {
+            return cli_report_json(json_pack("{s:s}", "isotherm", ISOTHERM_VERSION));
+        }
+        puts("isotherm " ISOTHERM_VERSION);
+        return CLI_EXIT_OK;
+    }
+    cli_versions_read(places, &versions);
+    ask_daemon(&arguments->bus, &versions);
+    if (*versions.system.image) {
+        ask_rauc(&arguments->bus, &versions);
+    }
+    if (arguments->json) {
+        return cli_report_json(cli_versions_json(&versions));
+    }
+    cli_versions_print(&versions, stdout);
+    return CLI_EXIT_OK;
 }

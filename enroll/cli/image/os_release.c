@@ -29,12 +29,17 @@ static void find_value(const char *text, const char *key, char *out, size_t size
     }
 }
 
-void cli_os_release_read(const char *path, struct cli_os_release *out)
+void cli_os_release_value(const char *path, const char *key, char *out, size_t size)
 {
     char *text = cli_text_file_read(path, NULL);
 
-    find_value(text ? text : "", "PRETTY_NAME", out->name, sizeof out->name);
-    find_value(text ? text : "", "IMAGE_ID", out->image, sizeof out->image);
-    find_value(text ? text : "", "IMAGE_VERSION", out->version, sizeof out->version);
+    find_value(text ? text : "", key, out, size);
     free(text);
+}
+
+void cli_os_release_read(const char *path, struct cli_os_release *out)
+{
+    cli_os_release_value(path, "PRETTY_NAME", out->name, sizeof out->name);
+    cli_os_release_value(path, "IMAGE_ID", out->image, sizeof out->image);
+    cli_os_release_value(path, "IMAGE_VERSION", out->version, sizeof out->version);
 }

@@ -1,5 +1,7 @@
 #include "enroll/cli/image/update_text.h"
 
+#include "enroll/cli/text/report.h"
+
 static const char *or_unknown(const char *text)
 {
     return *text ? text : "not known";
@@ -33,11 +35,6 @@ void cli_update_print(const struct cli_update_view *view, FILE *out)
     }
 }
 
-static json_t *text_or_null(const char *text)
-{
-    return *text ? json_string(text) : json_null();
-}
-
 json_t *cli_update_json(const struct cli_update_view *view)
 {
     json_t *slots = json_array();
@@ -47,11 +44,11 @@ json_t *cli_update_json(const struct cli_update_view *view)
         const char *version = slot->running ? view->running.version : slot->version;
         (void)json_array_append_new(
             slots, json_pack("{s:s, s:o, s:b, s:b, s:b}", "slot", slot->name, "version",
-                             text_or_null(version), "running", slot->running, "good", slot->good,
+                             cli_report_text(version), "running", slot->running, "good", slot->good,
                              "next", slot->next));
     }
-    return json_pack("{s:o, s:o, s:s, s:i, s:o}", "image", text_or_null(view->running.image),
-                     "version", text_or_null(view->running.version), "operation",
+    return json_pack("{s:o, s:o, s:s, s:i, s:o}", "image", cli_report_text(view->running.image),
+                     "version", cli_report_text(view->running.version), "operation",
                      view->state->operation, "percent", view->state->percent, "slots", slots);
 }
 

@@ -24,6 +24,9 @@ const struct cli_setup_places cli_setup_installed = {
 
 const struct cli_image_places cli_image_installed = {
     .os_release = "/usr/lib/os-release", /* /etc/os-release is a link */
+    .slot = "/run/isotherm/slot",
+    .packages = "/usr/lib/isotherm-image/packages",
+    .dpkg_query = "/usr/bin/dpkg-query",
 };
 
 void cli_places_policy_reader(char path[PATH_MAX])

@@ -1,4 +1,5 @@
-/* The paths that `isotherm setup`, `isotherm web` and `isotherm update` use. The installed program has one set of
+/* The paths that `isotherm setup`, `isotherm web`, `isotherm update` and
+ * `isotherm version` use. The installed program has one set of
  * them; tests have their own. */
 #ifndef CLI_MACHINE_PLACES_H
 #define CLI_MACHINE_PLACES_H
@@ -29,6 +30,9 @@ struct cli_web_places {
 
 struct cli_image_places {
     const char *os_release; /* which image runs */
+    const char *slot;       /* from which slot it runs: SLOT=a */
+    const char *packages;   /* the list of the packages of the image */
+    const char *dpkg_query; /* knows the packages where there is no such list */
 };
 
 /* Writes the path of the program that reads files of policies (policy/policy_reader.h). It is at
