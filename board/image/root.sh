@@ -58,10 +58,11 @@ IMAGE_VERSION=$version
 END
 }
 
-# The certificate by which the image knows its updates. Without one, it takes none.
+# The certificate by which the image knows its updates; without one, it takes none. Who may install them.
 configure_updates() {
     mkdir -p "$root/etc/rauc"
     sed "s/@COMPATIBLE@/isotherm-$board-amd64/" "$here/etc/rauc.conf" >"$root/etc/rauc/system.conf"
+    install -m 0644 "$here/etc/de.pengutronix.rauc.conf" "$root/usr/share/dbus-1/system.d"
     if [ -n "${ISOTHERM_UPDATE_CERT:-}" ]; then
         install -m 0644 "$ISOTHERM_UPDATE_CERT" "$root/etc/rauc/keyring.pem"
     else

@@ -29,7 +29,7 @@ static const char *data_path_of(const struct iso_config *config,
     return "";
 }
 
-static int open_pipeline(struct iso_components *components, struct iso_fault *fault)
+int iso_components_open_pipeline(struct iso_components *components, struct iso_fault *fault)
 {
     const struct iso_config *config = &components->config;
     struct iso_pipeline_options options = {
@@ -76,7 +76,7 @@ static int check_door(const struct iso_config *config, struct iso_fault *fault)
 static int open_files(struct iso_components *components, struct iso_fault *fault)
 {
     const struct iso_config *config = &components->config;
-    int error = open_pipeline(components, fault);
+    int error = iso_components_open_pipeline(components, fault);
     if (!error && *config->door.cards) {
         error = iso_cards_load(config->door.cards, &components->cards, fault);
     }

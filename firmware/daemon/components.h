@@ -66,6 +66,11 @@ int iso_components_open(const struct iso_config *config, const struct iso_times 
 struct iso_components *iso_components_new(const struct iso_config *config,
                                           const struct iso_times *times);
 
+/* Opens the pipeline of components whose config and times are set. The errors of
+ * iso_pipeline_open. iso_components_close closes it. */
+int iso_components_open_pipeline(struct iso_components *components, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* Whether the directories of the stores exist: -ENOENT, -EACCES. (components_stores.c) */
 int iso_components_check_places(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -17,6 +17,7 @@
 #include "firmware/contract/fault_tag.h"
 #include "firmware/daemon/components.h"
 #include "firmware/daemon/daemon.h"
+#include "firmware/daemon/judge_stored.h"
 
 /* The same codes as those of every program of the project; see isothermd(8). */
 enum { EXIT_OK = 0, EXIT_USAGE = 2, EXIT_NOT_FOUND = 3, EXIT_FAULT = 4 };
@@ -28,6 +29,7 @@ enum option_id {
     OPTION_REST_DOOR,
     OPTION_PRINT_LOG,
     OPTION_ACCEPT_STATE,
+    OPTION_JUDGE,
     OPTION_LIST_DEVICES,
     OPTION_HELP_CONFIG,
     OPTION_HELP,
@@ -49,6 +51,8 @@ static const struct choice {
      "check and print the audit log and exit (while no daemon runs)"},
     {"accept-state", NULL, OPTION_ACCEPT_STATE,
      "accept files of different times, put that on record, and exit"},
+    {"judge", "DIR", OPTION_JUDGE,
+     "judge the stored frames of DIR as those of the camera, and exit"},
     {"list-devices", NULL, OPTION_LIST_DEVICES,
      "print the sensors that the drivers find, one JSON object a line"},
     {"help-config", NULL, OPTION_HELP_CONFIG,
@@ -88,6 +92,7 @@ struct arguments {
     const char *config;
     const char *bus; /* NULL: the bus that the file names */
     bool check_config, rest_door, print_log, accept_state;
+    const char *judge; /* the directory; NULL: not given */
 };
 
 static int exit_code(int error)
@@ -180,6 +185,8 @@ static int run_daemon(const struct arguments *arguments)
         error = iso_components_print_log(&config, &times, stdout, &fault);
     } else if (!error && arguments->accept_state) {
         error = iso_components_accept(&config, &times, stdout, &fault);
+    } else if (!error && arguments->judge) {
+        error = iso_judge_stored(&config, &times, arguments->judge, stdout, &fault);
     } else if (!error) {
         error = iso_daemon_run(&config, &fault);
     }
@@ -224,6 +231,9 @@ static int obey_options(int argc, char **argv)
             break;
         case OPTION_ACCEPT_STATE:
             arguments.accept_state = true;
+            break;
+        case OPTION_JUDGE:
+            arguments.judge = optarg;
             break;
         case OPTION_LIST_DEVICES:
             return list_devices();

@@ -16,7 +16,7 @@ DESTDIR=$root cmake --install "$build" >"$root/log" || {
 prefix=$root$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$build/CMakeCache.txt")
 
 for file in bin/isothermd bin/isotherm bin/isotherm-sim share/isotherm/head.model \
-    share/isotherm/cohort.templates share/isotherm/face.metric share/man/man1/isotherm.1 share/man/man1/isotherm-sim.1 \
+    share/isotherm/cohort.templates share/isotherm/face.metric share/isotherm/judge/visitor/recording.ini share/man/man1/isotherm.1 share/man/man1/isotherm-sim.1 \
     share/man/man5/isotherm.conf.5 share/man/man8/isothermd.8 include/isotherm/isotherm.h; do
     [ -s "$prefix/$file" ] || {
         echo "not installed: $file" >&2

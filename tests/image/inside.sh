@@ -158,14 +158,16 @@ entries_are() {
     [ "$(entries)" = "$1 " ]
 }
 
-# refused BUNDLE WORDS: RAUC refuses it, says why, and both slots stay as they are
+# refused BUNDLE WORDS: isotherm update refuses it and says why, or RAUC's log does, and both slots stay as they are
 refused() {
     cp "$VM_SOURCE/build/image/bundles/$1" /var/tmp/bundle
     before=$(entries)
-    if rauc install /var/tmp/bundle >"$story_scratch/rauc" 2>&1; then
+    since=$(date '+%Y-%m-%d %H:%M:%S')
+    if isotherm update /var/tmp/bundle >"$story_scratch/update" 2>&1; then
         die "the bundle $1 is installed"
     fi
-    { cat "$story_scratch/rauc"; journalctl --no-pager --unit rauc --lines 50; } >"$story_scratch/said"
+    journalctl --sync
+    { cat "$story_scratch/update"; journalctl --no-pager --unit rauc --since "$since"; } >"$story_scratch/said"
     grep -q "$2" "$story_scratch/said" || die "the refusal of $1 does not say '$2': $(cat "$story_scratch/said")"
     case $1 in damaged*) ;; *) [ "$(entries)" = "$before" ] || die "$1 changes the boot entries: $(entries)" ;; esac
     rm /var/tmp/bundle
@@ -175,9 +177,12 @@ refused() {
 update() {
     wait_for 60 'slot a is not found to be good' entries_are /efi/EFI/Linux/isotherm-a.efi
     refused other_key.raucb 'signature verification failed\|Verify error'
-    refused other_board.raucb 'ompatible'
-    refused same.raucb 'not newer'
-    refused damaged.raucb 'nput/output error\|verity\|failed'
+    refused other_board.raucb 'it is for the board isotherm-rock-5b-amd64, and this is isotherm-qemu-amd64'
+    refused same.raucb 'it is not newer than the running version'
+    # RAUC reads a block whose hash is wrong: the read fails, and the kernel says why.
+    refused damaged.raucb 'bundle: not installed: .*Input/output error'
+    journalctl --no-pager --dmesg --since "$since" | grep -q 'device-mapper: verity: .* is corrupted' ||
+        die 'the damage is not found by the hashes of the bundle'
     entries_are /efi/EFI/Linux/isotherm-a.efi || die "after refusals: $(entries)"
     install_bundle v2.raucb
     entries_are '/efi/EFI/Linux/isotherm-a.efi /efi/EFI/Linux/isotherm-b+3.efi' || die "after the update: $(entries)"
@@ -187,7 +192,7 @@ update() {
 
 install_bundle() {
     cp "$VM_SOURCE/build/image/bundles/$1" /var/tmp/bundle
-    rauc install /var/tmp/bundle || die "the bundle $1 is not installed: $(journalctl --no-pager --unit rauc --lines 30)"
+    isotherm update /var/tmp/bundle || die "the bundle $1 is not installed: $(journalctl --no-pager --unit rauc --lines 30)"
     rm /var/tmp/bundle
 }
 

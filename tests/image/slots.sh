@@ -1,12 +1,14 @@
 #!/bin/sh
-# Tests board/image/programs/boot-slots, with which RAUC reads and writes the boot entries, on a directory instead of the EFI system partition.
+# Tests board/image/programs/boot-slots, with which RAUC reads and writes the boot entries, and check-update, which refuses updates, on a
+# directory instead of the EFI system partition.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-ISOTHERM_ESP=$(mktemp -d)
-export ISOTHERM_ESP
-trap 'rm -rf "$ISOTHERM_ESP"' EXIT
+ISOTHERM_ROOT=$(mktemp -d)
+ISOTHERM_ESP=$ISOTHERM_ROOT/efi
+export ISOTHERM_ROOT ISOTHERM_ESP
+trap 'rm -rf "$ISOTHERM_ROOT"' EXIT
 entries=$ISOTHERM_ESP/EFI/Linux
-mkdir -p "$entries"
+mkdir -p "$entries" "$ISOTHERM_ROOT/run/isotherm" "$ISOTHERM_ROOT/etc/rauc" "$ISOTHERM_ROOT/usr/lib" "$ISOTHERM_ROOT/bundle"
 
 slots() {
     "$here/../../board/image/programs/boot-slots" "$@"
@@ -72,3 +74,36 @@ has isotherm-b.efi
 gives bad get-state a
 gives b get-primary
 echo '    boot-slots: every state of both slots'
+
+# ---- check-update ----
+
+# update COMPATIBLE VERSION CODE: check-update ends with this code for such an update
+update() {
+    printf '[update]\ncompatible=%s\nversion=%s\n\n[bundle]\nformat=verity\n' "$1" "$2" >"$ISOTHERM_ROOT/bundle/manifest.raucm"
+    code=0
+    RAUC_UPDATE_SOURCE=$ISOTHERM_ROOT/bundle "$here/../../board/image/programs/check-update" 2>"$ISOTHERM_ROOT/said" || code=$?
+    [ $code -eq "$3" ] || {
+        echo "FAILED: check-update ends with $code for version $2 of $1, not with $3: $(cat "$ISOTHERM_ROOT/said")"
+        exit 1
+    }
+}
+
+echo SLOT=b >"$ISOTHERM_ROOT/run/isotherm/slot"
+printf '[system]\ncompatible=isotherm-qemu-amd64\nbootloader=custom\n' >"$ISOTHERM_ROOT/etc/rauc/system.conf"
+printf 'ID=debian\nIMAGE_ID=isotherm-qemu\nIMAGE_VERSION="0.1.0-9"\n' >"$ISOTHERM_ROOT/usr/lib/os-release"
+echo kernel >"$ISOTHERM_ROOT/bundle/isotherm.efi"
+update isotherm-rock-5b-amd64 0.1.0-10 4
+update isotherm-qemu-amd64 0.1.0-9 3
+update isotherm-qemu-amd64 0.1.0-8 3
+update isotherm-qemu-amd64 0.1.0~rc1 3
+has isotherm-b.efi
+[ ! -e "$entries/isotherm-a.new" ] || {
+    echo 'FAILED: check-update copies the kernel image of an update that it refuses'
+    exit 1
+}
+update isotherm-qemu-amd64 0.1.0-10 0
+cmp -s "$ISOTHERM_ROOT/bundle/isotherm.efi" "$entries/isotherm-a.new" && [ "$(cat "$entries/isotherm-a.new.version")" = 0.1.0-10 ] || {
+    echo 'FAILED: check-update does not copy the kernel image of a good update'
+    exit 1
+}
+echo '    check-update: for another board, older, the same, newer'

@@ -35,6 +35,8 @@ enum cli_verb {
     CLI_POLICY,
     CLI_CREDENTIAL,
     CLI_WEB,
+    CLI_UPDATE,
+    CLI_VERSION,
     CLI_VERBS /* how many there are; as a verb: no command was given */
 };
 
@@ -91,6 +93,8 @@ struct cli_arguments {
     int64_t at_s;                            /* since 1970 */
     const char *door, *zone;                 /* policy test, policy import; NULL: not given */
     const char *shown;                       /* policy test: "face,card"; NULL: not given */
+    bool all;                                /* version: of everything */
+    bool status;                             /* update: show what there is */
     struct cli_credential_change credential; /* credential set */
 };
 

@@ -30,4 +30,7 @@ const struct cli_command cli_commands[CLI_VERBS] = {
                         "show or change what NAME has: cards, PIN, access profiles"},
     [CLI_WEB] = {"web", "setup|fingerprint",
                  "make a code for the first account of the web server; show its fingerprint"},
+    [CLI_UPDATE] = {"update", "[FILE]",
+                    "install an update of the image, or show version and slots"},
+    [CLI_VERSION] = {"version", "", "show the version, or with --all those of all parts"},
 };

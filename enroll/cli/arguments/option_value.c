@@ -9,6 +9,29 @@
 #include "enroll/cli/arguments/when.h"
 #include "enroll/cli/arguments/when_next.h"
 
+/* The member that an option of `credential` without a value sets; NULL if it sets none. */
+static bool *credential_flag(struct cli_credential_change *change, enum cli_option_id id)
+{
+    switch (id) {
+    case CLI_OPTION_NO_CARDS:
+        return &change->no_cards;
+    case CLI_OPTION_PIN:
+        return &change->pin;
+    case CLI_OPTION_NO_PIN:
+        return &change->no_pin;
+    case CLI_OPTION_DURESS_PIN:
+        return &change->duress_pin;
+    case CLI_OPTION_NO_DURESS_PIN:
+        return &change->no_duress_pin;
+    case CLI_OPTION_NO_PROFILES:
+        return &change->no_profiles;
+    case CLI_OPTION_ENABLE:
+        return &change->enable;
+    default:
+        return NULL;
+    }
+}
+
 /* The member that an option without a value sets; NULL if it sets none. */
 static bool *flag_member(struct cli_arguments *out, enum cli_option_id id)
 {
@@ -35,20 +58,10 @@ static bool *flag_member(struct cli_arguments *out, enum cli_option_id id)
         return &out->yes;
     case CLI_OPTION_DRY_RUN:
         return &out->dry_run;
-    case CLI_OPTION_NO_CARDS:
-        return &out->credential.no_cards;
-    case CLI_OPTION_PIN:
-        return &out->credential.pin;
-    case CLI_OPTION_NO_PIN:
-        return &out->credential.no_pin;
-    case CLI_OPTION_DURESS_PIN:
-        return &out->credential.duress_pin;
-    case CLI_OPTION_NO_DURESS_PIN:
-        return &out->credential.no_duress_pin;
-    case CLI_OPTION_NO_PROFILES:
-        return &out->credential.no_profiles;
-    case CLI_OPTION_ENABLE:
-        return &out->credential.enable;
+    case CLI_OPTION_ALL:
+        return &out->all;
+    case CLI_OPTION_STATUS:
+        return &out->status;
     case CLI_OPTION_SESSION:
         return &out->bus.session;
     case CLI_OPTION_HELP:
@@ -56,7 +69,7 @@ static bool *flag_member(struct cli_arguments *out, enum cli_option_id id)
     case CLI_OPTION_VERSION:
         return &out->version;
     default:
-        return NULL;
+        return credential_flag(&out->credential, id);
     }
 }
 

@@ -69,4 +69,12 @@ enum cli_exit cli_setup(const struct cli_arguments *arguments, struct cli_fault 
 enum cli_exit cli_web(const struct cli_web_places *places, const struct cli_arguments *arguments,
                       struct cli_fault *fault);
 
+/* Needs no connection to the daemon: it asks RAUC. */
+enum cli_exit cli_update(const struct cli_image_places *places,
+                         const struct cli_arguments *arguments, struct cli_fault *fault);
+
+/* Asks the daemon, and in an image RAUC, if they answer. */
+enum cli_exit cli_version(const struct cli_image_places *places,
+                          const struct cli_arguments *arguments, struct cli_fault *fault);
+
 #endif

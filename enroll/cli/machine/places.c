@@ -22,6 +22,13 @@ const struct cli_setup_places cli_setup_installed = {
     .daemon_wait_s = 10,
 };
 
+const struct cli_image_places cli_image_installed = {
+    .os_release = "/usr/lib/os-release", /* /etc/os-release is a link */
+    .slot = "/run/isotherm/slot",
+    .packages = "/usr/lib/isotherm-image/packages",
+    .dpkg_query = "/usr/bin/dpkg-query",
+};
+
 void cli_places_policy_reader(char path[PATH_MAX])
 {
     char own[PATH_MAX] = "";

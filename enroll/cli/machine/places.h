@@ -1,4 +1,5 @@
-/* The paths that `isotherm setup` and `isotherm web` use. The installed program has one set of
+/* The paths that `isotherm setup`, `isotherm web`, `isotherm update` and
+ * `isotherm version` use. The installed program has one set of
  * them; tests have their own. */
 #ifndef CLI_MACHINE_PLACES_H
 #define CLI_MACHINE_PLACES_H
@@ -27,6 +28,13 @@ struct cli_web_places {
     bool root;             /* only root may read the state of the web server */
 };
 
+struct cli_image_places {
+    const char *os_release; /* which image runs */
+    const char *slot;       /* from which slot it runs: SLOT=a */
+    const char *packages;   /* the list of the packages of the image */
+    const char *dpkg_query; /* knows the packages where there is no such list */
+};
+
 /* Writes the path of the program that reads files of policies (policy/policy_reader.h). It is at
  * ../lib/isotherm from the folder of this program, in a build tree as in an installed one. */
 void cli_places_policy_reader(char path[PATH_MAX]);
@@ -34,5 +42,6 @@ void cli_places_policy_reader(char path[PATH_MAX]);
 /* The paths of the installed program. */
 extern const struct cli_web_places cli_web_installed;
 extern const struct cli_setup_places cli_setup_installed;
+extern const struct cli_image_places cli_image_installed;
 
 #endif

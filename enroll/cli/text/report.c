@@ -15,6 +15,11 @@ enum cli_exit cli_report_json(json_t *document)
     return CLI_EXIT_OK;
 }
 
+json_t *cli_report_text(const char *text)
+{
+    return *text ? json_string(text) : json_null();
+}
+
 void cli_report_fault(const struct cli_fault *fault, enum cli_exit exit, bool json)
 {
     if (!json) {

@@ -12,6 +12,9 @@
  * NULL or if there is no memory. main() checks whether all output was written. */
 enum cli_exit cli_report_json(json_t *document);
 
+/* The text as a value of a document; null for "". NULL if there is no memory. */
+json_t *cli_report_text(const char *text);
+
 /* Prints a fault: its text on stderr, or with `json` a document on stdout. */
 void cli_report_fault(const struct cli_fault *fault, enum cli_exit exit, bool json);
 

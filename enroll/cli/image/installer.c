@@ -1,0 +1,159 @@
+#include "enroll/cli/image/installer.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "enroll/cli/image/installer_inner.h"
+
+/* RAUC has to be started first, and asks the boot loader for its entries. */
+enum { CALL_TIMEOUT_US = 60 * 1000 * 1000 };
+
+static const struct {
+    const char *name;
+    enum cli_exit exit;
+    const char *code, *text;
+} translations[] = {
+    {SD_BUS_ERROR_SERVICE_UNKNOWN, CLI_EXIT_NOT_FOUND, "no-image",
+     "there is no RAUC on this bus: only an image of the appliance is updated like this, other "
+     "machines by their packages"},
+    {SD_BUS_ERROR_ACCESS_DENIED, CLI_EXIT_NO, "access-denied",
+     "not permitted: only root and members of the group isotherm may update the appliance"},
+    {SD_BUS_ERROR_NO_REPLY, CLI_EXIT_TIMED_OUT, "no-reply", "RAUC does not answer"},
+    {SD_BUS_ERROR_TIMEOUT, CLI_EXIT_TIMED_OUT, "no-reply", "RAUC does not answer"},
+    {SD_BUS_ERROR_DISCONNECTED, CLI_EXIT_FAULT, "no-bus", "the bus has gone away"},
+};
+
+enum cli_exit cli_installer_fault(const sd_bus_error *error, int result, struct cli_fault *fault)
+{
+    for (size_t i = 0; i < sizeof translations / sizeof *translations; i++) {
+        if (sd_bus_error_has_name(error, translations[i].name)) {
+            return cli_fault_set(fault, translations[i].exit, translations[i].code, "%s",
+                                 translations[i].text);
+        }
+    }
+    return cli_fault_set(fault, CLI_EXIT_FAULT, "update-fault", "RAUC: %s",
+                         error->message ? error->message : strerror(-result));
+}
+
+/* ---- state ---- */
+
+/* Copies the first line of a text. */
+static int read_text(sd_bus_message *message, char *out, size_t size)
+{
+    const char *text;
+    const int r = sd_bus_message_read(message, "v", "s", &text);
+
+    if (r >= 0) {
+        (void)snprintf(out, size, "%.*s", (int)strcspn(text, "\n"), text);
+    }
+    return r;
+}
+
+static int read_percent(sd_bus_message *message, int *out)
+{
+    const char *step;
+    int32_t percent, depth;
+    const int r = sd_bus_message_read(message, "v", "(isi)", &percent, &step, &depth);
+
+    if (r >= 0) {
+        *out = percent;
+    }
+    return r;
+}
+
+static int read_property(sd_bus_message *message, struct cli_installer_state *state)
+{
+    const char *name;
+    const int r = sd_bus_message_read_basic(message, 's', &name);
+
+    if (r < 0) {
+        return r;
+    }
+    if (strcmp(name, "Operation") == 0) {
+        return read_text(message, state->operation, sizeof state->operation);
+    }
+    if (strcmp(name, "Compatible") == 0) {
+        return read_text(message, state->board, sizeof state->board);
+    }
+    if (strcmp(name, "LastError") == 0) {
+        return read_text(message, state->error, sizeof state->error);
+    }
+    return strcmp(name, "Progress") == 0 ? read_percent(message, &state->percent)
+                                         : sd_bus_message_skip(message, "v");
+}
+
+int cli_installer_read_state(sd_bus_message *message, struct cli_installer_state *state)
+{
+    int r = sd_bus_message_enter_container(message, 'a', "{sv}");
+
+    while (r >= 0 && (r = sd_bus_message_enter_container(message, 'e', "sv")) > 0) {
+        r = read_property(message, state);
+        if (r >= 0) {
+            r = sd_bus_message_exit_container(message);
+        }
+    }
+    return r < 0 ? r : sd_bus_message_exit_container(message);
+}
+
+enum cli_exit cli_installer_ask_state(struct cli_installer *installer, struct cli_fault *fault)
+{
+    sd_bus_error error = SD_BUS_ERROR_NULL;
+    sd_bus_message *reply = NULL;
+    enum cli_exit exit = CLI_EXIT_OK;
+    int r = sd_bus_call_method(installer->bus, RAUC, RAUC_PATH, "org.freedesktop.DBus.Properties",
+                               "GetAll", &error, &reply, "s", RAUC_INTERFACE);
+
+    if (r >= 0) {
+        (void)snprintf(installer->owner, sizeof installer->owner, "%s",
+                       sd_bus_message_get_sender(reply));
+        r = cli_installer_read_state(reply, &installer->state);
+    }
+    if (r < 0) {
+        exit = cli_installer_fault(&error, r, fault);
+    }
+    sd_bus_message_unref(reply);
+    sd_bus_error_free(&error);
+    return exit;
+}
+
+const struct cli_installer_state *cli_installer_state(const struct cli_installer *installer)
+{
+    return &installer->state;
+}
+
+bool cli_installer_is_busy(const struct cli_installer *installer)
+{
+    return strcmp(installer->state.operation, "idle") != 0;
+}
+
+/* ---- connection ---- */
+
+enum cli_exit cli_installer_open(const struct cli_bus *bus, struct cli_installer **out,
+                                 struct cli_fault *fault)
+{
+    struct cli_installer *installer = calloc(1, sizeof *installer);
+    int r = installer ? cli_bus_connect(bus, &installer->bus) : -ENOMEM;
+
+    if (r >= 0) {
+        r = sd_bus_set_method_call_timeout(installer->bus, CALL_TIMEOUT_US);
+    }
+    const enum cli_exit exit = r < 0 ? cli_fault_set(fault, CLI_EXIT_FAULT, "no-bus",
+                                                     "cannot reach the bus: %s", strerror(-r))
+                                     : cli_installer_ask_state(installer, fault);
+    if (exit) {
+        cli_installer_close(installer);
+        return exit;
+    }
+    *out = installer;
+    return CLI_EXIT_OK;
+}
+
+void cli_installer_close(struct cli_installer *installer)
+{
+    if (installer) {
+        sd_bus_flush_close_unref(installer->bus);
+        free(installer);
+    }
+}

@@ -1,0 +1,73 @@
+/* RAUC, which installs updates of the image: its service de.pengutronix.rauc on the system bus. The
+ * package rauc-service describes the interface in
+ * /usr/share/dbus-1/interfaces/de.pengutronix.rauc.Installer.xml. */
+#ifndef CLI_IMAGE_INSTALLER_H
+#define CLI_IMAGE_INSTALLER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "enroll/cli/client/bus.h"
+#include "enroll/cli/client/fault.h"
+
+enum { CLI_SLOTS_MAX = 4 };
+
+/* A place on the disk for one version of the image. */
+struct cli_slot {
+    char rauc_name[32]; /* as RAUC calls it, such as "root.0" */
+    char name[16];      /* as the boot loader calls it, such as "a" */
+    char version[64];   /* of the update that was installed into it last; "": there was none */
+    bool running;       /* the machine runs from it */
+    bool good;          /* the boot loader may start it */
+    bool next;          /* the boot loader starts it next */
+};
+
+struct cli_slots {
+    size_t n;
+    struct cli_slot slots[CLI_SLOTS_MAX];
+};
+
+/* What RAUC says about itself. */
+struct cli_installer_state {
+    char operation[32]; /* "idle", "installing" */
+    char board[64];     /* for which board updates have to be, such as "isotherm-pc-usb-amd64" */
+    char error[192];    /* why the last update was not installed; "": it was, or there was none */
+    int percent;        /* of the present operation, or of the last one */
+};
+
+struct cli_installer;
+
+/* Connects to the bus, and asks RAUC for its state, which starts RAUC if the bus can start it.
+ *   CLI_EXIT_NOT_FOUND  no-image: there is no RAUC
+ *   CLI_EXIT_NO         access-denied
+ *   CLI_EXIT_TIMED_OUT  no-reply
+ *   CLI_EXIT_FAULT      no-bus, update-fault (RAUC reports another error) */
+enum cli_exit cli_installer_open(const struct cli_bus *bus, struct cli_installer **out,
+                                 struct cli_fault *fault) __attribute__((warn_unused_result));
+
+/* Closes the connection. NULL is accepted. */
+void cli_installer_close(struct cli_installer *installer);
+
+/* The state when it was asked or reported last. It belongs to the installer. */
+const struct cli_installer_state *cli_installer_state(const struct cli_installer *installer);
+
+/* Whether RAUC is at work now. It then answers no question but that for its state. */
+bool cli_installer_is_busy(const struct cli_installer *installer);
+
+/* Asks for the slots that the boot loader can start. Faults of cli_installer_open. */
+enum cli_exit cli_installer_slots(struct cli_installer *installer, struct cli_slots *out,
+                                  struct cli_fault *fault) __attribute__((warn_unused_result));
+
+/* Installs the bundle at `path`, which is absolute, into the slot that does not run, and shows the
+ * progress on standard error. cli_interrupt_catch() must have been called. Besides the faults of
+ * cli_installer_open:
+ *   CLI_EXIT_NO          foreign-key: no bundle that is signed with a key of this image;
+ *                        other-board; not-newer: check-update (board/image/programs) refuses it
+ *   CLI_EXIT_FAULT       busy; not-installed: any other reason, in RAUC's words; update-fault: RAUC
+ *                        has ended
+ *   CLI_EXIT_TIMED_OUT   no-reply: RAUC has reported nothing for ten minutes
+ *   CLI_EXIT_INTERRUPTED interrupted: RAUC goes on alone */
+enum cli_exit cli_installer_install(struct cli_installer *installer, const char *path,
+                                    struct cli_fault *fault) __attribute__((warn_unused_result));
+
+#endif
