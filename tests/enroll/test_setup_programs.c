@@ -57,7 +57,7 @@ static void start_real_daemon(const struct setup_rig *rig, struct run *run)
 
     (void)snprintf(text, sizeof text,
                    "[sensor]\npath = " ISOTHERM_SOURCE_DIR
-                   "/sim/stored/p01-v1\nloop = yes\nrepeats = yes\n"
+                   "/sim/stored/p01-v1\nloop = yes\nrepeats = yes\npause_ms = 30000\n"
                    "[gallery]\npath = %s\n[log]\npath = %s\n[bus]\naddress = %s\n[model]\n"
                    "head = " DATA "/head.model\nmetric = " DATA "/face.metric\n",
                    setup_rig_path("g.db"), setup_rig_path("a.log"), rig->places.manager.address);
