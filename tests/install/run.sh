@@ -5,7 +5,7 @@
 #   tree         the same from `make install` with its default prefix
 #   readme       the commands of the README's "A real door", until a person is let in
 #   piuparts     the packages are installed, upgraded from an earlier version, removed and purged, and leave no file
-#   autopkgtest  the demo, with the installed programs, and the installed Python module
+#   autopkgtest  the demo, with the installed programs, and the examples of the installed Python module
 #
 #   run.sh PACKAGES BUILD CACHE [TEST...]     PACKAGES: the output of debian_packages.sh; BUILD: the preset `release`, built
 #

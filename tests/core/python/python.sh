@@ -2,6 +2,7 @@
 # The Python module against NumPy, SciPy and what isotherm-sim writes:
 #
 #   python.sh LIBRARY LAYOUT PROGRAM SOURCE_DIRECTORY      LIBRARY: libisotherm.so; LAYOUT: tests/core/python/layout.c, built
+#   python.sh LIBRARY --examples SOURCE_DIRECTORY          runs the examples instead
 #
 # Exit code 77: there is no NumPy or SciPy, or the library needs the run time of clang's sanitizers, which Python does not have.
 set -eu
@@ -28,6 +29,23 @@ python() {
     env LD_PRELOAD="$preload" ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0" LD_LIBRARY_PATH="${library%/*}" PYTHONPATH="$source/core/python" \
         PYTHONDONTWRITEBYTECODE=1 ISOTHERM_SANITIZED="$preload" "$python" "$@"
 }
+
+if [ "$what" = --examples ]; then
+    source=$3 drawn=''
+    "$python" -c 'import matplotlib' 2>/dev/null && drawn=yes
+    for example in spectrum signatures geodesics matching retrieval; do
+        echo "== $example.py"
+        picture=''
+        case $example in signatures | geodesics | matching) picture=$work/$example.png ;; esac
+        # shellcheck disable=SC2086
+        python "$source/core/python/examples/$example.py" $picture
+        [ -z "$picture" ] || [ -z "$drawn" ] || [ -s "$picture" ] || {
+            echo "$example.py: no picture"
+            exit 1
+        }
+    done
+    exit 0
+fi
 
 simulator=$3 source=$4
 quietly() {
