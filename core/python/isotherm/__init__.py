@@ -13,6 +13,9 @@ computes belong to the caller.
 Lengths are in the unit of the mesh, whatever it is; areas and times of heat are in its square. Heat
 flows by dU/dt = -Delta U: it decays by exp(-lambda t). (The dissertation's t is twice this one.)
 
+The sign of an eigenvector has no meaning, and may change with the number of OpenBLAS's threads
+(OPENBLAS_NUM_THREADS); with one thread, all numbers are the same to the bit from run to run.
+
 Error is raised for what the library refuses, with one line of text; MemoryError if memory runs out.
 Different objects may be used by different threads at the same time.
 """

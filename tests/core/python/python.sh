@@ -7,6 +7,8 @@
 # Exit code 77: there is no NumPy or SciPy, or the library needs the run time of clang's sanitizers, which Python does not have.
 set -eu
 library=$1 what=$2
+# isotherm-sim has one thread of OpenBLAS; with more, sums are in another order.
+export OPENBLAS_NUM_THREADS=1
 # Debian's Python has the packages; another one may come first in PATH.
 python=/usr/bin/python3
 if ! "$python" -c 'import numpy, scipy' 2>/dev/null; then
