@@ -9,6 +9,7 @@
 #include <isotherm/heat_kernel.h>
 #include <isotherm/isotherm_curve.h>
 #include <isotherm/mesh.h>
+#include <isotherm/mesh_file.h>
 #include <isotherm/stiffness_mass.h>
 
 #include <stdbool.h>
@@ -16,37 +17,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Reads a mesh in the Object File Format: "OFF", the counts, the vertices, then the triangles. */
-static struct iso_mesh *read_off(const char *path)
+/* Reads a mesh in the Object File Format. The library takes the contents of the file, and says what
+ * is wrong with them. */
+static int read_off(const char *path, struct iso_coloured_mesh *out)
 {
-    FILE *file = fopen(path, "r");
-    int n_vertices = 0, n_triangles = 0, corners = 0;
-    struct iso_mesh *mesh = NULL;
-    bool good = file && fscanf(file, "OFF %d %d %*d", &n_vertices, &n_triangles) == 2 &&
-                iso_mesh_new(n_vertices, n_triangles, &mesh) == 0;
-    for (int v = 0; good && v < n_vertices; v++) {
-        struct iso_vec3 *p = &mesh->vertices_mm[v];
-        good = fscanf(file, "%lf %lf %lf", &p->x, &p->y, &p->z) == 3;
-    }
-    for (int t = 0; good && t < n_triangles; t++) {
-        int32_t *corner = mesh->triangles[t];
-        good = fscanf(file, "%d %d %d %d", &corners, &corner[0], &corner[1], &corner[2]) == 4 &&
-               corners == 3;
-    }
+    enum { LARGEST = 1 << 26 };
+    FILE *file = fopen(path, "rb");
+    char *bytes = malloc(LARGEST + 1);
+    const size_t size = file && bytes ? fread(bytes, 1, LARGEST, file) : 0;
+    struct iso_fault fault = {.text = ""};
+    int error = -EIO;
     if (file) {
         fclose(file);
     }
-    if (good) {
-        mesh->n_vertices = n_vertices;
-        mesh->n_triangles = n_triangles;
-        good = iso_mesh_check(mesh, NULL) == 0;
+    if (size == 0) {
+        fprintf(stderr, "%s: cannot be read\n", path);
+    } else {
+        bytes[size] = '\0';
+        error = iso_mesh_parse(ISO_MESH_FORMAT_OFF, path, bytes, size, NULL, out, &fault);
     }
-    if (!good) {
-        iso_mesh_free(mesh);
-        fprintf(stderr, "%s: not a mesh of triangles in the Object File Format\n", path);
-        return NULL;
+    free(bytes);
+    if (fault.text[0]) {
+        fprintf(stderr, "%s\n", fault.text);
     }
-    return mesh;
+    return error;
 }
 
 /* A vertex as a point on the surface: the corner of one of its triangles. */
@@ -146,10 +140,11 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: %s MESH.off VERTEX T_MM2 RADIUS_MM\n", argv[0]);
         return 2;
     }
-    struct iso_mesh *mesh = read_off(argv[1]);
-    if (!mesh) {
+    struct iso_coloured_mesh read = {NULL, NULL};
+    if (read_off(argv[1], &read)) {
         return 1;
     }
+    const struct iso_mesh *mesh = read.mesh;
     struct iso_surface_point source;
     double *temperature = calloc((size_t)mesh->n_vertices, sizeof *temperature);
     double total = 0.0;
@@ -169,6 +164,6 @@ int main(int argc, char **argv)
         fprintf(stderr, "%s: %s\n", argv[1], strerror(-error));
     }
     free(temperature);
-    iso_mesh_free(mesh);
+    iso_coloured_mesh_done(&read);
     return error ? 1 : 0;
 }

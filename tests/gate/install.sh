@@ -76,3 +76,16 @@ for folder in . bus; do
 done
 [ -x identify ] && [ -x bus/watch_door ]
 ./heat_on_mesh sphere.off 0 400 40 >/dev/null
+
+# The Python module finds the installed library.
+module=$(find "$prefix" -path '*/dist-packages/isotherm/__init__.py')
+[ -s "$module" ] || {
+    echo 'not installed: the Python module isotherm' >&2
+    exit 1
+}
+if /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
+    LD_LIBRARY_PATH="$prefix/lib" PYTHONPATH="${module%/isotherm/*}" /usr/bin/python3 -B -c "
+import isotherm
+assert isotherm.__file__.startswith('$prefix')
+print(isotherm.Shape(isotherm.Mesh.load('sphere.off'), pairs=10))"
+fi

@@ -5,7 +5,7 @@
 #   tree         the same from `make install` with its default prefix
 #   readme       the commands of the README's "A real door", until a person is let in
 #   piuparts     the packages are installed, upgraded from an earlier version, removed and purged, and leave no file
-#   autopkgtest  the demo, with the installed programs
+#   autopkgtest  the demo, with the installed programs, and the examples of the installed Python module
 #
 #   run.sh PACKAGES BUILD CACHE [TEST...]     PACKAGES: the output of debian_packages.sh; BUILD: the preset `release`, built
 #
@@ -35,7 +35,7 @@ first_start() {
 check_piuparts() {
     scratch=$(mktemp -d)
     mkdir "$scratch/before"
-    for name in isotherm isotherm-data libisotherm0 isotherm-web libpam-isotherm; do
+    for name in isotherm isotherm-data libisotherm0 isotherm-web libpam-isotherm python3-isotherm; do
         "$here/repack.sh" "$(ls "$packages/${name}"_*_"$architecture".deb "$packages/${name}"_*_all.deb 2>/dev/null | head -n 1)" '~before' \
             "$scratch/before"
     done
@@ -46,7 +46,8 @@ check_piuparts() {
     piuparts -b "$scratch/base.tar.gz" --no-eatmydata --bindmount="$scratch/before" --distribution bookworm \
         --mirror 'http://deb.debian.org/debian main' --extra-repo="deb [trusted=yes] file://$scratch/before ./" \
         "$packages"/isotherm_*_"$architecture".deb "$packages"/isotherm-data_*_all.deb "$packages"/libisotherm0_*_"$architecture".deb \
-        "$packages"/isotherm-web_*_"$architecture".deb "$packages"/libpam-isotherm_*_"$architecture".deb |
+        "$packages"/isotherm-web_*_"$architecture".deb "$packages"/libpam-isotherm_*_"$architecture".deb \
+        "$packages"/python3-isotherm_*_all.deb |
         sed -n 's/^[0-9ms.]* \(INFO: PASS\|ERROR\|FAIL\)/\1/p' >"$scratch/result" || code=$?
     cat "$scratch/result"
     grep -q 'PASS: All tests' "$scratch/result" || code=1
@@ -61,7 +62,7 @@ check_autopkgtest() {
     cp /etc/resolv.conf "$scratch/root/etc/resolv.conf"
     code=0
     autopkgtest --quiet --setup-commands='apt-get update' --output-dir="$scratch/out" "$packages"/isotherm_*_"$architecture".changes -- chroot "$scratch/root" || code=$?
-    tail -n 3 "$scratch/out/demo-stdout" || true
+    tail -n 3 "$scratch/out/demo-stdout" "$scratch/out/python-stdout" || true
     rm -rf --one-file-system "$scratch"
     return $code
 }

@@ -5,7 +5,8 @@
  *    extract.h, template.h, metric.h, index.h;
  *  - surfaces and heat: mesh.h, triangulate.h, stiffness_mass.h, eigenpairs.h, heat_kernel.h,
  *    isotherm_curve.h;
- *  - shapes in general: shape.h, shape_method.h, classifier.h;
+ *  - shapes in general: shape.h, mesh_file.h, signature.h, shape_method.h, correspondence.h,
+ *    classifier.h;
  *  - vectors, rigid motions and faults: vec.h, fault.h.
  *
  * Rules that hold for every function:
@@ -46,7 +47,10 @@
 #include "isotherm/triangulate.h"
 
 #include "isotherm/classifier.h"
+#include "isotherm/correspondence.h"
+#include "isotherm/mesh_file.h"
 #include "isotherm/shape.h"
 #include "isotherm/shape_method.h"
+#include "isotherm/signature.h"
 
 #endif

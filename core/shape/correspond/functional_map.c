@@ -1,4 +1,4 @@
-#include "core/shape/correspond/functional_map.h"
+#include "isotherm/correspondence.h"
 
 #include <cblas.h>
 #include <errno.h>

@@ -1,4 +1,4 @@
-#include "core/shape/correspond/geodesic.h"
+#include "isotherm/correspondence.h"
 
 #include <errno.h>
 #include <math.h>

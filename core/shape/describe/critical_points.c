@@ -1,4 +1,4 @@
-#include "core/shape/describe/critical_points.h"
+#include "isotherm/signature.h"
 
 #include <errno.h>
 #include <math.h>

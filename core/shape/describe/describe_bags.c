@@ -4,8 +4,8 @@
 #include <stdlib.h>
 
 #include "core/shape/describe/describe.h"
-#include "core/shape/describe/heat_signature.h"
 #include "core/shape/describe/scale_invariant.h"
+#include "isotherm/signature.h"
 
 enum {
     GOOGLE_TIMES = 193, /* tau over 12 octaves in steps of 1/16 */

@@ -3,10 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "core/shape/describe/critical_points.h"
 #include "core/shape/describe/describe.h"
-#include "core/shape/describe/heat_signature.h"
 #include "core/shape/describe/scale_invariant.h"
+#include "isotherm/signature.h"
 
 enum {
     TIMES = 100, /* 4.2.1, 4.3.3 */

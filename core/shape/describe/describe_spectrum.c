@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "core/shape/describe/describe.h"
-#include "core/shape/describe/heat_signature.h"
+#include "isotherm/signature.h"
 
 enum {
     DNA_VALUES = 15, /* Abdelrahman 2013, 4.2.3 */

@@ -1,4 +1,4 @@
-#include "core/shape/describe/heat_signature.h"
+#include "isotherm/signature.h"
 
 #include <cblas.h>
 #include <errno.h>

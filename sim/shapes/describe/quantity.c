@@ -5,9 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/shape/describe/critical_points.h"
-#include "core/shape/describe/heat_signature.h"
-#include "core/shape/describe/wave_signature.h"
+#include "isotherm/signature.h"
 
 enum { NUMBERS_MAX = 10000 };
 

@@ -1,14 +1,11 @@
 #include "sim/shapes/match/match.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/shape/correspond/functional_map.h"
-#include "core/shape/describe/heat_signature.h"
-#include "core/shape/describe/wave_signature.h"
 #include "drivers/base/path.h"
+#include "isotherm/correspondence.h"
 #include "sim/base/make_directory.h"
 #include "sim/lab/report/json.h"
 #include "sim/shapes/describe/array.h"
@@ -16,16 +13,10 @@
 #include "sim/shapes/match/match_picture.h"
 #include "sim/shapes/match/truth.h"
 
-enum { ENERGIES = 60, TIMES = 20, FUNCTIONS = ENERGIES + TIMES };
-
-/* Times of the heat kernel signatures, in areas of the shape. */
-static const double time_first = 1.0 / 400.0, time_last = 0.5;
-
 struct side {
     const char *path;
     struct iso_shape *shape;
-    double *function; /* [n_vertices][FUNCTIONS] */
-    float *rest;      /* [n_vertices][3], or NULL */
+    float *rest; /* [n_vertices][3], or NULL */
 };
 
 struct work {
@@ -54,58 +45,16 @@ static int open_side(const struct sim_match_options *options, struct side *side,
     return error;
 }
 
-/* Wave kernel signatures at energies of the first shape, and heat kernel signatures. */
-static int sign(struct side *side, const double *energy, double spread)
-{
-    const struct iso_shape *shape = side->shape;
-    const size_t n = (size_t)shape->mesh->n_vertices;
-    double t[TIMES];
-    double *wave = malloc(n * ENERGIES * sizeof *wave), *heat = malloc(n * TIMES * sizeof *heat);
-    side->function = malloc(n * FUNCTIONS * sizeof *side->function);
-    iso_heat_times(time_first * shape->total_area, time_last * shape->total_area, TIMES, t);
-    int error = wave && heat && side->function
-                    ? iso_wave_signature(shape->pairs, energy, ENERGIES, spread, wave)
-                    : -ENOMEM;
-    if (!error) {
-        error = iso_heat_signature(shape->pairs, 1, t, TIMES, heat);
-    }
-    for (size_t v = 0; v < n && !error; v++) {
-        double *row = &side->function[v * FUNCTIONS];
-        memcpy(row, &wave[v * ENERGIES], ENERGIES * sizeof *row);
-        memcpy(row + ENERGIES, &heat[v * TIMES], TIMES * sizeof *row);
-    }
-    free(wave);
-    free(heat);
-    return error;
-}
-
 static int find_points(struct work *work)
 {
     const struct iso_shape *from = work->from.shape, *to = work->to.shape;
     const struct sim_match_options *options = work->options;
     const size_t k = (size_t)work->k_last;
-    double energy[ENERGIES], spread = 0.0;
+    const struct iso_match_options how = {options->first_pairs, options->step, options->weight};
     work->point = calloc((size_t)to->mesh->n_vertices, sizeof *work->point);
     work->map = calloc(k * k, sizeof *work->map);
-    int error = work->point && work->map ? iso_wave_energies(from->pairs, ENERGIES, energy, &spread)
-                                         : -ENOMEM;
-    if (!error) {
-        error = sign(&work->from, energy, spread);
-    }
-    if (!error) {
-        error = sign(&work->to, energy, spread);
-    }
-    const struct iso_shared_functions functions = {FUNCTIONS, work->from.function,
-                                                   work->to.function};
-    if (!error) {
-        error = iso_functional_map_fit(from, to, work->k_first, &functions, options->weight,
-                                       work->map);
-    }
-    if (!error) {
-        error = iso_zoom_out(from, to, work->k_first, work->map, options->step, work->k_last,
-                             work->point);
-    }
-    return error ? error : iso_functional_map_of(from, to, work->k_last, work->point, work->map);
+    return work->point && work->map ? iso_shape_match(from, to, &how, work->point, work->map)
+                                    : -ENOMEM;
 }
 
 static int measure(struct work *work)
@@ -190,13 +139,14 @@ static int write_files(const struct work *work, struct iso_fault *fault)
         error = iso_path_join(o->out, "match.png", png, fault);
     }
     if (!error) {
-        error = sim_json_file(
-            json_pack("{s:s, s:s, s:s, s:i, s:i, s:i, s:f, s:i, s:o, s:o}", "version",
-                      ISOTHERM_VERSION, "from", work->from.path, "to", work->to.path, "first_pairs",
-                      work->k_first, "pairs", work->k_last, "step", o->step, "weight", o->weight,
-                      "functions", (int)FUNCTIONS, "error", error_json(work->known, &work->error),
-                      "error_mirrored", error_json(work->known, &work->mirrored)),
-            json, fault);
+        error = sim_json_file(json_pack("{s:s, s:s, s:s, s:i, s:i, s:i, s:f, s:i, s:o, s:o}",
+                                        "version", ISOTHERM_VERSION, "from", work->from.path, "to",
+                                        work->to.path, "first_pairs", work->k_first, "pairs",
+                                        work->k_last, "step", o->step, "weight", o->weight,
+                                        "functions", (int)ISO_MATCH_FUNCTIONS, "error",
+                                        error_json(work->known, &work->error), "error_mirrored",
+                                        error_json(work->known, &work->mirrored)),
+                              json, fault);
     }
     return error ? error
                  : sim_match_picture(work->from.shape->mesh, work->to.shape->mesh, work->point, png,
@@ -248,7 +198,6 @@ static int run(struct work *work, FILE *out, struct iso_fault *fault)
 static void close_side(struct side *side)
 {
     iso_shape_free(side->shape);
-    free(side->function);
     free(side->rest);
 }
 

@@ -18,7 +18,7 @@ struct sim_match_options {
 };
 
 /* Fits a functional map to wave and heat kernel signatures, refines it by ZoomOut
- * (core/shape/correspond/functional_map.h), and writes below `out`:
+ * (isotherm/correspondence.h), and writes below `out`:
  *
  *   point.npy     for each vertex of the second shape, the vertex of the first one
  *   map.npy       the functional map of these points

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "core/shape/correspond/geodesic.h"
+#include "isotherm/correspondence.h"
 #include "sim/world/face/npy.h"
 
 enum { POINTS = 250 };

@@ -1,4 +1,4 @@
-/* Writes mesh files for the reader of sim/shapes/mesh. */
+/* Writes mesh files for the reader of isotherm/mesh_file.h. */
 #ifndef SIM_SHAPES_MESH_MESH_WRITER_H
 #define SIM_SHAPES_MESH_MESH_WRITER_H
 

@@ -11,9 +11,8 @@
 
 #include <cmocka.h>
 
-#include "core/shape/correspond/functional_map.h"
-#include "core/shape/correspond/geodesic.h"
-#include "core/shape/describe/wave_signature.h"
+#include "isotherm/correspondence.h"
+#include "isotherm/signature.h"
 #include "tests/core/surfaces/shapes.h"
 #include "tests/support/near.h"
 
@@ -188,12 +187,80 @@ static void a_shuffled_shape_is_put_in_order(void **state)
     free(from);
 }
 
+/* A long body with four limbs of different lengths, which signatures cannot take for its mirror
+ * image. */
+static struct iso_mesh *limbs(int splits)
+{
+    static const struct {
+        struct iso_vec3 at;
+        double length;
+    } limb[4] = {{{1.0, 0.4, 0.1}, 0.9},
+                 {{-1.0, 0.2, 0.5}, 0.5},
+                 {{0.1, -1.0, 0.4}, 0.7},
+                 {{0.2, 0.9, -0.9}, 1.2}};
+    struct iso_mesh *mesh = shape_sphere(splits, 10.0);
+    for (int32_t v = 0; v < mesh->n_vertices; v++) {
+        const struct iso_vec3 p = mesh->vertices_mm[v];
+        double grown = 1.0;
+        for (int i = 0; i < 4; i++) {
+            const double cosine = iso_dot(iso_unit(p), iso_unit(limb[i].at));
+            const double angle = acos(fmax(-1.0, fmin(1.0, cosine))) / 0.35;
+            grown += limb[i].length * exp(-angle * angle);
+        }
+        mesh->vertices_mm[v] = iso_vec3(2.0 * grown * p.x, 0.6 * grown * p.y, 0.6 * grown * p.z);
+    }
+    return mesh;
+}
+
+/* The whole way from signatures, which know nothing of the order of vertices. */
+static void signatures_match_a_shuffled_shape(void **state)
+{
+    enum { K = 50 };
+    struct iso_mesh *mesh = limbs(3);
+    const size_t n = (size_t)mesh->n_vertices;
+    int32_t *old = calloc(n, sizeof *old), *point = calloc(n, sizeof *point);
+    double *c = calloc((size_t)K * K, sizeof *c), *again = calloc((size_t)K * K, sizeof *again);
+    assert_true(old && point && c && again);
+    struct iso_mesh *other = shuffled(mesh, old);
+    /* The smaller number of pairs counts. */
+    struct iso_shape *a = prepare(mesh, 60), *b = prepare(other, K), *few = prepare(mesh, 2);
+    struct iso_match_options options = {.first_pairs = 20, .step = 5, .weight = 0.01};
+    (void)state;
+    assert_int_equal(iso_shape_match(a, b, &options, point, c), 0);
+    size_t right = 0;
+    for (size_t v = 0; v < n; v++) {
+        right += point[v] == old[v];
+    }
+    print_message("%zu of %zu vertices matched by signatures\n", right, n);
+    assert_true(right > n - n / 20);
+    assert_int_equal(iso_functional_map_of(a, b, K, point, again), 0);
+    assert_memory_equal(c, again, (size_t)K * K * sizeof *c);
+
+    assert_int_equal(iso_shape_match(few, few, &options, point, c), -EINVAL);
+    options.first_pairs = 1;
+    assert_int_equal(iso_shape_match(a, b, &options, point, c), -EINVAL);
+    options = (struct iso_match_options){.first_pairs = 20, .step = 0, .weight = 0.01};
+    assert_int_equal(iso_shape_match(a, b, &options, point, c), -EINVAL);
+    options = (struct iso_match_options){.first_pairs = 20, .step = 5, .weight = 0.0};
+    assert_int_equal(iso_shape_match(a, b, &options, point, c), -EINVAL);
+    iso_shape_free(a);
+    iso_shape_free(b);
+    iso_shape_free(few);
+    iso_mesh_free(mesh);
+    iso_mesh_free(other);
+    free(old);
+    free(point);
+    free(c);
+    free(again);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sphere_has_great_circles),
         cmocka_unit_test(a_rolled_sheet_keeps_straight_lines),
         cmocka_unit_test(a_shuffled_shape_is_put_in_order),
+        cmocka_unit_test(signatures_match_a_shuffled_shape),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

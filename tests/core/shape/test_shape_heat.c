@@ -11,9 +11,8 @@
 
 #include <cmocka.h>
 
-#include "core/shape/describe/critical_points.h"
-#include "core/shape/describe/heat_signature.h"
 #include "core/shape/describe/scale_invariant.h"
+#include "isotherm/signature.h"
 #include "tests/core/surfaces/shapes.h"
 #include "tests/support/near.h"
 

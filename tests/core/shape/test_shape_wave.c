@@ -13,7 +13,7 @@
 
 #include "core/shape/describe/describe.h"
 #include "core/shape/describe/largest_part.h"
-#include "core/shape/describe/wave_signature.h"
+#include "isotherm/signature.h"
 #include "tests/core/surfaces/shapes.h"
 #include "tests/support/near.h"
 

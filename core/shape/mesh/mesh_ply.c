@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/file/text.h"
-#include "sim/shapes/mesh/mesh_build.h"
+#include "core/base/text.h"
+#include "core/shape/mesh/mesh_build.h"
 
 enum { ELEMENTS_MAX = 16, PROPERTIES_MAX = 64 };
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sim/shapes/mesh/mesh_file.h"
+#include "isotherm/mesh_file.h"
 
 struct keyed {
     struct iso_vec3 at;

@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "core/base/bytes.h"
-#include "drivers/file/text.h"
-#include "sim/shapes/mesh/mesh_build.h"
+#include "core/base/text.h"
+#include "core/shape/mesh/mesh_build.h"
 
 /* 80 arbitrary bytes, a count, then triangles: a normal, three corners and two spare bytes. */
 enum { HEADER_BYTES = 80, FIRST_BYTE = HEADER_BYTES + 4, TRIANGLE_BYTES = 50 };

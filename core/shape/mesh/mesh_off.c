@@ -2,8 +2,8 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "drivers/file/text.h"
-#include "sim/shapes/mesh/mesh_build.h"
+#include "core/base/text.h"
+#include "core/shape/mesh/mesh_build.h"
 
 enum { WORDS_MAX = 8 };
 

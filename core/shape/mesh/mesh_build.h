@@ -1,9 +1,10 @@
 /* Builds a mesh from vertices and faces one by one while a file is read. Internal to
- * sim/shapes/mesh. */
-#ifndef ISO_SIM_SHAPES_MESH_MESH_BUILD_H
-#define ISO_SIM_SHAPES_MESH_MESH_BUILD_H
+ * core/shape/mesh. */
+#ifndef ISO_CORE_SHAPE_MESH_MESH_BUILD_H
+#define ISO_CORE_SHAPE_MESH_MESH_BUILD_H
 
-#include "sim/shapes/mesh/mesh_file.h"
+#include "core/base/fault.h"
+#include "isotherm/mesh_file.h"
 
 enum {
     ISO__MESH_MOST = 50000000,       /* vertices or triangles */

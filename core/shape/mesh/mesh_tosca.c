@@ -1,7 +1,7 @@
 #include <errno.h>
 
-#include "drivers/file/text.h"
-#include "sim/shapes/mesh/mesh_build.h"
+#include "core/base/text.h"
+#include "core/shape/mesh/mesh_build.h"
 
 /* Reads three words of the next line that is not blank; *n is 0 at the end. */
 static int next_three(struct iso__mesh_build *build, struct iso_text_lines *lines, char *words[3],

@@ -1,4 +1,4 @@
-#include "sim/shapes/mesh/mesh_build.h"
+#include "core/shape/mesh/mesh_build.h"
 
 #include <errno.h>
 #include <math.h>
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/file/text.h"
+#include "core/base/text.h"
 
 int iso__mesh_build_init(struct iso__mesh_build *build, const char *name, struct iso_fault *fault)
 {

@@ -1,8 +1,8 @@
 #include <errno.h>
 #include <string.h>
 
-#include "drivers/file/text.h"
-#include "sim/shapes/mesh/mesh_build.h"
+#include "core/base/text.h"
+#include "core/shape/mesh/mesh_build.h"
 
 /* Statements that do not concern the surface. */
 static const char *const passed_over[] = {"vn",     "vt",     "vp", "g", "o",      "s",

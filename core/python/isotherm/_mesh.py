@@ -1,0 +1,183 @@
+"""Triangle meshes: from arrays, from files."""
+import errno
+import os
+import stat
+from ctypes import POINTER, c_void_p
+
+import numpy as np
+
+from ._library import Error, Owner, address, array_in, byref, check, frees, lib, structs, view
+
+_BYTES_MOST = 1 << 30
+_PINHOLE = 1  # enum iso_projection
+
+
+class Mesh:
+    """A triangle mesh in any unit. Triangles are counter-clockwise seen from outside.
+
+    vertices: (n, 3) float64; triangles: (m, 3) int32, counted from 0; colours: (n, 3) float32 of
+    0..1, or None. All three are read-only views. Arrays that have the right type already are shared
+    with the caller and not copied: later changes of them are changes of the mesh.
+    """
+
+    def __init__(self, vertices, triangles, colours=None):
+        """Makes a mesh of arrays. Raises Error for arrays of other shapes, numbers that are not
+        finite, and triangles with a vertex that does not exist or with the same vertex twice."""
+        vertices = array_in(vertices, np.float64, (None, 3), 'vertices')
+        triangles = array_in(triangles, np.int32, (None, 3), 'triangles')
+        if colours is not None:
+            colours = array_in(colours, np.float32, (len(vertices), 3), 'colours')
+        if len(vertices) + 3 * len(triangles) >= 2**31:
+            raise Error('mesh: %d vertices and %d triangles are too many' % (len(vertices), len(triangles)), errno.EFBIG)
+        struct = structs.Mesh(len(vertices), len(triangles), len(vertices), len(triangles),
+                              address(vertices), address(triangles))
+        self._set(struct, vertices, triangles, colours, {})
+        self._check()
+
+    def _set(self, struct, vertices, triangles, colours, mended):
+        self._struct = struct
+        self._arrays = (vertices, triangles, colours)
+        self._mended = mended
+
+    def _check(self):
+        """Indices and coordinates are sound now. Arrays of the caller may have changed since the
+        last call."""
+        fault = structs.Fault()
+        check(lib.iso_mesh_check(byref(self._struct), byref(fault)), 'mesh', fault=fault)
+        colours = self._arrays[2]
+        if colours is not None and not ((colours >= 0) & (colours <= 1)).all():
+            raise Error('colours: a number is outside 0..1')
+
+    @classmethod
+    def load(cls, path, mend=True):
+        """Reads a mesh from a file named .off, .obj, .ply, .stl, or .vert with its .tri beside it.
+
+        mend: joins vertices at the same place, and removes triangles with two corners at one place,
+        copies of triangles and vertices of no triangle; `mended` says how many.
+        Raises OSError for a file that cannot be read, and Error, with the name of the file and the
+        line, for contents that are not understood.
+        """
+        path = os.fsdecode(path)
+        number = _format_of(path)
+        data = _read(path)
+        text, tri = _terminated(data), None
+        if path.lower().endswith('.vert'):
+            tri = _terminated(_read(path[:-len('vert')] + 'tri'), no_zero=path[:-len('vert')] + 'tri')
+        coloured, fault = structs.ColouredMesh(), structs.Fault()
+        code = lib.iso_mesh_parse(number, os.fsencode(path), address(text), len(data),
+                                  None if tri is None else address(tri), byref(coloured), byref(fault))
+        check(code, path, fault=fault)
+        owner = Owner(coloured, frees(lib.iso_coloured_mesh_done))
+        mended = structs.MeshMended()
+        if mend:
+            check(lib.iso_mesh_mend(byref(coloured), byref(mended)), path,
+                  {errno.EBADMSG: 'no triangle is left of it'})
+        return cls._of_owner(owner, coloured.mesh.contents, coloured.colour,
+                             {name: getattr(mended, name) for name, _ in mended._fields_})
+
+    @classmethod
+    def from_depth(cls, depth, focal_length, centre=None, jump=10.0, largest_only=False):
+        """The surface that a depth camera sees, in its frame: x right, y down, z forward,
+        millimetres.
+
+        depth: (rows, columns), millimetres along the optical axis; 0 where nothing was measured.
+        focal_length: pixels, a number or (horizontal, vertical). centre: column and row of the
+        optical axis; None: the middle. jump: an edge over which the depth changes by more
+        millimetres is cut. largest_only: keep the largest connected piece only.
+        Raises Error for depths that are negative or not finite, a camera that cannot exist, and a
+        frame without a triangle.
+        """
+        depth = array_in(depth, np.float32, (None, None), 'depth')
+        rows, columns = depth.shape
+        fx, fy = np.broadcast_to(np.asarray(focal_length, float), (2, ))
+        cx, cy = ((columns - 1) / 2, (rows - 1) / 2) if centre is None else centre
+        camera = structs.Camera(projection=_PINHOLE, width_px=columns, height_px=rows, fx_px=fx, fy_px=fy, cx_px=cx,
+                                cy_px=cy)
+        frame, fault = structs.Frame(camera, columns, rows, depth_mm=address(depth)), structs.Fault()
+        check(lib.iso_frame_check(byref(frame), byref(fault)), 'depth', fault=fault)
+        options, triangulator = structs.TriangulateOptions(jump, largest_only), c_void_p()
+        check(lib.iso_triangulator_new(depth.size, byref(options), byref(triangulator)), 'jump',
+              {errno.EINVAL: '%r is not above 0' % jump})
+        work = Owner(triangulator, lib.iso_triangulator_free)
+        pointer = POINTER(structs.Mesh)()
+        check(lib.iso_mesh_new(depth.size, 2 * depth.size, byref(pointer)), 'depth')
+        owner = Owner(pointer, lib.iso_mesh_free)
+        check(lib.iso_triangulate(work.pointer, byref(frame), pointer), 'depth',
+              {errno.ENODATA: 'it has no triangle'})
+        return cls._of_owner(owner, pointer.contents, None, {})
+
+    @classmethod
+    def _of_owner(cls, owner, struct, colour, mended):
+        vertices = view(owner, struct.vertices_mm, (struct.n_vertices, 3), np.float64)
+        triangles = view(owner, struct.triangles, (struct.n_triangles, 3), np.int32)
+        colours = view(owner, colour, (struct.n_vertices, 3), np.float32) if colour else None
+        mesh = cls.__new__(cls)
+        mesh._set(struct, vertices, triangles, colours, mended)
+        mesh._owner = owner
+        return mesh
+
+    @property
+    def vertices(self):
+        """(n, 3) float64: positions."""
+        return _read_only(self._arrays[0])
+
+    @property
+    def triangles(self):
+        """(m, 3) int32: the vertices of each triangle, counted from 0."""
+        return _read_only(self._arrays[1])
+
+    @property
+    def colours(self):
+        """(n, 3) float32: red, green and blue of each vertex, 0..1; or None."""
+        return None if self._arrays[2] is None else _read_only(self._arrays[2])
+
+    @property
+    def mended(self):
+        """What load() mended, by name: merged, collapsed, repeated, unused. Empty for arrays."""
+        return dict(self._mended)
+
+    @property
+    def area(self):
+        """Area of all triangles, in the square of the mesh's unit."""
+        self._check()
+        return lib.iso_mesh_area(byref(self._struct))
+
+    def __repr__(self):
+        return '<isotherm.Mesh: %d vertices, %d triangles%s>' % (
+            len(self._arrays[0]), len(self._arrays[1]), '' if self._arrays[2] is None else ', coloured')
+
+
+def _read_only(array):
+    seen = array.view()
+    seen.flags.writeable = False
+    return seen
+
+
+def _format_of(path):
+    """The number of a format, enum iso_mesh_format, by the ending of a name."""
+    ending, number = os.path.splitext(path)[1].lower(), 0
+    while (suffix := lib.iso_mesh_format_suffix(number)) is not None:
+        if ending == '.' + suffix.decode():
+            return number
+        number += 1
+    raise Error('%s: not named .off, .obj, .ply, .stl or .vert' % path, errno.ENOTSUP)
+
+
+def _read(path):
+    """The contents of a regular file; a pipe or a device could keep the caller waiting."""
+    if not stat.S_ISREG(os.stat(path).st_mode):
+        raise Error('%s: not a regular file' % path)
+    with open(path, 'rb') as file:
+        if os.fstat(file.fileno()).st_size > _BYTES_MOST:
+            raise Error('%s: larger than 1 GiB' % path, errno.EFBIG)
+        return file.read()
+
+
+def _terminated(data, no_zero=None):
+    """Bytes that the library may change, with a zero byte at their end. no_zero: the name of a file
+    that must not have another one."""
+    if no_zero is not None and b'\0' in data:
+        raise Error('%s: not a text file (it holds a NUL byte)' % no_zero, errno.EBADMSG)
+    text = np.zeros(len(data) + 1, np.uint8)
+    text[:-1] = np.frombuffer(data, np.uint8)
+    return text

@@ -1,0 +1,166 @@
+/* Prints where the compiler puts each member of the structs that the Python module mirrors
+ * (core/python/isotherm/_structs.py): "struct member offset size", and "struct - 0 size" for the
+ * struct itself. A member whose name is a word of Python has an underscore at its end there. */
+#include <isotherm/isotherm.h>
+
+#include <stddef.h>
+#include <stdio.h>
+
+#define WHOLE(type) printf(#type " - 0 %zu\n", sizeof(struct type))
+#define MEMBER(type, member)                                              \
+    printf(#type " " #member " %zu %zu\n", offsetof(struct type, member), \
+           sizeof(((struct type *)0)->member))
+
+static void print_meshes(void)
+{
+    WHOLE(iso_fault);
+    MEMBER(iso_fault, text);
+    MEMBER(iso_fault, code);
+    WHOLE(iso_mesh);
+    MEMBER(iso_mesh, n_vertices);
+    MEMBER(iso_mesh, n_triangles);
+    MEMBER(iso_mesh, vertex_capacity);
+    MEMBER(iso_mesh, triangle_capacity);
+    MEMBER(iso_mesh, vertices_mm);
+    MEMBER(iso_mesh, triangles);
+    WHOLE(iso_coloured_mesh);
+    MEMBER(iso_coloured_mesh, mesh);
+    MEMBER(iso_coloured_mesh, colour);
+    WHOLE(iso_mesh_mended);
+    MEMBER(iso_mesh_mended, merged);
+    MEMBER(iso_mesh_mended, collapsed);
+    MEMBER(iso_mesh_mended, repeated);
+    MEMBER(iso_mesh_mended, unused);
+}
+
+static void print_frames(void)
+{
+    WHOLE(iso_camera);
+    MEMBER(iso_camera, projection);
+    MEMBER(iso_camera, width_px);
+    MEMBER(iso_camera, height_px);
+    MEMBER(iso_camera, fx_px);
+    MEMBER(iso_camera, fy_px);
+    MEMBER(iso_camera, pitch_mm);
+    MEMBER(iso_camera, cx_px);
+    MEMBER(iso_camera, cy_px);
+    MEMBER(iso_camera, k1);
+    MEMBER(iso_camera, k2);
+    MEMBER(iso_camera, k3);
+    MEMBER(iso_camera, p1);
+    MEMBER(iso_camera, p2);
+    WHOLE(iso_frame);
+    MEMBER(iso_frame, camera);
+    MEMBER(iso_frame, width_px);
+    MEMBER(iso_frame, height_px);
+    MEMBER(iso_frame, crop_x_px);
+    MEMBER(iso_frame, crop_y_px);
+    MEMBER(iso_frame, t_ns);
+    MEMBER(iso_frame, sequence);
+    MEMBER(iso_frame, depth_mm);
+    MEMBER(iso_frame, intensity);
+    WHOLE(iso_triangulate_options);
+    MEMBER(iso_triangulate_options, jump_mm);
+    MEMBER(iso_triangulate_options, largest_only);
+}
+
+static void print_spectra(void)
+{
+    WHOLE(iso_symmetric);
+    MEMBER(iso_symmetric, n);
+    MEMBER(iso_symmetric, nnz);
+    MEMBER(iso_symmetric, n_capacity);
+    MEMBER(iso_symmetric, nnz_capacity);
+    MEMBER(iso_symmetric, column_start);
+    MEMBER(iso_symmetric, row);
+    MEMBER(iso_symmetric, value);
+    WHOLE(iso_eigenpairs);
+    MEMBER(iso_eigenpairs, n);
+    MEMBER(iso_eigenpairs, k);
+    MEMBER(iso_eigenpairs, lambda);
+    MEMBER(iso_eigenpairs, phi);
+    WHOLE(iso_critical_points);
+    MEMBER(iso_critical_points, n);
+    MEMBER(iso_critical_points, vertex);
+    WHOLE(iso_shared_functions);
+    MEMBER(iso_shared_functions, n);
+    MEMBER(iso_shared_functions, from);
+    MEMBER(iso_shared_functions, to);
+    WHOLE(iso_match_options);
+    MEMBER(iso_match_options, first_pairs);
+    MEMBER(iso_match_options, step);
+    MEMBER(iso_match_options, weight);
+}
+
+static void print_shape(void)
+{
+    WHOLE(iso_shape);
+    MEMBER(iso_shape, mesh);
+    MEMBER(iso_shape, colour);
+    MEMBER(iso_shape, area);
+    MEMBER(iso_shape, total_area);
+    MEMBER(iso_shape, near_boundary);
+    MEMBER(iso_shape, neighbour_start);
+    MEMBER(iso_shape, neighbour);
+    MEMBER(iso_shape, stiffness);
+    MEMBER(iso_shape, mass);
+    MEMBER(iso_shape, pairs);
+    MEMBER(iso_shape, weighted);
+}
+
+static void print_methods(void)
+{
+    WHOLE(iso_shape_description);
+    MEMBER(iso_shape_description, n_bags);
+    MEMBER(iso_shape_description, n_points);
+    MEMBER(iso_shape_description, n_values);
+    MEMBER(iso_shape_description, local);
+    MEMBER(iso_shape_description, weight);
+    MEMBER(iso_shape_description, n_parts);
+    MEMBER(iso_shape_description, part_size);
+    MEMBER(iso_shape_description, whole);
+    WHOLE(iso_shape_method);
+    MEMBER(iso_shape_method, name);
+    MEMBER(iso_shape_method, title);
+    MEMBER(iso_shape_method, source);
+    MEMBER(iso_shape_method, colour);
+    MEMBER(iso_shape_method, coding);
+    MEMBER(iso_shape_method, size);
+    MEMBER(iso_shape_method, norm);
+    MEMBER(iso_shape_method, classifier);
+    MEMBER(iso_shape_method, kept_parts);
+    MEMBER(iso_shape_method, describe);
+}
+
+static void print_classifiers(void)
+{
+    WHOLE(iso_feature_layout);
+    MEMBER(iso_feature_layout, size);
+    MEMBER(iso_feature_layout, n_parts);
+    MEMBER(iso_feature_layout, part_size);
+    WHOLE(iso_labelled);
+    MEMBER(iso_labelled, layout);
+    MEMBER(iso_labelled, n);
+    MEMBER(iso_labelled, n_classes);
+    MEMBER(iso_labelled, feature);
+    MEMBER(iso_labelled, label);
+    WHOLE(iso_classifier_ops);
+    MEMBER(iso_classifier_ops, name);
+    MEMBER(iso_classifier_ops, title);
+    MEMBER(iso_classifier_ops, source);
+    MEMBER(iso_classifier_ops, train);
+    MEMBER(iso_classifier_ops, free);
+    MEMBER(iso_classifier_ops, score);
+    MEMBER(iso_classifier_ops, rank);
+}
+
+int main(void)
+{
+    print_meshes();
+    print_frames();
+    print_spectra();
+    print_shape();
+    print_methods();
+    print_classifiers();
+    return 0;
+}
