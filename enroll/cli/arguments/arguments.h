@@ -83,6 +83,8 @@ struct cli_arguments {
     size_t n_people;
     bool reset;                              /* settings: back to the configuration file */
     bool replace;                            /* import */
+    bool commission;                         /* doctor: walk the checklist of a new door */
+    const char *answers;                     /* doctor: the file of answers; NULL: ask */
     const char *picture;                     /* aim, setup: the file to write; NULL: not given */
     const char *sensor, *board;              /* setup; NULL: not given */
     bool yes;                                /* setup, door test: ask nothing */
