@@ -35,6 +35,7 @@ enum cli_verb {
     CLI_POLICY,
     CLI_CREDENTIAL,
     CLI_WEB,
+    CLI_FACTORY_RESET,
     CLI_VERBS /* how many there are; as a verb: no command was given */
 };
 
@@ -87,7 +88,7 @@ struct cli_arguments {
     const char *answers;                     /* doctor: the file of answers; NULL: ask */
     const char *picture;                     /* aim, setup: the file to write; NULL: not given */
     const char *sensor, *board;              /* setup; NULL: not given */
-    bool yes;                                /* setup, door test: ask nothing */
+    bool yes;                                /* setup, door test, factory-reset: ask nothing */
     bool dry_run;                            /* setup, policy import */
     bool has_at;                             /* policy test: the moment below is given */
     int64_t at_s;                            /* since 1970 */

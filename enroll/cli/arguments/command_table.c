@@ -30,4 +30,6 @@ const struct cli_command cli_commands[CLI_VERBS] = {
                         "show or change what NAME has: cards, PIN, access profiles"},
     [CLI_WEB] = {"web", "setup|fingerprint",
                  "make a code for the first account of the web server; show its fingerprint"},
+    [CLI_FACTORY_RESET] = {"factory-reset", "",
+                           "delete keys, people, log, settings, accounts and fleet"},
 };

@@ -139,7 +139,8 @@ const struct cli_option cli_options[CLI_OPTIONS] = {
                           .verbs = CLI_FOR(CLI_SETUP),
                           .help = "the board that has the door's lines"},
     [CLI_OPTION_YES] = {.name = "yes",
-                        .verbs = CLI_FOR(CLI_SETUP) | CLI_FOR(CLI_DOOR),
+                        .verbs = CLI_FOR(CLI_SETUP) | CLI_FOR(CLI_DOOR) |
+                                 CLI_FOR(CLI_FACTORY_RESET),
                         .help = "ask nothing"},
     [CLI_OPTION_DRY_RUN] = {.name = "dry-run",
                             .verbs = CLI_FOR(CLI_SETUP) | CLI_FOR(CLI_POLICY),

@@ -69,4 +69,8 @@ enum cli_exit cli_setup(const struct cli_arguments *arguments, struct cli_fault 
 enum cli_exit cli_web(const struct cli_web_places *places, const struct cli_arguments *arguments,
                       struct cli_fault *fault);
 
+/* Needs no connection either: it stops the daemon. */
+enum cli_exit cli_factory_reset(const struct cli_reset_places *places,
+                                const struct cli_arguments *arguments, struct cli_fault *fault);
+
 #endif

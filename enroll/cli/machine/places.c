@@ -22,6 +22,13 @@ const struct cli_setup_places cli_setup_installed = {
     .daemon_wait_s = 10,
 };
 
+const struct cli_reset_places cli_reset_installed = {
+    .daemon = ISOTHERM_DAEMON,
+    .config = ISOTHERM_CONFIG,
+    .systemctl = "/usr/bin/systemctl",
+    .root = true,
+};
+
 void cli_places_policy_reader(char path[PATH_MAX])
 {
     char own[PATH_MAX] = "";

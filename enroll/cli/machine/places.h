@@ -1,5 +1,5 @@
-/* The paths that `isotherm setup` and `isotherm web` use. The installed program has one set of
- * them; tests have their own. */
+/* The paths that `isotherm setup`, `isotherm web` and `isotherm factory-reset` use. The installed
+ * program has one set of them; tests have their own. */
 #ifndef CLI_MACHINE_PLACES_H
 #define CLI_MACHINE_PLACES_H
 
@@ -27,6 +27,13 @@ struct cli_web_places {
     bool root;             /* only root may read the state of the web server */
 };
 
+struct cli_reset_places {
+    const char *daemon;    /* the program isothermd, which deletes the state */
+    const char *config;    /* its configuration */
+    const char *systemctl; /* stops and starts the services */
+    bool root;             /* only root may delete the state */
+};
+
 /* Writes the path of the program that reads files of policies (policy/policy_reader.h). It is at
  * ../lib/isotherm from the folder of this program, in a build tree as in an installed one. */
 void cli_places_policy_reader(char path[PATH_MAX]);
@@ -34,5 +41,6 @@ void cli_places_policy_reader(char path[PATH_MAX]);
 /* The paths of the installed program. */
 extern const struct cli_web_places cli_web_installed;
 extern const struct cli_setup_places cli_setup_installed;
+extern const struct cli_reset_places cli_reset_installed;
 
 #endif
