@@ -317,6 +317,7 @@ struct iso_appliance_status {
     struct iso_appliance_counts counts;
     const char *reader_state; /* of the card reader: "off", "works", "lost" */
     const char *reader_fault; /* why it does not work; "" if it does, or if there is none */
+    bool key_is_credential;   /* of the service manager; false: it is a file */
     bool lockdown;
     int64_t lockout_ns; /* how long nobody is let in; 0: not locked out */
     uint64_t frames;

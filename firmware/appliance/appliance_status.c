@@ -25,6 +25,7 @@ struct iso_appliance_status iso_appliance_status(const struct iso_appliance *app
         .stale_fault_code = appliance->stale.fault.code,
         .storage_fault = iso__appliance_storage_fault(appliance)->text,
         .storage_fault_code = iso__appliance_storage_fault(appliance)->code,
+        .key_is_credential = iso_key_ring_has_credential(appliance->borrowed.ring),
         .counter_fault = appliance->counter.fault.text,
         .counter_fault_code = appliance->counter.fault.code,
         .last_outcome = appliance->outcome.text,

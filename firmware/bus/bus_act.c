@@ -30,8 +30,7 @@ void iso__bus_describe_caller(sd_bus_message *call, char *who, size_t size)
     }
 }
 
-/* Both texts go into the log, so they contain nothing that could look like something else there. */
-static bool is_word(const char *text, size_t most)
+bool iso__bus_is_word(const char *text, size_t most)
 {
     static const char allowed[] = "abcdefghijklmnopqrstuvwxyz0123456789.-_";
     const size_t n = strlen(text);
@@ -41,7 +40,8 @@ static bool is_word(const char *text, size_t most)
 static int check(const char *account, const char *act, const char *person, sd_bus_error *out)
 {
     const char *flaw = *person ? iso_person_name_flaw(person) : NULL;
-    if (!is_word(account, ISO_CONTRACT_ACCOUNT_BYTES) || !is_word(act, ISO_CONTRACT_ACT_BYTES)) {
+    if (!iso__bus_is_word(account, ISO_CONTRACT_ACCOUNT_BYTES) ||
+        !iso__bus_is_word(act, ISO_CONTRACT_ACT_BYTES)) {
         return sd_bus_error_setf(out, ISO_CONTRACT_ERROR_INVALID_ARGUMENT,
                                  "an account and an act are words of small letters, digits, '.', "
                                  "'-' and '_', at most %d and %d bytes long",

@@ -97,6 +97,13 @@ int iso__bus_record_consent(struct iso_bus *bus, sd_bus_message *call, const cha
                             struct iso_fault *fault);
 int iso__bus_record_act(sd_bus_message *call, void *context, sd_bus_error *out);
 
+/* Whether a text has 1 to `most` bytes, all of them small letters, digits, '.', '-' and '_', so
+ * that it cannot look like something else in the log (bus_act.c). */
+bool iso__bus_is_word(const char *text, size_t most);
+
+/* The method that puts the checks of a door on record (bus_commission.c). */
+int iso__bus_record_commission(sd_bus_message *call, void *context, sd_bus_error *out);
+
 /* The methods of the actions, of the status, of lock-out and lockdown, and of the log
  * (bus_methods.c). */
 int iso__bus_enroll_start(sd_bus_message *call, void *context, sd_bus_error *out);

@@ -68,6 +68,8 @@ const sd_bus_vtable iso__bus_vtable[] = {
     METHOD(ISO_CONTRACT_INSTALL_PANEL, "", NOTHING, "", NOTHING, iso__bus_install_panel),
     METHOD(ISO_CONTRACT_RECORD_ACT, "sss", "account\0act\0person\0", "", NOTHING,
            iso__bus_record_act),
+    METHOD(ISO_CONTRACT_RECORD_COMMISSION, "sa(sss)", "by\0items\0", "st", "outcome\0sequence\0",
+           iso__bus_record_commission),
     METHOD(ISO_CONTRACT_AIM_START, "", NOTHING, "", NOTHING, iso__bus_aim_start),
     METHOD(ISO_CONTRACT_AIM_STOP, "", NOTHING, "", NOTHING, iso__bus_aim_stop),
     METHOD(ISO_CONTRACT_WATCH, "s", "what\0", "h", "stream\0", iso__bus_watch),

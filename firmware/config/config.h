@@ -162,6 +162,14 @@ struct iso_config_login {
     int longest_ms;
 };
 
+/* The factory reset (firmware/reset). */
+struct iso_config_reset {
+    char button[ISO_CONFIG_TEXT_SIZE];     /* a GPIO line; "": there is none */
+    char credential[ISO_CONFIG_TEXT_SIZE]; /* the file of the encrypted key of the appliance */
+    char web[ISO_CONFIG_TEXT_SIZE];        /* the folder of the web server's state */
+    char link[ISO_CONFIG_TEXT_SIZE];       /* the folder of the link's state */
+};
+
 struct iso_config_process {
     bool confine;
 };
@@ -189,6 +197,7 @@ struct iso_config {
     struct iso_config_log log;
     struct iso_config_bus bus;
     struct iso_config_login login;
+    struct iso_config_reset reset;
     struct iso_config_process process;
     struct iso_config_model model;
     const char *obsolete; /* the last obsolete key in the file, "[section] name"; NULL: none */

@@ -237,6 +237,15 @@ const struct iso_config_key iso_config_keys[] = {
     {"login", "longest_ms", ISO_CONFIG_COUNT, AT(login, longest_ms), 1000, 60000, NULL, "15000",
      "longest look for one login"},
 
+    {"reset", "button", ISO_CONFIG_TEXT, AT(reset, button), 0, 0, NULL, "",
+     "GPIO line of a button that, held for 10 s while the daemon starts, resets the appliance"},
+    {"reset", "credential", ISO_CONFIG_TEXT, AT(reset, credential), 0, 0, NULL,
+     "/etc/credstore.encrypted/isotherm.key", "the encrypted key, which a factory reset deletes"},
+    {"reset", "web", ISO_CONFIG_TEXT, AT(reset, web), 0, 0, NULL, "/var/lib/isotherm-web",
+     "state of the web server, which a factory reset empties"},
+    {"reset", "link", ISO_CONFIG_TEXT, AT(reset, link), 0, 0, NULL, "/var/lib/isotherm-link",
+     "membership of a fleet, which a factory reset empties"},
+
     {"process", "confine", ISO_CONFIG_SWITCH, AT(process, confine), 0, 0, NULL, "yes",
      "give up what the daemon does not need of files and system calls (Landlock, seccomp)"},
 

@@ -116,6 +116,17 @@
  *                                        with the person concerned ("": none) and a note that names
  *                                        the act, the account, and the user who runs the client. It
  *                                        fails if the log cannot be written
+ *   RecordCommission(s by, a(sss) items) -> s outcome, t sequence
+ *                                        for administrators: puts on record what the checks of a door
+ *                                        have shown before it goes into service (isotherm doctor
+ *                                        --commission). `by` is the name of who checked. An item is its
+ *                                        word, its answer (ISO_CONTRACT_ANSWER_...) and a remark, or
+ *                                        "". Each is the event "commission" with the answer as the
+ *                                        reason and a note "ITEM" or "ITEM: REMARK". One more has the
+ *                                        outcome (ISO_CONTRACT_COMMISSION_...) as the reason, and a note
+ *                                        with the number of items, the user who calls, and `by`. It is
+ *                                        written last, and its sequence is returned; without it the
+ *                                        records of items are those of a call that failed
  *   AimStart()  AimStop()                begin and end the sending of View signals to the caller;
  *                                        they also end when the caller leaves the bus
  *   Watch(s what) -> h stream            a socket that receives a record for each frame, as
@@ -198,52 +209,53 @@
 #define ISO_CONTRACT_INTERFACE "org.isotherm.Door"
 
 /* Methods. */
-#define ISO_CONTRACT_CLAIM            "Claim"
-#define ISO_CONTRACT_RELEASE          "Release"
-#define ISO_CONTRACT_ENROLL_START     "EnrollStart"
-#define ISO_CONTRACT_ENROLL_STOP      "EnrollStop"
-#define ISO_CONTRACT_VERIFY_START     "VerifyStart"
-#define ISO_CONTRACT_VERIFY_STOP      "VerifyStop"
-#define ISO_CONTRACT_IDENTIFY_START   "IdentifyStart"
-#define ISO_CONTRACT_IDENTIFY_STOP    "IdentifyStop"
-#define ISO_CONTRACT_VERIFY_SELF      "VerifySelf"
-#define ISO_CONTRACT_VERIFY_LOGIN     "VerifyLogin"
-#define ISO_CONTRACT_LIST_PEOPLE      "ListPeople"
-#define ISO_CONTRACT_DELETE_PERSON    "DeletePerson"
-#define ISO_CONTRACT_SET_VALIDITY     "SetValidity"
-#define ISO_CONTRACT_RENAME_PERSON    "RenamePerson"
-#define ISO_CONTRACT_GET_STATUS       "GetStatus"
-#define ISO_CONTRACT_GET_SETTINGS     "GetSettings"
-#define ISO_CONTRACT_SET_SETTING      "SetSetting"
-#define ISO_CONTRACT_RESET_SETTING    "ResetSetting"
-#define ISO_CONTRACT_GET_SITE         "GetSite"
-#define ISO_CONTRACT_LIST_LOOK_ALIKES "ListLookAlikes"
-#define ISO_CONTRACT_LIST_OTHER       "ListOtherSensor"
-#define ISO_CONTRACT_RESET_SITE       "ResetSite"
-#define ISO_CONTRACT_ROLL_BACK_SITE   "RollBackSite"
-#define ISO_CONTRACT_GET_POLICY       "GetPolicy"
-#define ISO_CONTRACT_SET_POLICY       "SetPolicy"
-#define ISO_CONTRACT_CHECK_POLICY     "CheckPolicy"
-#define ISO_CONTRACT_TEST_ACCESS      "TestAccess"
-#define ISO_CONTRACT_GET_CREDENTIAL   "GetCredential"
-#define ISO_CONTRACT_SET_CREDENTIAL   "SetCredential"
-#define ISO_CONTRACT_LIST_CREDENTIALS "ListCredentials"
-#define ISO_CONTRACT_READ_LOG         "ReadLog"
-#define ISO_CONTRACT_VERIFY_LOG       "VerifyLog"
-#define ISO_CONTRACT_EXPORT_PEOPLE    "ExportPeople"
-#define ISO_CONTRACT_IMPORT_PEOPLE    "ImportPeople"
-#define ISO_CONTRACT_ROTATE_KEYS      "RotateKeys"
-#define ISO_CONTRACT_GET_ADDRESS      "GetAddress"
-#define ISO_CONTRACT_CLEAR_LOCKOUT    "ClearLockout"
-#define ISO_CONTRACT_SET_LOCKDOWN     "SetLockdown"
-#define ISO_CONTRACT_TEST_DOOR        "TestDoor"
-#define ISO_CONTRACT_INSTALL_PANEL    "InstallPanel"
-#define ISO_CONTRACT_AIM_START        "AimStart"
-#define ISO_CONTRACT_AIM_STOP         "AimStop"
-#define ISO_CONTRACT_WATCH            "Watch"
-#define ISO_CONTRACT_RECORD_ACT       "RecordAct"
-#define ISO_CONTRACT_WATCH_RELIEF     "WatchRelief"
-#define ISO_CONTRACT_PICTURE          "Picture"
+#define ISO_CONTRACT_CLAIM             "Claim"
+#define ISO_CONTRACT_RELEASE           "Release"
+#define ISO_CONTRACT_ENROLL_START      "EnrollStart"
+#define ISO_CONTRACT_ENROLL_STOP       "EnrollStop"
+#define ISO_CONTRACT_VERIFY_START      "VerifyStart"
+#define ISO_CONTRACT_VERIFY_STOP       "VerifyStop"
+#define ISO_CONTRACT_IDENTIFY_START    "IdentifyStart"
+#define ISO_CONTRACT_IDENTIFY_STOP     "IdentifyStop"
+#define ISO_CONTRACT_VERIFY_SELF       "VerifySelf"
+#define ISO_CONTRACT_VERIFY_LOGIN      "VerifyLogin"
+#define ISO_CONTRACT_LIST_PEOPLE       "ListPeople"
+#define ISO_CONTRACT_DELETE_PERSON     "DeletePerson"
+#define ISO_CONTRACT_SET_VALIDITY      "SetValidity"
+#define ISO_CONTRACT_RENAME_PERSON     "RenamePerson"
+#define ISO_CONTRACT_GET_STATUS        "GetStatus"
+#define ISO_CONTRACT_GET_SETTINGS      "GetSettings"
+#define ISO_CONTRACT_SET_SETTING       "SetSetting"
+#define ISO_CONTRACT_RESET_SETTING     "ResetSetting"
+#define ISO_CONTRACT_GET_SITE          "GetSite"
+#define ISO_CONTRACT_LIST_LOOK_ALIKES  "ListLookAlikes"
+#define ISO_CONTRACT_LIST_OTHER        "ListOtherSensor"
+#define ISO_CONTRACT_RESET_SITE        "ResetSite"
+#define ISO_CONTRACT_ROLL_BACK_SITE    "RollBackSite"
+#define ISO_CONTRACT_GET_POLICY        "GetPolicy"
+#define ISO_CONTRACT_SET_POLICY        "SetPolicy"
+#define ISO_CONTRACT_CHECK_POLICY      "CheckPolicy"
+#define ISO_CONTRACT_TEST_ACCESS       "TestAccess"
+#define ISO_CONTRACT_GET_CREDENTIAL    "GetCredential"
+#define ISO_CONTRACT_SET_CREDENTIAL    "SetCredential"
+#define ISO_CONTRACT_LIST_CREDENTIALS  "ListCredentials"
+#define ISO_CONTRACT_READ_LOG          "ReadLog"
+#define ISO_CONTRACT_VERIFY_LOG        "VerifyLog"
+#define ISO_CONTRACT_EXPORT_PEOPLE     "ExportPeople"
+#define ISO_CONTRACT_IMPORT_PEOPLE     "ImportPeople"
+#define ISO_CONTRACT_ROTATE_KEYS       "RotateKeys"
+#define ISO_CONTRACT_GET_ADDRESS       "GetAddress"
+#define ISO_CONTRACT_CLEAR_LOCKOUT     "ClearLockout"
+#define ISO_CONTRACT_SET_LOCKDOWN      "SetLockdown"
+#define ISO_CONTRACT_TEST_DOOR         "TestDoor"
+#define ISO_CONTRACT_INSTALL_PANEL     "InstallPanel"
+#define ISO_CONTRACT_AIM_START         "AimStart"
+#define ISO_CONTRACT_AIM_STOP          "AimStop"
+#define ISO_CONTRACT_WATCH             "Watch"
+#define ISO_CONTRACT_RECORD_ACT        "RecordAct"
+#define ISO_CONTRACT_RECORD_COMMISSION "RecordCommission"
+#define ISO_CONTRACT_WATCH_RELIEF      "WatchRelief"
+#define ISO_CONTRACT_PICTURE           "Picture"
 
 /* Options of EnrollStart, and three of SetValidity. */
 #define ISO_CONTRACT_ALLOW_DUPLICATE "allow-duplicate"
@@ -341,6 +353,26 @@ enum { ISO_CONTRACT_TEMPLATES_MAX = 16 };
 #define ISO_CONTRACT_ACCESS_ALLOW     "allow"
 #define ISO_CONTRACT_ACCESS_DENY      "deny"
 #define ISO_CONTRACT_ACCESS_WANT      "want"
+
+/* The answers to an item of RecordCommission: what a program has found, and what a person says. */
+#define ISO_CONTRACT_ANSWER_OK      "ok"
+#define ISO_CONTRACT_ANSWER_WARNING "warning"
+#define ISO_CONTRACT_ANSWER_FAULT   "fault"
+#define ISO_CONTRACT_ANSWER_YES     "yes"
+#define ISO_CONTRACT_ANSWER_NO      "no"
+#define ISO_CONTRACT_ANSWER_SKIPPED "skipped"
+
+/* The outcome of a commissioning. */
+#define ISO_CONTRACT_COMMISSION_PASSED     "passed"     /* every answer is "ok" or "yes" */
+#define ISO_CONTRACT_COMMISSION_INCOMPLETE "incomplete" /* some are "warning" or "skipped" */
+#define ISO_CONTRACT_COMMISSION_FAILED     "failed"     /* there is a "fault" or a "no" */
+
+/* The most items of RecordCommission, and the longest word and remark, in bytes without the NUL. */
+enum {
+    ISO_CONTRACT_ITEMS_MAX = 64,
+    ISO_CONTRACT_ITEM_BYTES = 32,
+    ISO_CONTRACT_REMARK_BYTES = 300,
+};
 
 /* The longest account and act of RecordAct, in bytes without the NUL. */
 enum { ISO_CONTRACT_ACCOUNT_BYTES = 32, ISO_CONTRACT_ACT_BYTES = 32 };

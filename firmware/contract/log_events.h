@@ -11,11 +11,12 @@
 #define ISO_FIRMWARE_CONTRACT_LOG_EVENTS_H
 
 /* Every "event" of an audit record, in alphabetical order: the values of an array of texts. */
-#define ISO_CONTRACT_EVENTS                                                                       \
-    "act", "attack", "clock", "counter", "credential", "delete", "door", "door-test", "duress",   \
-        "enroll", "export", "fleet", "forget", "gallery", "grant", "identify", "import", "learn", \
-        "lockdown", "lockout", "log-recovered", "log-rotated", "log-sealed", "panel", "picture",  \
-        "policy", "records-lost", "relief", "rename", "rotate-keys", "sensor", "setting", "site", \
-        "start", "state-accepted", "stop", "validity", "verify", "visit"
+#define ISO_CONTRACT_EVENTS                                                                        \
+    "act", "attack", "clock", "commission", "counter", "credential", "delete", "door",             \
+        "door-test", "duress", "enroll", "export", "fleet", "forget", "gallery", "grant",          \
+        "identify", "import", "learn", "lockdown", "lockout", "log-recovered", "log-rotated",      \
+        "log-sealed", "panel", "picture", "policy", "records-lost", "relief", "rename",            \
+        "rotate-keys", "sensor", "setting", "site", "start", "state-accepted", "stop", "validity", \
+        "verify", "visit"
 
 #endif

@@ -81,6 +81,18 @@ bool iso_person_name_can_be_stored(const char *name)
     return !find_flaw(name, true);
 }
 
+bool iso_person_name_has_control(const char *text)
+{
+    uint32_t c = 0;
+    for (int length; *text; text += length) {
+        length = iso_utf8_decode(text, &c);
+        if (!length || is_control(c)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* ---- which names are one ---- */
 
 static void digest_name(const uint8_t *folded, size_t size, struct iso_person_name_key *out)

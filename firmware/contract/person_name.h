@@ -22,6 +22,10 @@ const char *iso_person_name_flaw(const char *name);
  * and blanks at both ends. Returns true if the name fulfils it. */
 bool iso_person_name_can_be_stored(const char *name);
 
+/* Whether a text of any length has one of the control characters above, or is not UTF-8. Texts of
+ * people that get into the log must not. */
+bool iso_person_name_has_control(const char *text);
+
 /* Two names are one person's if their keys are the same ("Ada" and "ada", "STRASSE" and "Straße",
  * and other spellings that name_folding.h makes equal). The key is a digest of fixed size, which is
  * kept and compared instead of the folded name. */

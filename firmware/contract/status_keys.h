@@ -21,6 +21,8 @@
  *   "storage-fault" s         the last error of the disk; "" once it works again
  *   "counter-fault" s         a fault of the counter of the state; "" while it works or none is
  *                             configured
+ *   "key-place" s             where the key of the appliance is: "credential" of the service manager,
+ *                             or "file"
  *   "door" s                  its back end
  *   "door-state" s
  *   "door-lines" s            the lines that are wired

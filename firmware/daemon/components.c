@@ -10,6 +10,7 @@
 #include "drivers/vision/face_detector.h"
 #include "firmware/config/door_options.h"
 #include "firmware/policy/zones/zone_file.h"
+#include "firmware/reset/reset_button.h"
 
 static const char *or_shipped(const char *path, const char *shipped)
 {
@@ -91,6 +92,9 @@ static int open_files(struct iso_components *components, struct iso_fault *fault
     }
     if (!error) {
         error = iso_components_check_reader(config, fault);
+    }
+    if (!error && *config->reset.button) {
+        error = iso_reset_button_check(config->reset.button, fault);
     }
     return error ? error : iso_components_check_places(config, fault);
 }

@@ -71,6 +71,10 @@ struct iso_components *iso_components_new(const struct iso_config *config,
 int iso_components_open_pipeline(struct iso_components *components, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* The length of the directory part of a path, with its last slash. 0: the working directory.
+ * Internal to firmware/daemon. (components_stores.c) */
+size_t iso__components_directory_length(const char *path);
+
 /* Whether the directories of the stores exist: -ENOENT, -EACCES. (components_stores.c) */
 int iso_components_check_places(const struct iso_config *config, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -145,6 +149,31 @@ int iso_components_rest_door(const struct iso_config *config, const struct iso_t
  * is written. -EIO; the errors of iso_key_ring_open and iso_audit_open. */
 int iso_components_print_log(const struct iso_config *config, const struct iso_times *times,
                              FILE *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* ---- the factory reset (components_reset.c; firmware/reset/reset.h) ---- */
+
+/* Returns 0 unless a reset was begun and is not finished: then -EBUSY, and nothing may be opened.
+ */
+int iso_components_check_reset(const struct iso_config *config, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* With a counter of the state: whether the appliance was reset since the counter has begun; and no
+ * longer. */
+bool iso_components_was_reset(const struct iso_config *config);
+void iso_components_forget_reset(const struct iso_config *config);
+
+/* Resets the appliance. No daemon may run. -EBUSY one runs; then nothing has changed. The errors of
+ * iso_reset_begin and iso_reset_finish. Prints on `out` what it did. */
+int iso_components_reset(const struct iso_config *config, FILE *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Before a start: finishes a reset that was begun, or resets an appliance that has a gallery if the
+ * button is held for ISO_RESET_HOLD_S, and returns 1. Else returns 0 and does nothing. A button
+ * that cannot be read is not held, and *remark says why; else it is "". The errors of
+ * iso_components_reset. */
+int iso_components_finish_reset(const struct iso_config *config, const struct iso_times *times,
+                                FILE *out, struct iso_fault *remark, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Stops the door, which leaves its lines without power; closes all that is open, and frees the

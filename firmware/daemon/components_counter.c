@@ -74,5 +74,8 @@ int iso_components_begin_counter(struct iso_components *components, bool threade
             (void)iso_fault_set(fault, error, "the counter of the state: %s", strerror(-error));
         }
     }
+    if (!error) {
+        iso_components_forget_reset(&components->config);
+    }
     return error;
 }

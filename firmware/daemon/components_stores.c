@@ -9,8 +9,7 @@
 #include "firmware/daemon/components.h"
 #include "firmware/visit/lockout_file.h"
 
-/* The length of the directory part of a path, with its last slash. 0: the working directory. */
-static size_t directory_length(const char *path)
+size_t iso__components_directory_length(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash ? (size_t)(slash + 1 - path) : 0;
@@ -20,8 +19,9 @@ static size_t directory_length(const char *path)
 static bool in_state_directory(const char *path)
 {
     const struct iso_config standard = iso_config_default();
-    const size_t length = directory_length(standard.gallery.path);
-    return directory_length(path) == length && strncmp(path, standard.gallery.path, length) == 0;
+    const size_t length = iso__components_directory_length(standard.gallery.path);
+    return iso__components_directory_length(path) == length &&
+           strncmp(path, standard.gallery.path, length) == 0;
 }
 
 /* Checks the directory of a file that the daemon creates if it does not exist. */
@@ -29,7 +29,7 @@ static int check_place(const char *key, const char *path, struct iso_fault *faul
 {
     char directory[ISO_CONFIG_TEXT_SIZE + 8];
     struct stat status;
-    const size_t length = directory_length(path);
+    const size_t length = iso__components_directory_length(path);
     if (length == 0 || in_state_directory(path)) {
         return 0;
     }
@@ -64,6 +64,10 @@ static int open_ring(struct iso_components *components, struct iso_fault *fault)
 {
     const struct iso_config *config = &components->config;
     char ring[ISO_CONFIG_TEXT_SIZE + 8], key[ISO_CONFIG_TEXT_SIZE + 8];
+    const int pending = iso_components_check_reset(config, fault);
+    if (pending) {
+        return pending;
+    }
     (void)snprintf(ring, sizeof ring, "%s.keys", config->gallery.path);
     (void)snprintf(key, sizeof key, "%s.key", config->gallery.path);
     const struct iso_key_place place = {
@@ -119,7 +123,7 @@ static void place_lockout(struct iso_components *components)
 {
     static const char name[] = "lockout";
     const struct iso_config *config = &components->config;
-    const size_t length = directory_length(config->log.path);
+    const size_t length = iso__components_directory_length(config->log.path);
     if (*config->lockout.path) {
         (void)snprintf(components->lockout_path, sizeof components->lockout_path, "%s",
                        config->lockout.path);
@@ -134,7 +138,7 @@ static void place_settings(struct iso_components *components)
 {
     const char *log = components->config.log.path;
     (void)snprintf(components->settings_path, sizeof components->settings_path, "%.*ssettings",
-                   (int)directory_length(log), log);
+                   (int)iso__components_directory_length(log), log);
     iso_live_settings_init(&components->settings, &components->config, components->settings_path,
                            components->ring);
 }
@@ -146,6 +150,21 @@ static void look_at_lockout(const struct iso_components *components)
     struct iso_lockout_file file;
     struct iso_fault fault;
     (void)!iso_lockout_load(components->lockout_path, components->ring, &file, &fault);
+}
+
+/* After a factory reset the counter is ahead of the new stores. While nobody is enrolled, there is
+ * nobody whom an earlier state could bring back. */
+static int compare_counter(const struct iso_components *components, struct iso_fault *fault)
+{
+    struct iso_fault own = {.text = ""};
+    size_t people = 0;
+    const int error = iso_state_counter_check(components->counter, components->config.log.path,
+                                              &own);
+    (void)iso_gallery_people(components->gallery, &people);
+    if (error == -ESTALE && people == 0 && iso_components_was_reset(&components->config)) {
+        return 0;
+    }
+    return error ? iso_fault_set_code(fault, own.code, error, "%s", own.text) : 0;
 }
 
 /* Also detects a gallery that was put back together with its anchor: the log knows of more changes
@@ -164,9 +183,7 @@ int iso_components_compare_stores(const struct iso_components *components, struc
             "%s: an old gallery, the log knows %llu changes more; put the newest in its place",
             components->config.gallery.path, (unsigned long long)(known - version.changes));
     }
-    return components->counter
-               ? iso_state_counter_check(components->counter, components->config.log.path, fault)
-               : 0;
+    return components->counter ? compare_counter(components, fault) : 0;
 }
 
 int iso_components_open_each_store(struct iso_components *components, struct iso_fault *fault)

@@ -30,6 +30,8 @@ enum option_id {
     OPTION_PRINT_LOG,
     OPTION_ACCEPT_STATE,
     OPTION_JUDGE,
+    OPTION_FACTORY_RESET,
+    OPTION_FINISH_RESET,
     OPTION_LIST_DEVICES,
     OPTION_HELP_CONFIG,
     OPTION_HELP,
@@ -53,6 +55,10 @@ static const struct choice {
      "accept files of different times, put that on record, and exit"},
     {"judge", "DIR", OPTION_JUDGE,
      "judge the stored frames of DIR as those of the camera, and exit"},
+    {"factory-reset", NULL, OPTION_FACTORY_RESET,
+     "delete keys, people, log, settings, accounts, fleet, and exit"},
+    {"finish-reset", NULL, OPTION_FINISH_RESET,
+     "finish such a reset, or do it if its button is held, and exit"},
     {"list-devices", NULL, OPTION_LIST_DEVICES,
      "print the sensors that the drivers find, one JSON object a line"},
     {"help-config", NULL, OPTION_HELP_CONFIG,
@@ -90,9 +96,9 @@ static void make_getopt_table(struct option table[CHOICES + 1])
 
 struct arguments {
     const char *config;
-    const char *bus; /* NULL: the bus that the file names */
-    bool check_config, rest_door, print_log, accept_state;
-    const char *judge; /* the directory; NULL: not given */
+    const char *bus;       /* NULL: the bus that the file names */
+    enum option_id action; /* 0: run the daemon */
+    const char *judge;     /* the directory of stored frames, for OPTION_JUDGE */
 };
 
 static int exit_code(int error)
@@ -154,6 +160,19 @@ static int check_config(const char *path, const struct iso_config *config, struc
     return error;
 }
 
+/* A button that cannot be read must not keep the door from its service. After a reset the start
+ * must not go on: the service manager may have given it a key that is deleted now. */
+static int finish_reset(const struct iso_config *config, const struct iso_times *times,
+                        struct iso_fault *fault)
+{
+    struct iso_fault remark = {.text = ""};
+    const int r = iso_components_finish_reset(config, times, stdout, &remark, fault);
+    if (remark.text[0]) {
+        iso_daemon_say(LOG_WARNING, remark.text);
+    }
+    return r > 0 ? iso_fault_set(fault, -EAGAIN, "reset: start again, without the deleted key") : r;
+}
+
 static void warn_of_obsolete(const char *path, const struct iso_config *config)
 {
     if (config->obsolete) {
@@ -164,12 +183,39 @@ static void warn_of_obsolete(const char *path, const struct iso_config *config)
     }
 }
 
-static int run_daemon(const struct arguments *arguments)
+/* Does what the options ask for. */
+static int act(const struct arguments *arguments, const struct iso_config *config,
+               struct iso_fault *fault)
 {
     const struct iso_times times = iso_times_system();
+    switch (arguments->action) {
+    case OPTION_CHECK_CONFIG:
+        return check_config(arguments->config, config, fault);
+    case OPTION_REST_DOOR:
+        return iso_components_rest_door(config, &times, fault);
+    case OPTION_PRINT_LOG:
+        return iso_components_print_log(config, &times, stdout, fault);
+    case OPTION_ACCEPT_STATE:
+        return iso_components_accept(config, &times, stdout, fault);
+    case OPTION_JUDGE:
+        return iso_judge_stored(config, &times, arguments->judge, stdout, fault);
+    case OPTION_FACTORY_RESET:
+        return iso_components_reset(config, stdout, fault);
+    case OPTION_FINISH_RESET:
+        return finish_reset(config, &times, fault);
+    default:
+        return iso_daemon_run(config, fault);
+    }
+}
+
+static int run(const struct arguments *arguments)
+{
     struct iso_config config;
     struct iso_fault fault = {.text = ""};
     int error = iso_config_load(arguments->config, &config, &fault);
+    if (error && arguments->action == OPTION_FINISH_RESET) {
+        return EXIT_OK; /* the daemon, which is started next, reports it */
+    }
     if (!error) {
         error = take_bus(arguments->bus, &config, &fault);
     }
@@ -177,18 +223,8 @@ static int run_daemon(const struct arguments *arguments)
         take_surroundings(&config);
         warn_of_obsolete(arguments->config, &config);
     }
-    if (!error && arguments->check_config) {
-        error = check_config(arguments->config, &config, &fault);
-    } else if (!error && arguments->rest_door) {
-        error = iso_components_rest_door(&config, &times, &fault);
-    } else if (!error && arguments->print_log) {
-        error = iso_components_print_log(&config, &times, stdout, &fault);
-    } else if (!error && arguments->accept_state) {
-        error = iso_components_accept(&config, &times, stdout, &fault);
-    } else if (!error && arguments->judge) {
-        error = iso_judge_stored(&config, &times, arguments->judge, stdout, &fault);
-    } else if (!error) {
-        error = iso_daemon_run(&config, &fault);
+    if (!error) {
+        error = act(arguments, &config, &fault);
     }
     return say_fault(error, &fault);
 }
@@ -221,18 +257,17 @@ static int obey_options(int argc, char **argv)
             arguments.bus = optarg;
             break;
         case OPTION_CHECK_CONFIG:
-            arguments.check_config = true;
-            break;
         case OPTION_REST_DOOR:
-            arguments.rest_door = true;
-            break;
         case OPTION_PRINT_LOG:
-            arguments.print_log = true;
-            break;
         case OPTION_ACCEPT_STATE:
-            arguments.accept_state = true;
-            break;
         case OPTION_JUDGE:
+        case OPTION_FACTORY_RESET:
+        case OPTION_FINISH_RESET:
+            if (arguments.action && arguments.action != (enum option_id)id) {
+                fputs("isothermd: do one thing at a time. Try isothermd --help.\n", stderr);
+                return EXIT_USAGE;
+            }
+            arguments.action = (enum option_id)id;
             arguments.judge = optarg;
             break;
         case OPTION_LIST_DEVICES:
@@ -255,7 +290,7 @@ static int obey_options(int argc, char **argv)
         fprintf(stderr, "isothermd: superfluous word '%s'\n", argv[optind]);
         return EXIT_USAGE;
     }
-    return run_daemon(&arguments);
+    return run(&arguments);
 }
 
 /* A freed block of at least this size goes back to the kernel at once. By default the C library

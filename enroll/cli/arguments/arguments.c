@@ -220,6 +220,9 @@ static enum cli_exit check_options(const struct cli_arguments *arguments, uint64
                                  cli_commands[arguments->verb].name, cli_options[i].name);
         }
     }
+    if (arguments->answers && !arguments->commission) {
+        return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "--answers needs --commission");
+    }
     if (arguments->csv && arguments->json) {
         return cli_fault_set(fault, CLI_EXIT_USAGE, "usage", "give --csv or --json, not both");
     }

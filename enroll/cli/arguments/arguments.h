@@ -37,6 +37,7 @@ enum cli_verb {
     CLI_WEB,
     CLI_UPDATE,
     CLI_VERSION,
+    CLI_FACTORY_RESET,
     CLI_VERBS /* how many there are; as a verb: no command was given */
 };
 
@@ -85,9 +86,11 @@ struct cli_arguments {
     size_t n_people;
     bool reset;                              /* settings: back to the configuration file */
     bool replace;                            /* import */
+    bool commission;                         /* doctor: walk the checklist of a new door */
+    const char *answers;                     /* doctor: the file of answers; NULL: ask */
     const char *picture;                     /* aim, setup: the file to write; NULL: not given */
     const char *sensor, *board;              /* setup; NULL: not given */
-    bool yes;                                /* setup, door test: ask nothing */
+    bool yes;                                /* setup, door test, factory-reset: ask nothing */
     bool dry_run;                            /* setup, policy import */
     bool has_at;                             /* policy test: the moment below is given */
     int64_t at_s;                            /* since 1970 */

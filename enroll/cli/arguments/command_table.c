@@ -33,4 +33,6 @@ const struct cli_command cli_commands[CLI_VERBS] = {
     [CLI_UPDATE] = {"update", "[FILE]",
                     "install an update of the image, or show version and slots"},
     [CLI_VERSION] = {"version", "", "show the version, or with --all those of all parts"},
+    [CLI_FACTORY_RESET] = {"factory-reset", "",
+                           "delete keys, people, log, settings, accounts and fleet"},
 };

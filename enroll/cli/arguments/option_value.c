@@ -54,6 +54,8 @@ static bool *flag_member(struct cli_arguments *out, enum cli_option_id id)
         return &out->reset;
     case CLI_OPTION_REPLACE:
         return &out->replace;
+    case CLI_OPTION_COMMISSION:
+        return &out->commission;
     case CLI_OPTION_YES:
         return &out->yes;
     case CLI_OPTION_DRY_RUN:
@@ -86,6 +88,8 @@ static const char **text_member(struct cli_arguments *out, enum cli_option_id id
         return &out->passphrase_file;
     case CLI_OPTION_EVENT:
         return &out->events;
+    case CLI_OPTION_ANSWERS:
+        return &out->answers;
     case CLI_OPTION_PICTURE:
         return &out->picture;
     case CLI_OPTION_SENSOR:

@@ -77,4 +77,8 @@ enum cli_exit cli_update(const struct cli_image_places *places,
 enum cli_exit cli_version(const struct cli_image_places *places,
                           const struct cli_arguments *arguments, struct cli_fault *fault);
 
+/* Needs no connection either: it stops the daemon. */
+enum cli_exit cli_factory_reset(const struct cli_reset_places *places,
+                                const struct cli_arguments *arguments, struct cli_fault *fault);
+
 #endif

@@ -50,6 +50,9 @@ static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault
     if (arguments->verb == CLI_UPDATE) {
         return cli_update(&cli_image_installed, arguments, fault);
     }
+    if (arguments->verb == CLI_FACTORY_RESET) {
+        return cli_factory_reset(&cli_reset_installed, arguments, fault);
+    }
     enum cli_exit exit = cli_daemon_open(&arguments->bus, &daemon, fault);
     if (exit == CLI_EXIT_OK) {
         exit = commands[arguments->verb](daemon, arguments, fault);

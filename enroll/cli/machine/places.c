@@ -29,6 +29,13 @@ const struct cli_image_places cli_image_installed = {
     .dpkg_query = "/usr/bin/dpkg-query",
 };
 
+const struct cli_reset_places cli_reset_installed = {
+    .daemon = ISOTHERM_DAEMON,
+    .config = ISOTHERM_CONFIG,
+    .systemctl = "/usr/bin/systemctl",
+    .root = true,
+};
+
 void cli_places_policy_reader(char path[PATH_MAX])
 {
     char own[PATH_MAX] = "";

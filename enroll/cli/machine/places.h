@@ -1,6 +1,5 @@
-/* The paths that `isotherm setup`, `isotherm web`, `isotherm update` and
- * `isotherm version` use. The installed program has one set of
- * them; tests have their own. */
+/* The paths that `isotherm setup`, `isotherm web`, `isotherm update`, `isotherm version` and
+ * `isotherm factory-reset` use. The installed program has one set of them; tests have their own. */
 #ifndef CLI_MACHINE_PLACES_H
 #define CLI_MACHINE_PLACES_H
 
@@ -35,6 +34,13 @@ struct cli_image_places {
     const char *dpkg_query; /* knows the packages where there is no such list */
 };
 
+struct cli_reset_places {
+    const char *daemon;    /* the program isothermd, which deletes the state */
+    const char *config;    /* its configuration */
+    const char *systemctl; /* stops and starts the services */
+    bool root;             /* only root may delete the state */
+};
+
 /* Writes the path of the program that reads files of policies (policy/policy_reader.h). It is at
  * ../lib/isotherm from the folder of this program, in a build tree as in an installed one. */
 void cli_places_policy_reader(char path[PATH_MAX]);
@@ -43,5 +49,6 @@ void cli_places_policy_reader(char path[PATH_MAX]);
 extern const struct cli_web_places cli_web_installed;
 extern const struct cli_setup_places cli_setup_installed;
 extern const struct cli_image_places cli_image_installed;
+extern const struct cli_reset_places cli_reset_installed;
 
 #endif

@@ -75,6 +75,36 @@ enum cli_exit cli_dialogue_yes(const struct cli_dialogue *dialogue, const char *
     }
 }
 
+enum cli_exit cli_dialogue_said(const struct cli_dialogue *dialogue, const char *question,
+                                enum cli_said *out)
+{
+    static const struct {
+        const char *letter, *word;
+        enum cli_said said;
+    } words[] = {
+        {"y", "yes", CLI_SAID_YES},
+        {"n", "no", CLI_SAID_NO},
+        {"s", "skip", CLI_SAID_SKIP},
+    };
+    char answer[CLI_ANSWER_SIZE];
+
+    for (;;) {
+        fprintf(dialogue->out, "%s [y/n/skip] ", question);
+        const enum cli_exit exit = read_answer(dialogue, answer);
+        if (exit) {
+            return exit;
+        }
+        for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+            if (strcasecmp(answer, words[i].letter) == 0 ||
+                strcasecmp(answer, words[i].word) == 0) {
+                *out = words[i].said;
+                return CLI_EXIT_OK;
+            }
+        }
+        fputs("Please answer y, n or skip.\n", dialogue->out);
+    }
+}
+
 enum cli_exit cli_dialogue_choose(const struct cli_dialogue *dialogue, const char *question,
                                   const char *const *choices, size_t n, size_t standard,
                                   size_t *out)

@@ -1,12 +1,13 @@
 /* The acts of an administrator: renames people, limits the time of their access, changes their
  * credentials and the policy, copies people from door to door, rotates keys, tests the relay,
- * changes settings, takes back what people have taught the metric. Each act is recorded before it
- * is done. Its result is recorded after it. */
+ * changes settings, takes back what people have taught the metric, checks a door before it goes
+ * into service. Each act is recorded before it is done. Its result is recorded after it. */
 #ifndef ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_ADMINISTRATION_H
 #define ISO_FIRMWARE_APPLIANCE_ADMINISTRATION_ADMINISTRATION_H
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "firmware/appliance/appliance.h"
 #include "firmware/settings/live_settings.h"
@@ -28,6 +29,30 @@ int iso_appliance_test_door(struct iso_appliance *appliance, struct iso_fault *f
  * two minutes (osdp_peripheral.h). It may be called at any time. -ENODEV no panel is configured, or
  * an error of the log; then nothing was done. */
 int iso_appliance_install_panel(struct iso_appliance *appliance, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* An item of the checks of a door before it goes into service, as RecordCommission has it
+ * (contract.h). */
+struct iso_commission_item {
+    const char *item;   /* its word */
+    const char *answer; /* a word ISO_CONTRACT_ANSWER_... */
+    const char *remark; /* "": none */
+};
+
+struct iso_commission {
+    const char *by;  /* the name of who checked */
+    const char *who; /* describes the user who asks */
+    const struct iso_commission_item *items;
+    size_t n;
+};
+
+/* Puts the items on record, and after them the outcome, which follows from the answers: *outcome is
+ * a word ISO_CONTRACT_COMMISSION_..., a constant, and *sequence the number of its record. -EINVAL
+ * there is no item, or an answer is none of the words: nothing is recorded. Errors of the log: the
+ * outcome is not on record, but items may be. (commission.c) */
+int iso_appliance_record_commission(struct iso_appliance *appliance,
+                                    const struct iso_commission *commission, const char **outcome,
+                                    uint64_t *sequence, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Writes people to an open, empty file: those of a list that NULL ends, or all if the list is NULL

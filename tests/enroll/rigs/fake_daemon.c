@@ -92,6 +92,36 @@ static int on_work(sd_bus_message *call, void *context, sd_bus_error *error)
     return fake_fails(service, call, error) ? -EIO : fake_work(call, service->script);
 }
 
+static int on_test_door(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    return fake_fails(context, call, error) ? -EIO : sd_bus_reply_method_return(call, NULL);
+}
+
+/* Notes the name, and each item with its answer. */
+static int on_commission(sd_bus_message *call, void *context, sd_bus_error *error)
+{
+    const struct fake_service *service = context;
+    const char *by, *item, *answer, *remark;
+    int r = sd_bus_message_read(call, "s", &by);
+
+    if (fake_fails(service, call, error)) {
+        return -EIO;
+    }
+    fake_trace(service, " ");
+    fake_trace(service, r < 0 ? "?" : by);
+    r = r < 0 ? r : sd_bus_message_enter_container(call, 'a', "(sss)");
+    while (r >= 0 && (r = sd_bus_message_read(call, "(sss)", &item, &answer, &remark)) > 0) {
+        const char *const words[] = {" ", item, "=", answer};
+        for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+            fake_trace(service, words[i]);
+        }
+    }
+    const char *outcome = service->script->commissioned;
+    return r < 0 ? r
+                 : sd_bus_reply_method_return(call, "st", outcome ? outcome : "passed",
+                                              (uint64_t)4711);
+}
+
 static const sd_bus_vtable vtable[] = {
     SD_BUS_VTABLE_START(0),
     SD_BUS_METHOD("Claim", "", "", fake_on_claim, SD_BUS_VTABLE_UNPRIVILEGED),
@@ -127,6 +157,8 @@ static const sd_bus_vtable vtable[] = {
     SD_BUS_METHOD("AimStart", "", "", fake_on_aim_start, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("AimStop", "", "", fake_on_aim_stop, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("Picture", "", "h", fake_on_picture, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("TestDoor", "", "", on_test_door, SD_BUS_VTABLE_UNPRIVILEGED),
+    SD_BUS_METHOD("RecordCommission", "sa(sss)", "st", on_commission, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("ReadLog", "tu", "as", fake_on_read_log, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("VerifyLog", "ts", "bttsts", on_work, SD_BUS_VTABLE_UNPRIVILEGED),
     SD_BUS_METHOD("ExportPeople", "hasa{sv}", "u", on_work, SD_BUS_VTABLE_UNPRIVILEGED),

@@ -85,6 +85,9 @@ struct fake_script {
     const char *outcome, *reason; /* of TestAccess; NULL: "allow", "". "want" wants card, pin */
     bool companion;               /* "want" wants a second person, too */
     const char *credential;       /* of GetCredential and SetCredential; NULL: one with nothing */
+    const char *key_place;        /* NULL: GetStatus does not have it */
+    bool frames_come;             /* 30 frames a second between two calls of GetStatus */
+    const char *commissioned;     /* the outcome that RecordCommission returns; NULL: "passed" */
     unsigned refused;             /* the first calls of ReadLog, so many, fail with TooManyCalls */
 };
 

@@ -7,7 +7,9 @@ static int append_numbers(sd_bus_message *reply, const struct fake_script *scrip
     for (size_t i = 0; i < script->n_people; i++) {
         templates += script->people[i].templates;
     }
-    int r = sd_bus_message_append(reply, "{sv}", "uptime-ms", "x", (int64_t)7530000);
+    static unsigned asked; /* how often, if frames come */
+    asked += script->frames_come;
+    int r = sd_bus_message_append(reply, "{sv}", "uptime-ms", "x", (int64_t)7530000 + 1000 * asked);
     if (r >= 0) {
         r = sd_bus_message_append(reply, "{sv}", "distance-mm", "d", 612.4);
     }
@@ -27,7 +29,10 @@ static int append_numbers(sd_bus_message *reply, const struct fake_script *scrip
         r = sd_bus_message_append(reply, "{sv}", "threshold", "d", 1.25);
     }
     if (r >= 0) {
-        r = sd_bus_message_append(reply, "{sv}", "frames", "t", (uint64_t)1 << 40);
+        r = sd_bus_message_append(reply, "{sv}", "frames", "t", ((uint64_t)1 << 40) + 30 * asked);
+    }
+    if (r >= 0 && script->key_place) {
+        r = sd_bus_message_append(reply, "{sv}", "key-place", "s", script->key_place);
     }
     return r < 0 ? r
                  : sd_bus_message_append(reply, "{sv}", "log-sequence", "t",

@@ -88,6 +88,7 @@ static const struct {
     {ISO_CONTRACT_SET_LOCKDOWN, {false, false, false, true, false, true, false}},
     {ISO_CONTRACT_TEST_DOOR, {false, false, false, true, false, false, false}},
     {ISO_CONTRACT_INSTALL_PANEL, {false, false, false, true, false, false, false}},
+    {ISO_CONTRACT_RECORD_COMMISSION, {false, false, false, true, false, false, false}},
     {ISO_CONTRACT_WATCH, {true, false, false, true, false, true, false}},
     {ISO_CONTRACT_WATCH_RELIEF, {false, false, true, true, false, true, false}},
     {ISO_CONTRACT_VERIFY_LOG, {false, false, false, true, false, true, false}},

@@ -29,8 +29,10 @@ static void configure(const char *directory, const char *index)
                    "[sensor]\npath = %s/slot\n[gallery]\npath = %s/g.db\n[log]\npath = %s/a.log\n"
                    "[seal]\ncounter = tpm2\ncounter_tcti = %s\ncounter_index = %s\n"
                    "[bus]\naddress = %s\n"
+                   "[reset]\nweb = %s/web\nlink = %s/link\ncredential = %s/credential\n"
                    "[model]\nhead = " DATA "/head.model\nmetric = " DATA "/face.metric\n",
-                   directory, state_path, state_path, tpm.tcti, index, bus.address);
+                   directory, state_path, state_path, tpm.tcti, index, bus.address, directory,
+                   directory, directory);
     scratch_write_text(path, text);
     configuration = path;
     state_directory = state_path;
@@ -123,6 +125,34 @@ static void a_directory_of_an_earlier_time_is_refused_and_accepted(void **state)
     mix_let_go(&before);
 }
 
+/* The counter counts on. A reset must not leave an appliance that nobody can start. */
+static void a_factory_reset_needs_no_further_permission(void **state)
+{
+    struct mix_state before, now;
+    struct run run;
+    (void)state;
+    start(&run);
+    order("lockdown", "on");
+    order("lockdown", "off");
+    stop(&run);
+    mix_take(state_directory, &before);
+    expect_end("--factory-reset", 0, "the appliance is reset");
+    start(&run);
+    assert_int_equal(kill(run.pid, SIGKILL), 0); /* a power cut */
+    run_finish(&run);
+    run_free(&run);
+    soft_tpm_off(&tpm);
+    soft_tpm_on(&tpm);
+    start(&run);
+    stop(&run);
+    mix_take(state_directory, &now);
+    assert_null(mix_find(&now, "factory-reset.done"));
+    mix_let_go(&now);
+    mix_put_back(state_directory, &before);
+    expect_end(NULL, 4, "the state directory is of an earlier time");
+    mix_let_go(&before);
+}
+
 /* The kill may come at any time, also while an increment is under way. */
 static void a_power_cut_is_no_reason_to_refuse(void **state)
 {
@@ -197,6 +227,7 @@ int main(void)
 #define TEST(f) cmocka_unit_test_setup_teardown(f, setup, teardown)
     const struct CMUnitTest tests[] = {
         TEST(a_directory_of_an_earlier_time_is_refused_and_accepted),
+        TEST(a_factory_reset_needs_no_further_permission),
         TEST(a_power_cut_is_no_reason_to_refuse),
         TEST(without_its_tpm_it_does_not_start),
         TEST(a_tpm_that_is_lost_later_is_reported),

@@ -88,6 +88,18 @@ static void every_mixture_is_still_refused(void **state)
     mix_let_go(&after);
 }
 
+/* Only an appliance in which nobody is enrolled is accepted because of a factory reset. */
+static void the_mark_of_a_reset_brings_nobody_back(void **state)
+{
+    const struct world *world = *state;
+    struct mix_state after;
+    state_rig_play(world->state, "enrolments", &after);
+    mix_put_back(world->state, &world->before);
+    scratch_write_text(scratch_path(world->state, "factory-reset.done"), "");
+    counter_rig_expect_refusal(world, -ESTALE, ISO_FAULT_STATE_OLD, "is of an earlier time");
+    mix_let_go(&after);
+}
+
 static int count_accepted(void *context, const char *line)
 {
     int *n = context;
@@ -266,6 +278,7 @@ int main(void)
         TEST(a_whole_directory_of_an_earlier_time_is_refused),
         TEST(a_copy_from_before_the_last_start_is_refused),
         TEST(every_mixture_is_still_refused),
+        TEST(the_mark_of_a_reset_brings_nobody_back),
         TEST(an_administrator_accepts_an_earlier_directory),
         TEST(a_new_directory_beside_an_old_counter_has_to_be_accepted),
         TEST(a_kill_before_the_increment_is_caught_up),

@@ -39,6 +39,7 @@ struct iso_components *state_rig_new(const char *directory, struct iso_fault *fa
             free(components);
             return NULL;
         }
+        components->config.seal.counter = ISO_COUNTER_TPM2;
         assert_int_equal(iso_state_counter_new(&device, &components->times, &components->counter),
                          0);
     }

@@ -7,6 +7,7 @@ export const EVENTS = {
     act: N_('Act of an account'),
     attack: N_('Attack'),
     clock: N_('Clock'),
+    commission: N_('Check of a new door'),
     counter: N_('Counter of the state'),
     credential: N_('Credential changed'),
     delete: N_('Person removed'),
