@@ -2,16 +2,42 @@
 
 #include <errno.h>
 #include <math.h>
+#include <string.h>
 
 #include "core/base/solve.h"
 #include "core/landmark/pose_tally.h"
 
 enum { DOF = 6, VERTICES_MIN = 30 };
 
-/* Normal equations of one Gauss-Newton step; returns how many vertices met a measurement. */
+/* Two doubles at once. */
+typedef double pair __attribute__((vector_size(2 * sizeof(double))));
+enum { PAIRS = DOF / 2 };
+
+/* The normal equations of a step: h of the left side, whose upper triangle is not used, and g of
+ * the right side. */
+struct equations {
+    pair h[DOF][PAIRS], g[PAIRS];
+};
+
+/* Adds the equation of a vertex: the row j of the Jacobian, the residual r, the weight w. */
+static void add_equation(struct equations *equations, const pair j[PAIRS], double r, double w)
+{
+    const pair weighted[PAIRS] = {w * j[0], w * j[1], w * j[2]};
+    for (int a = 0; a < DOF; a++) {
+        const double factor = weighted[a / 2][a % 2];
+        equations->h[a][0] += factor * j[0];
+        equations->h[a][1] += factor * j[1];
+        equations->h[a][2] += factor * j[2];
+    }
+    equations->g[0] -= weighted[0] * r;
+    equations->g[1] -= weighted[1] * r;
+    equations->g[2] -= weighted[2] * r;
+}
+
+/* The normal equations of one Gauss-Newton step; returns how many vertices met a measurement. */
 static int accumulate(const struct iso_pose_vertices *vertices, int n,
                       const struct iso_frame *frame, const struct iso_rigid *pose, double cutoff_mm,
-                      double h[DOF * DOF], double g[DOF])
+                      struct equations *equations)
 {
     int met = 0;
     for (int i = 0; i < n; i++) {
@@ -24,16 +50,10 @@ static int accumulate(const struct iso_pose_vertices *vertices, int n,
         }
         met++;
         const double w = vertices->weight[i] * iso_tukey(r, cutoff_mm);
-        if (!(w > 0.0)) {
-            continue;
-        }
-        const struct iso_vec3 turn = iso_cross(arm, normal);
-        const double j[DOF] = {turn.x, turn.y, turn.z, normal.x, normal.y, normal.z};
-        for (int a = 0; a < DOF; a++) {
-            for (int b = 0; b <= a; b++) {
-                h[DOF * a + b] += w * j[a] * j[b];
-            }
-            g[a] -= w * j[a] * r;
+        if (w > 0.0) {
+            const struct iso_vec3 turn = iso_cross(arm, normal);
+            const pair j[PAIRS] = {{turn.x, turn.y}, {turn.z, normal.x}, {normal.y, normal.z}};
+            add_equation(equations, j, r, w);
         }
     }
     return met;
@@ -83,11 +103,15 @@ int iso_pose_fit(const struct iso_pose_vertices *vertices, const struct iso_fram
                             : 1.0;
     double cutoff = options->cutoff_first_mm;
     for (int step = 0; step < options->iterations; step++, cutoff *= fall) {
-        double h[DOF * DOF] = {0}, g[DOF] = {0};
+        struct equations equations;
+        memset(&equations, 0, sizeof equations);
         struct iso_rigid *pose = &fit.camera_from_face;
-        if (accumulate(vertices, n, frame, pose, cutoff, h, g) < VERTICES_MIN) {
+        if (accumulate(vertices, n, frame, pose, cutoff, &equations) < VERTICES_MIN) {
             return -ENODATA;
         }
+        double h[DOF * DOF], g[DOF];
+        memcpy(h, equations.h, sizeof h);
+        memcpy(g, equations.g, sizeof g);
         if (options->nose_sigma_mm > 0.0) {
             add_prior(options, pose, h, g);
         }

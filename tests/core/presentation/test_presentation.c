@@ -265,10 +265,10 @@ static void the_size_of_the_mean_face_is_found(void **state)
     assert_int_equal(relief.n_cells, 77);
     assert_int_equal(iso_sheet_finder_new(0, &finder), -EINVAL);
     assert_int_equal(iso_sheet_finder_new(1000, &finder), 0);
-    assert_int_equal(iso_sheet_find(finder, frame, 100.0, 1500.0, &sheet), -ENOSPC);
+    assert_int_equal(iso_sheet_find(finder, frame, 100.0, 1500.0, INFINITY, &sheet), -ENOSPC);
     iso_sheet_finder_free(finder);
     assert_int_equal(iso_sheet_finder_new(640 * 480, &finder), 0);
-    assert_int_equal(iso_sheet_find(finder, frame, 100.0, 1500.0, &sheet), -ENOENT);
+    assert_int_equal(iso_sheet_find(finder, frame, 100.0, 1500.0, INFINITY, &sheet), -ENOENT);
     assert_true(sheet.area_mm2 == 3.0);
     iso_sheet_finder_free(finder);
     iso_sizer_free(sizer);
