@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "core/base/solve.h"
 #include "core/frame/distortion.h"
@@ -43,13 +44,28 @@ static bool is_inside(const struct iso_frame *frame, int column, int row, int re
            row + reach_px < frame->height_px;
 }
 
-/* Whether the points of the ring, every `every`th one, all lie on the surface, and their mean is
- * less than below_mm behind the centre. The ring lies within the frame. */
-static bool is_low(const struct iso_frame *frame, int column, int row, double z_mm,
-                   const struct steps *steps, int every, double below_mm)
+/* Whether four points of a ring of reach_px pixels, two opposite pairs, all lie on the surface, and
+ * their mean is low. The ring lies within the frame. */
+static bool four_are_low(const struct iso_frame *frame, int column, int row, double z_mm,
+                         int reach_px)
+{
+    const float *at = &frame->depth_mm[(size_t)row * (size_t)frame->width_px + (size_t)column];
+    const ptrdiff_t down = (ptrdiff_t)reach_px * frame->width_px;
+    const double left = (double)at[-reach_px], right = (double)at[reach_px];
+    const double above = (double)at[-down], below = (double)at[down];
+    return left > 0.0 && right > 0.0 && above > 0.0 && below > 0.0 &&
+           fabs(left - z_mm) <= reach_mm && fabs(right - z_mm) <= reach_mm &&
+           fabs(above - z_mm) <= reach_mm && fabs(below - z_mm) <= reach_mm &&
+           (left + right + above + below) / 4.0 - z_mm < low_mm;
+}
+
+/* Whether the points of the ring all lie on the surface, and their mean is less than below_mm
+ * behind the centre. The ring lies within the frame. */
+static bool all_are_low(const struct iso_frame *frame, int column, int row, double z_mm,
+                        const struct steps *steps, double below_mm)
 {
     double sum = 0.0;
-    for (int k = 0; k < RING; k += every) {
+    for (int k = 0; k < RING; k++) {
         const int down = steps->step[(k + 3 * RING / 4) % RING];
         const double z = (double)iso_frame_depth_at(frame, column + steps->step[k], row + down);
         if (!(z > 0.0) || fabs(z - z_mm) > reach_mm) {
@@ -57,7 +73,7 @@ static bool is_low(const struct iso_frame *frame, int column, int row, double z_
         }
         sum += z;
     }
-    return sum * every / RING - z_mm < below_mm;
+    return sum / RING - z_mm < below_mm;
 }
 
 /* A mean of the whole ring below this has a height below the least one. */
@@ -73,16 +89,6 @@ static double mean_bound(const struct iso_frame *frame, int column, int row)
         cosine = 1.0 / sqrt(1.0 + x * x + y * y);
     }
     return bound_share * ISO_RING_HEIGHT_MIN_MM * cosine;
-}
-
-/* Whether a place is certainly not high. Four points of the ring, two opposite pairs, are a quick
- * check, after which most pixels need no other. */
-static bool surely_low(const struct iso_frame *frame, int column, int row, double z_mm,
-                       const struct steps *steps)
-{
-    return is_inside(frame, column, row, steps->step[0]) &&
-           (is_low(frame, column, row, z_mm, steps, RING / 4, low_mm) ||
-            is_low(frame, column, row, z_mm, steps, 1, mean_bound(frame, column, row)));
 }
 
 /* The points of a ring that lie on the surface. */
@@ -135,9 +141,15 @@ static double height_above_plane(const struct iso_frame *frame, const struct rin
 
 double iso_ring_height(const struct iso_frame *frame, int column, int row, double z_mm)
 {
-    const struct steps steps = steps_of(radius_mm / iso_camera_pixel_mm(&frame->camera, z_mm));
+    const double radius_px = radius_mm / iso_camera_pixel_mm(&frame->camera, z_mm);
+    const int reach_px = (int)lrint(radius_px);
+    const bool inside = is_inside(frame, column, row, reach_px);
+    if (inside && four_are_low(frame, column, row, z_mm, reach_px)) {
+        return 0.0; /* as most pixels */
+    }
+    const struct steps steps = steps_of(radius_px);
     struct ring ring;
-    if (surely_low(frame, column, row, z_mm, &steps)) {
+    if (inside && all_are_low(frame, column, row, z_mm, &steps, mean_bound(frame, column, row))) {
         return 0.0;
     }
     collect_ring(frame, column, row, z_mm, &steps, &ring);

@@ -13,25 +13,33 @@ enum { DOF = 6, VERTICES_MIN = 30 };
 typedef double pair __attribute__((vector_size(2 * sizeof(double))));
 enum { PAIRS = DOF / 2 };
 
-/* The normal equations of a step: h of the left side, whose upper triangle is not used, and g of
- * the right side. */
+/* The normal equations of a step: h of the left side, of which only the lower triangle is set, and
+ * g of the right side. */
 struct equations {
     pair h[DOF][PAIRS], g[PAIRS];
 };
 
-/* Adds the equation of a vertex: the row j of the Jacobian, the residual r, the weight w. */
+/* Adds the equation of a vertex: the row j of the Jacobian, the residual r, the weight w. The rows
+ * are written out, because compilers do not unroll a loop over them. */
 static void add_equation(struct equations *equations, const pair j[PAIRS], double r, double w)
 {
-    const pair weighted[PAIRS] = {w * j[0], w * j[1], w * j[2]};
-    for (int a = 0; a < DOF; a++) {
-        const double factor = weighted[a / 2][a % 2];
-        equations->h[a][0] += factor * j[0];
-        equations->h[a][1] += factor * j[1];
-        equations->h[a][2] += factor * j[2];
-    }
-    equations->g[0] -= weighted[0] * r;
-    equations->g[1] -= weighted[1] * r;
-    equations->g[2] -= weighted[2] * r;
+    const pair a = w * j[0], b = w * j[1], c = w * j[2];
+    pair(*h)[PAIRS] = equations->h, *g = equations->g;
+    h[0][0] += a[0] * j[0];
+    h[1][0] += a[1] * j[0];
+    h[2][0] += b[0] * j[0];
+    h[2][1] += b[0] * j[1];
+    h[3][0] += b[1] * j[0];
+    h[3][1] += b[1] * j[1];
+    h[4][0] += c[0] * j[0];
+    h[4][1] += c[0] * j[1];
+    h[4][2] += c[0] * j[2];
+    h[5][0] += c[1] * j[0];
+    h[5][1] += c[1] * j[1];
+    h[5][2] += c[1] * j[2];
+    g[0] -= a * r;
+    g[1] -= b * r;
+    g[2] -= c * r;
 }
 
 /* The normal equations of one Gauss-Newton step; returns how many vertices met a measurement. */
