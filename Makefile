@@ -6,7 +6,7 @@
 #   make arm64-check  cross-builds daemon, client and tests for arm64 boards, and runs them under an emulator
 #   make arm64-bench  counts the instructions of a frame, stage by stage, on arm64 and on x86-64, by an emulator: some minutes
 #   make bench    measures the time of each stage from frame to verdict; compares heat, search and registration with other libraries;
-#                 measures memory
+#                 measures memory; builds commit 94f9675 and compares each stage with it
 #   make bench-door  measures the time from the exit button to the relay, with a disk that takes 10 s: four minutes
 #   make fuzz     gives every parser damaged input for FUZZ_SECONDS; FUZZ_SEED=0 chooses other inputs every time
 #   make kills    kills a process that writes gallery, log and keys, KILLS times at random moments

@@ -48,7 +48,7 @@ enum iso_capture iso__extract_judge_scene(struct iso_extractor *x,
     const struct iso_presentation_options bounds = iso_presentation_options_default();
     struct iso_presentation_cues cues;
     iso_presentation_measure_scene(x->presentation, &x->coarse, range->near_mm,
-                                   x->options.distance_max_mm, &cues);
+                                   x->options.distance_max_mm, &bounds, &cues);
     const enum iso_capture outcome = iso_presentation_judge(&cues, &bounds);
     if (outcome != ISO_CAPTURE_OK) {
         return outcome;

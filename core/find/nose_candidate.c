@@ -5,27 +5,38 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "core/base/solve.h"
+#include "core/base/lanes.h"
 #include "core/base/wipe.h"
+#include "core/find/ring_height.h"
+#include "core/frame/depth_lanes.h"
 
 /* Sizes of a head, mm. */
 static const double part_jump_mm = 40.0;    /* a larger step of depth separates two parts */
 static const double part_area_mm2 = 6000.0; /* the least area of a part that may hold a face */
-static const double ring_radius_mm = 40.0;
-static const double ring_reach_mm = 70.0; /* ring points further off in depth are not the face */
-static const double height_min_mm = 7.0;
 static const double height_max_mm = 60.0;
-static const double low_mm = 2.0;    /* a lower mean of four ring points is surely no nose */
 static const double apart_mm = 22.0; /* the least distance of two candidates */
 
-enum { RING = 16, RING_MIN = 9 };
+/* The surroundings that a depth is smoothed with differ less from it. */
+static const float same_surface_mm = 20.0f;
+
+/* The planes of a finder have a border that is not measured: a row above the frame, one below it,
+ * and a column after each row, which is also the one before the next row. So a pixel has all its
+ * neighbours. Groups of ISO_DEPTHS pixels may begin at the last column. */
+enum { BEFORE = ISO_DEPTHS, BEHIND = 2 * ISO_DEPTHS };
+
+/* Marks of pixels in the plane `part` that belong to no part. The bytes of OUT_OF_RANGE are equal,
+ * so that memset() can set it. */
+enum { OUT_OF_RANGE = -1, UNLABELLED = -2 };
 
 struct iso_candidate_finder {
     size_t capacity_px;
-    int32_t *part;    /* of each pixel, -1 for none */
-    int32_t *queue;   /* pixels of the part that flood fill is finding */
+    float *depth_mm;  /* of the frame */
+    int32_t *part;    /* the label of each pixel, or a mark */
+    int32_t *queue;   /* pixels of the part that flood fill is finding; later high ones */
     float *height_mm; /* of each pixel above its ring; 0 for no candidate */
+    int32_t n_high;   /* pixels in the queue that were given a height */
 };
 
 /* A connected piece of surface. */
@@ -34,16 +45,30 @@ struct part {
     double mean_mm;
 };
 
+static int pitch_of(const struct iso_frame *frame)
+{
+    return frame->width_px + 1;
+}
+
+/* Where a pixel is in the planes. */
+static int index_of(const struct iso_frame *frame, int column, int row)
+{
+    return BEFORE + (row + 1) * pitch_of(frame) + column;
+}
+
 int iso_candidate_finder_new(size_t capacity_px, struct iso_candidate_finder **out)
 {
     struct iso_candidate_finder *f = calloc(1, sizeof *f);
     if (f) {
+        /* The border is largest if the frame has one row. */
+        const size_t n = 3 * (capacity_px + 1) + BEFORE + BEHIND;
         f->capacity_px = capacity_px;
-        f->part = calloc(capacity_px, sizeof *f->part);
+        f->depth_mm = calloc(n, sizeof *f->depth_mm);
+        f->part = calloc(n, sizeof *f->part);
         f->queue = calloc(capacity_px, sizeof *f->queue);
-        f->height_mm = calloc(capacity_px, sizeof *f->height_mm);
+        f->height_mm = calloc(n, sizeof *f->height_mm);
     }
-    if (!f || !f->part || !f->queue || !f->height_mm) {
+    if (!f || !f->depth_mm || !f->part || !f->queue || !f->height_mm) {
         iso_candidate_finder_free(f);
         return -ENOMEM;
     }
@@ -54,6 +79,7 @@ int iso_candidate_finder_new(size_t capacity_px, struct iso_candidate_finder **o
 void iso_candidate_finder_free(struct iso_candidate_finder *finder)
 {
     if (finder) {
+        iso_wipe_free(finder->depth_mm);
         free(finder->part);
         free(finder->queue);
         iso_wipe_free(finder->height_mm);
@@ -61,58 +87,72 @@ void iso_candidate_finder_free(struct iso_candidate_finder *finder)
     }
 }
 
-static bool are_joined(const struct iso_frame *frame, int a, int b,
-                       const struct iso_candidate_options *options)
+/* Copies the frame into the planes, and marks the pixels within the range of depths. Returns how
+ * many these are. */
+static int take_in(struct iso_candidate_finder *f, const struct iso_frame *frame,
+                   const struct iso_candidate_options *options)
 {
-    double za = (double)frame->depth_mm[a], zb = (double)frame->depth_mm[b];
-    return zb > 0.0 && zb >= options->near_mm && zb <= options->far_mm &&
-           fabs(za - zb) <= part_jump_mm;
+    const int w = frame->width_px, h = frame->height_px;
+    const size_t n = (size_t)index_of(frame, 0, h + 1) + BEHIND;
+    int n_in_range = 0;
+    memset(f->depth_mm, 0, n * sizeof *f->depth_mm);
+    memset(f->height_mm, 0, n * sizeof *f->height_mm);
+    memset(f->part, 0xff, n * sizeof *f->part);
+    for (int row = 0; row < h; row++) {
+        const int at = index_of(frame, 0, row);
+        memcpy(&f->depth_mm[at], &frame->depth_mm[(size_t)row * (size_t)w],
+               (size_t)w * sizeof *f->depth_mm);
+        for (int i = at; i < at + w; i++) {
+            const double z = (double)f->depth_mm[i];
+            const bool in_range = z > 0.0 && z >= options->near_mm && z <= options->far_mm;
+            f->part[i] = in_range ? UNLABELLED : OUT_OF_RANGE;
+            n_in_range += in_range;
+        }
+    }
+    return n_in_range;
 }
 
 /* Labels the part that holds `seed`. Returns its area, mm^2, and its mean depth. */
 static double flood_part(struct iso_candidate_finder *f, const struct iso_frame *frame, int seed,
-                         int32_t label, const struct iso_candidate_options *options,
-                         double *mean_mm)
+                         int32_t label, double *mean_mm)
 {
-    int w = frame->width_px, h = frame->height_px, head = 0, tail = 0;
-    double area = 0.0, sum_z = 0.0;
+    const int pitch = pitch_of(frame), next[4] = {-1, 1, -pitch, pitch};
+    const double pixel_mm = iso_camera_pixel_mm(&frame->camera, 1.0);
+    int head = 0, tail = 0;
+    double sum_z = 0.0, sum_zz = 0.0;
     f->queue[tail++] = seed;
     f->part[seed] = label;
     while (head < tail) {
-        int at = f->queue[head++], column = at % w, row = at / w;
-        const double z = (double)frame->depth_mm[at];
-        const double pixel = iso_camera_pixel_mm(&frame->camera, z);
-        area += pixel * pixel;
+        const int at = f->queue[head++];
+        const double z = (double)f->depth_mm[at];
         sum_z += z;
-        const int next[4] = {column > 0 ? at - 1 : -1, column < w - 1 ? at + 1 : -1,
-                             row > 0 ? at - w : -1, row < h - 1 ? at + w : -1};
+        sum_zz += z * z;
         for (int k = 0; k < 4; k++) {
-            if (next[k] >= 0 && f->part[next[k]] < 0 && are_joined(frame, at, next[k], options)) {
-                f->part[next[k]] = label;
-                f->queue[tail++] = next[k];
+            const int to = at + next[k];
+            if (f->part[to] == UNLABELLED && fabs(z - (double)f->depth_mm[to]) <= part_jump_mm) {
+                f->part[to] = label;
+                f->queue[tail++] = to;
             }
         }
     }
     *mean_mm = sum_z / tail;
-    return area;
+    /* A pixel of an orthographic image is as large at every depth. */
+    return pixel_mm * pixel_mm * (frame->camera.projection == ISO_PINHOLE ? sum_zz : tail);
 }
 
 /* Finds the nearest parts that may hold a face, sorted from near to far. Returns how many. */
 static int find_parts(struct iso_candidate_finder *f, const struct iso_frame *frame,
-                      const struct iso_candidate_options *options,
                       struct part parts[ISO_CANDIDATE_PARTS_MAX])
 {
-    int n_px = frame->width_px * frame->height_px, n = 0;
+    const int end = index_of(frame, 0, frame->height_px);
+    int n = 0;
     int32_t label = 0;
-    for (int i = 0; i < n_px; i++) {
-        f->part[i] = -1;
-    }
-    for (int i = 0; i < n_px; i++) {
-        if (f->part[i] >= 0 || !are_joined(frame, i, i, options)) {
+    for (int i = index_of(frame, 0, 0); i < end; i++) {
+        if (f->part[i] != UNLABELLED) {
             continue;
         }
         double mean;
-        const double area = flood_part(f, frame, i, label, options, &mean);
+        const double area = flood_part(f, frame, i, label, &mean);
         if (area >= part_area_mm2) {
             int at = n < ISO_CANDIDATE_PARTS_MAX ? n++ : n;
             for (; at > 0 && parts[at - 1].mean_mm > mean; at--) {
@@ -129,94 +169,60 @@ static int find_parts(struct iso_candidate_finder *f, const struct iso_frame *fr
     return n;
 }
 
-/* The point that a pixel sees, with the mean depth of those of its 3 x 3 surroundings that lie on
- * the same surface. */
-static struct iso_vec3 smoothed_point(const struct iso_frame *frame, int column, int row)
+/* The mean depth of ISO_DEPTHS pixels, which begin at `at` in a plane, each with those of its 3 x 3
+ * surroundings that lie on the same surface. Only for measured pixels. The differences and their
+ * sums are exact from 150 mm on: depths of 24 bits that differ by less than 20 mm. */
+static void smooth_depths(const float *at, int pitch, double mean_mm[ISO_DEPTHS])
 {
-    double z = (double)iso_frame_depth_at(frame, column, row), sum = 0.0;
-    int n = 0;
-    for (int v = row - 1; v <= row + 1; v++) {
-        for (int u = column - 1; u <= column + 1; u++) {
-            if (u < 0 || v < 0 || u >= frame->width_px || v >= frame->height_px) {
-                continue;
-            }
-            const double near = (double)iso_frame_depth_at(frame, u, v);
-            if (near > 0.0 && fabs(near - z) < ring_radius_mm / 2) {
-                sum += near;
-                n++;
-            }
+    const iso_depths z = ISO_DEPTHS_LOAD(at);
+    iso_depths sum = {0.0f};
+    iso_depth_counts n = {0};
+    for (int row = -1; row <= 1; row++) {
+        for (int column = -1; column <= 1; column++) {
+            const iso_depths near = ISO_DEPTHS_LOAD(&at[row * pitch + column]), apart = near - z;
+            const iso_depth_counts is = (near > 0.0f) & (apart < same_surface_mm) &
+                                        (apart > -same_surface_mm);
+            sum += (iso_depths)((iso_depth_counts)apart & is);
+            n -= is;
         }
     }
-    return iso_camera_back_project(&frame->camera, column + frame->crop_x_px,
-                                   row + frame->crop_y_px, n > 0 ? sum / n : z);
+    const iso_doubles count = __builtin_convertvector(n, iso_doubles);
+    ISO_DOUBLES_STORE(mean_mm, (count * __builtin_convertvector(z, iso_doubles) +
+                                __builtin_convertvector(sum, iso_doubles)) /
+                                   count);
 }
 
-/* cos(2 pi k / RING) */
-static const double ring_cosine[RING] = {
-    1.0,  0.92387953,  0.70710678,  0.38268343,  0.0, -0.38268343, -0.70710678, -0.92387953,
-    -1.0, -0.92387953, -0.70710678, -0.38268343, 0.0, 0.38268343,  0.70710678,  0.92387953};
-
-/* Whether a place is certainly not high. This quick check needs only four points of the ring, two
- * opposite pairs, all of them on the surface. Most pixels then need no check of the whole ring. */
-static bool surely_low(const struct iso_frame *frame, int column, int row, double z_mm,
-                       double radius_px)
+static bool is_of_parts(int32_t label, const struct part *parts, int n_parts)
 {
-    const int reach = (int)lrint(radius_px);
-    if (column < reach || row < reach || column + reach >= frame->width_px ||
-        row + reach >= frame->height_px) {
-        return false;
-    }
-    const double ring[4] = {(double)iso_frame_depth_at(frame, column - reach, row),
-                            (double)iso_frame_depth_at(frame, column + reach, row),
-                            (double)iso_frame_depth_at(frame, column, row - reach),
-                            (double)iso_frame_depth_at(frame, column, row + reach)};
-    double sum = 0.0;
-    for (int k = 0; k < 4; k++) {
-        if (!(ring[k] > 0.0) || fabs(ring[k] - z_mm) > ring_reach_mm) {
-            return false;
+    for (int p = 0; p < n_parts; p++) {
+        if (parts[p].label == label) {
+            return true;
         }
-        sum += ring[k];
     }
-    return sum / 4.0 - z_mm < low_mm;
+    return false;
 }
 
-/* Height of a pixel towards the camera, above the least-squares plane z = a + b dx + c dy through
- * the ring about the pixel, along the normal of the plane. 0 if the place is surely low, or if too
- * few points of the ring were measured. */
-static double height_above_ring(const struct iso_frame *frame, int column, int row)
+/* Measures the heights of up to ISO_DEPTHS pixels of a row that belong to the parts. */
+static void measure_heights(struct iso_candidate_finder *f, const struct iso_frame *frame,
+                            int column, int row, const struct part *parts, int n_parts)
 {
-    const struct iso_vec3 centre = smoothed_point(frame, column, row);
-    const double radius_px = ring_radius_mm / iso_camera_pixel_mm(&frame->camera, centre.z);
-    if (surely_low(frame, column, row, centre.z, radius_px)) {
-        return 0.0;
-    }
-    double normal[9] = {0}, right[3] = {0};
-    int n = 0;
-    for (int k = 0; k < RING; k++) {
-        const int u = (int)lrint(column + radius_px * ring_cosine[k % RING]);
-        const int v = (int)lrint(row + radius_px * ring_cosine[(k + 3 * RING / 4) % RING]);
-        if (u < 0 || v < 0 || u >= frame->width_px || v >= frame->height_px) {
+    const int first = index_of(frame, column, row), left = frame->width_px - column;
+    double z_mm[ISO_DEPTHS];
+    bool smooth = false;
+    for (int k = 0; k < ISO_DEPTHS && k < left; k++) {
+        if (!is_of_parts(f->part[first + k], parts, n_parts)) {
             continue;
         }
-        const double z = (double)iso_frame_depth_at(frame, u, v);
-        if (!(z > 0.0) || fabs(z - centre.z) > ring_reach_mm) {
-            continue;
+        if (!smooth) {
+            smooth_depths(&f->depth_mm[first], pitch_of(frame), z_mm);
+            smooth = true;
         }
-        const struct iso_vec3 d = iso_sub(iso_frame_point_at(frame, u, v), centre);
-        const double x[3] = {1.0, d.x, d.y};
-        for (int i = 0; i < 3; i++) {
-            for (int j = 0; j < 3; j++) {
-                normal[3 * i + j] += x[i] * x[j];
-            }
-            right[i] += x[i] * d.z;
+        const double height = iso_ring_height(frame, column + k, row, z_mm[k]);
+        if (height >= ISO_RING_HEIGHT_MIN_MM && height <= height_max_mm) {
+            f->height_mm[first + k] = (float)height;
+            f->queue[f->n_high++] = first + k;
         }
-        n++;
     }
-    if (n < RING_MIN || iso_cholesky_factorise(normal, 3)) {
-        return 0.0;
-    }
-    iso_cholesky_solve(normal, 3, right);
-    return right[0] / sqrt(1.0 + right[1] * right[1] + right[2] * right[2]);
 }
 
 /* The highest pixel of a part, or -1 if none is left. The pixel and its surroundings are removed
@@ -224,26 +230,45 @@ static double height_above_ring(const struct iso_frame *frame, int column, int r
 static int take_highest(struct iso_candidate_finder *f, const struct iso_frame *frame,
                         int32_t label)
 {
-    int n_px = frame->width_px * frame->height_px, best = -1;
-    for (int i = 0; i < n_px; i++) {
-        if (f->part[i] == label && f->height_mm[i] > (best < 0 ? 0.0f : f->height_mm[best])) {
-            best = i;
+    int best = -1;
+    for (int i = 0; i < f->n_high; i++) {
+        const int at = f->queue[i];
+        if (f->part[at] == label && f->height_mm[at] > (best < 0 ? 0.0f : f->height_mm[best])) {
+            best = at;
         }
     }
     if (best < 0) {
         return -1;
     }
-    int column = best % frame->width_px, row = best / frame->width_px;
-    const double z = (double)frame->depth_mm[best];
+    const int pitch = pitch_of(frame), inside = best - index_of(frame, 0, 0);
+    int column = inside % pitch, row = inside / pitch;
+    const double z = (double)f->depth_mm[best];
     const int reach = (int)ceil(apart_mm / iso_camera_pixel_mm(&frame->camera, z));
     for (int v = row - reach; v <= row + reach; v++) {
         for (int u = column - reach; u <= column + reach; u++) {
             if (u >= 0 && v >= 0 && u < frame->width_px && v < frame->height_px) {
-                f->height_mm[v * frame->width_px + u] = 0.0f;
+                f->height_mm[index_of(frame, u, v)] = 0.0f;
             }
         }
     }
-    return best;
+    return inside;
+}
+
+/* The candidate at a place that take_highest() found. */
+static struct iso_nose_candidate candidate_at(const struct iso_candidate_finder *f,
+                                              const struct iso_frame *frame, int inside, int part)
+{
+    const int pitch = pitch_of(frame), column = inside % pitch, row = inside / pitch;
+    double z_mm[ISO_DEPTHS];
+    smooth_depths(&f->depth_mm[index_of(frame, column, row)], pitch, z_mm);
+    const struct iso_vec3 point_mm = iso_camera_back_project(
+        &frame->camera, column + frame->crop_x_px, row + frame->crop_y_px, z_mm[0]);
+    return (struct iso_nose_candidate){
+        .point_mm = point_mm,
+        .height_mm = iso_ring_height(frame, column, row, z_mm[0]),
+        .stands_out_mm = iso_ring_stands_out(frame, column, row, z_mm[0]),
+        .part = part,
+    };
 }
 
 int iso_candidates_find(struct iso_candidate_finder *f, const struct iso_frame *frame,
@@ -255,15 +280,13 @@ int iso_candidates_find(struct iso_candidate_finder *f, const struct iso_frame *
         return -ENOSPC;
     }
     struct part parts[ISO_CANDIDATE_PARTS_MAX];
-    int found_parts = find_parts(f, frame, options, parts), n = 0;
-    for (int i = 0; i < frame->width_px * frame->height_px; i++) {
-        double height = 0.0;
-        for (int p = 0; p < found_parts && height <= 0.0; p++) {
-            if (f->part[i] == parts[p].label) {
-                height = height_above_ring(frame, i % frame->width_px, i / frame->width_px);
-            }
+    const bool any = take_in(f, frame, options) > 0;
+    int found_parts = any ? find_parts(f, frame, parts) : 0, n = 0;
+    f->n_high = 0;
+    for (int row = 0; found_parts > 0 && row < frame->height_px; row++) {
+        for (int column = 0; column < frame->width_px; column += ISO_DEPTHS) {
+            measure_heights(f, frame, column, row, parts, found_parts);
         }
-        f->height_mm[i] = height >= height_min_mm && height <= height_max_mm ? (float)height : 0.0f;
     }
     for (int p = 0; p < found_parts; p++) {
         for (int k = 0; k < ISO_CANDIDATES_PER_PART && n < ISO_CANDIDATES_MAX; k++) {
@@ -271,10 +294,7 @@ int iso_candidates_find(struct iso_candidate_finder *f, const struct iso_frame *
             if (at < 0) {
                 break;
             }
-            int column = at % frame->width_px, row = at / frame->width_px;
-            const struct iso_vec3 point = smoothed_point(frame, column, row);
-            candidates[n++] = (struct iso_nose_candidate){point,
-                                                          height_above_ring(frame, column, row), p};
+            candidates[n++] = candidate_at(f, frame, at, p);
         }
     }
     *n_candidates = n;

@@ -18,6 +18,7 @@ enum {
 struct iso_nose_candidate {
     struct iso_vec3 point_mm; /* camera frame */
     double height_mm;         /* above the ring's plane */
+    double stands_out_mm;     /* of a wide ring (ring_height.h) */
     int part;                 /* 0: the nearest part of the scene */
 };
 

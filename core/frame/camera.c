@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "core/base/fault.h"
+#include "core/frame/distortion.h"
 
 static bool in_range(double value, double low, double high)
 {
@@ -60,11 +61,6 @@ static void distort(const struct iso_camera *c, double x, double y, double *xd, 
     *yd = y * radial + c->p1 * (r2 + 2.0 * y * y) + 2.0 * c->p2 * x * y;
 }
 
-static bool is_distorted(const struct iso_camera *c)
-{
-    return c->k1 != 0.0 || c->k2 != 0.0 || c->k3 != 0.0 || c->p1 != 0.0 || c->p2 != 0.0;
-}
-
 /* Solves distort(x) = xd by iterating x = xd - (distort(x) - x). */
 static void undistort(const struct iso_camera *c, double *x, double *y)
 {
@@ -90,7 +86,7 @@ struct iso_vec3 iso_camera_back_project(const struct iso_camera *camera, double 
         return iso_vec3(du * camera->pitch_mm, dv * camera->pitch_mm, z_mm);
     }
     double x = du / camera->fx_px, y = dv / camera->fy_px;
-    if (is_distorted(camera)) {
+    if (iso_camera_is_distorted(camera)) {
         undistort(camera, &x, &y);
     }
     return iso_vec3(x * z_mm, y * z_mm, z_mm);
@@ -108,7 +104,7 @@ bool iso_camera_project(const struct iso_camera *camera, struct iso_vec3 p, doub
         return false;
     }
     double x = p.x / p.z, y = p.y / p.z;
-    if (is_distorted(camera)) {
+    if (iso_camera_is_distorted(camera)) {
         distort(camera, x, y, &x, &y);
     }
     *u_px = camera->cx_px + camera->fx_px * x;

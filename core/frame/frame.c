@@ -4,8 +4,11 @@
 #include <stdlib.h>
 
 #include "core/base/fault.h"
+#include "core/frame/depth_lanes.h"
 
 enum { SIDE_MAX = 8192 };
+
+static const float depth_end_mm = 1e6f; /* depths are less than this */
 
 static bool size_sane(int width_px, int height_px)
 {
@@ -45,6 +48,22 @@ void iso_frame_free(struct iso_frame *frame)
     }
 }
 
+/* Whether all n depths are at least 0 and below the end; false for NaN and infinity. */
+static bool depths_sane(const float *depth_mm, size_t n)
+{
+    const size_t n_lanes = n - n % ISO_DEPTHS;
+    iso_depth_counts sane = {-1, -1, -1, -1};
+    for (size_t i = 0; i < n_lanes; i += ISO_DEPTHS) {
+        const iso_depths z = ISO_DEPTHS_LOAD(&depth_mm[i]);
+        sane &= (z >= 0.0f) & (z < depth_end_mm);
+    }
+    bool all = (sane[0] & sane[1] & sane[2] & sane[3]) != 0;
+    for (size_t i = n_lanes; i < n; i++) {
+        all &= depth_mm[i] >= 0.0f && depth_mm[i] < depth_end_mm;
+    }
+    return all;
+}
+
 int iso_frame_check(const struct iso_frame *frame, struct iso_fault *fault)
 {
     const int error = iso_camera_check(&frame->camera, fault);
@@ -59,14 +78,9 @@ int iso_frame_check(const struct iso_frame *frame, struct iso_fault *fault)
         frame->crop_y_px > frame->camera.height_px - frame->height_px) {
         return iso_fault_set(fault, -EINVAL, "frame's window leaves the camera's image");
     }
-    const size_t n = (size_t)frame->width_px * (size_t)frame->height_px;
-    bool sane = true;
-    for (size_t i = 0; i < n; i++) {
-        float z = frame->depth_mm[i];
-        sane &= z >= 0.0f && z < 1e6f; /* false for NaN and infinity */
-    }
-    return sane ? 0
-                : iso_fault_set(fault, -EINVAL, "depth is negative, beyond 1 km or not a number");
+    return depths_sane(frame->depth_mm, (size_t)frame->width_px * (size_t)frame->height_px)
+               ? 0
+               : iso_fault_set(fault, -EINVAL, "depth is negative, beyond 1 km or not a number");
 }
 
 struct iso_vec3 iso_frame_point_at(const struct iso_frame *frame, int column, int row)

@@ -2,16 +2,50 @@
 
 #include <errno.h>
 #include <math.h>
+#include <string.h>
 
 #include "core/base/solve.h"
 #include "core/landmark/pose_tally.h"
 
 enum { DOF = 6, VERTICES_MIN = 30 };
 
-/* Normal equations of one Gauss-Newton step; returns how many vertices met a measurement. */
+/* Two doubles at once. */
+typedef double pair __attribute__((vector_size(2 * sizeof(double))));
+enum { PAIRS = DOF / 2 };
+
+/* The normal equations of a step: h of the left side, of which only the lower triangle is set, and
+ * g of the right side. */
+struct equations {
+    pair h[DOF][PAIRS], g[PAIRS];
+};
+
+/* Adds the equation of a vertex: the row j of the Jacobian, the residual r, the weight w. The rows
+ * are written out, because compilers do not unroll a loop over them. */
+static void add_equation(struct equations *equations, const pair j[PAIRS], double r, double w)
+{
+    const pair a = w * j[0], b = w * j[1], c = w * j[2];
+    pair(*h)[PAIRS] = equations->h, *g = equations->g;
+    h[0][0] += a[0] * j[0];
+    h[1][0] += a[1] * j[0];
+    h[2][0] += b[0] * j[0];
+    h[2][1] += b[0] * j[1];
+    h[3][0] += b[1] * j[0];
+    h[3][1] += b[1] * j[1];
+    h[4][0] += c[0] * j[0];
+    h[4][1] += c[0] * j[1];
+    h[4][2] += c[0] * j[2];
+    h[5][0] += c[1] * j[0];
+    h[5][1] += c[1] * j[1];
+    h[5][2] += c[1] * j[2];
+    g[0] -= a * r;
+    g[1] -= b * r;
+    g[2] -= c * r;
+}
+
+/* The normal equations of one Gauss-Newton step; returns how many vertices met a measurement. */
 static int accumulate(const struct iso_pose_vertices *vertices, int n,
                       const struct iso_frame *frame, const struct iso_rigid *pose, double cutoff_mm,
-                      double h[DOF * DOF], double g[DOF])
+                      struct equations *equations)
 {
     int met = 0;
     for (int i = 0; i < n; i++) {
@@ -24,16 +58,10 @@ static int accumulate(const struct iso_pose_vertices *vertices, int n,
         }
         met++;
         const double w = vertices->weight[i] * iso_tukey(r, cutoff_mm);
-        if (!(w > 0.0)) {
-            continue;
-        }
-        const struct iso_vec3 turn = iso_cross(arm, normal);
-        const double j[DOF] = {turn.x, turn.y, turn.z, normal.x, normal.y, normal.z};
-        for (int a = 0; a < DOF; a++) {
-            for (int b = 0; b <= a; b++) {
-                h[DOF * a + b] += w * j[a] * j[b];
-            }
-            g[a] -= w * j[a] * r;
+        if (w > 0.0) {
+            const struct iso_vec3 turn = iso_cross(arm, normal);
+            const pair j[PAIRS] = {{turn.x, turn.y}, {turn.z, normal.x}, {normal.y, normal.z}};
+            add_equation(equations, j, r, w);
         }
     }
     return met;
@@ -83,11 +111,15 @@ int iso_pose_fit(const struct iso_pose_vertices *vertices, const struct iso_fram
                             : 1.0;
     double cutoff = options->cutoff_first_mm;
     for (int step = 0; step < options->iterations; step++, cutoff *= fall) {
-        double h[DOF * DOF] = {0}, g[DOF] = {0};
+        struct equations equations;
+        memset(&equations, 0, sizeof equations);
         struct iso_rigid *pose = &fit.camera_from_face;
-        if (accumulate(vertices, n, frame, pose, cutoff, h, g) < VERTICES_MIN) {
+        if (accumulate(vertices, n, frame, pose, cutoff, &equations) < VERTICES_MIN) {
             return -ENODATA;
         }
+        double h[DOF * DOF], g[DOF];
+        memcpy(h, equations.h, sizeof h);
+        memcpy(g, equations.g, sizeof g);
         if (options->nose_sigma_mm > 0.0) {
             add_prior(options, pose, h, g);
         }

@@ -16,7 +16,8 @@ static inline void iso_pose_tally_add(struct iso_pose_tally *tally, enum iso_mee
 {
     tally->count[meeting]++;
     if (meeting == ISO_MEETING_MEASURED) {
-        tally->cost_mm2 += fmin(distance_mm * distance_mm, ISO_POSE_COST_LIMIT_MM2);
+        const double square = distance_mm * distance_mm;
+        tally->cost_mm2 += square < ISO_POSE_COST_LIMIT_MM2 ? square : ISO_POSE_COST_LIMIT_MM2;
     }
 }
 

@@ -161,6 +161,17 @@ static double length_of(const struct iso_metric *metric, const float *mean, doub
     return length;
 }
 
+/* The first of these alone: the same sum in the same order. */
+static double squared_length(const struct iso_metric *metric, const float *mean, double variance)
+{
+    double length = 0.0;
+    for (int d = 0; d < metric->n_dimensions; d++) {
+        const double x = (double)mean[d];
+        length += x * x / (variance + (double)metric->between[d]);
+    }
+    return length;
+}
+
 static int step_of(float weight)
 {
     const long step = lrint(2.0 * log2((double)weight));
@@ -203,13 +214,19 @@ static void set_likeliest_step(const struct iso_metric *metric,
     set_step(metric, best + ISO_METRIC_STEP_MIN, vector);
 }
 
-static void judge_vector(const struct iso_metric *metric, struct iso_metric_vector *vector)
+/* `steps` may be NULL; if they are known, no logarithms are needed. */
+static void judge_vector(const struct iso_metric *metric, const struct iso_metric_steps *steps,
+                         struct iso_metric_vector *vector)
 {
     double unlikeliness[ISO_METRIC_STEPS_ONE], log_volume;
     for (int s = 0; s < ISO_METRIC_STEPS_ONE; s++) {
         const double variance = iso_metric_variance(s + ISO_METRIC_STEP_MIN);
-        const double length = length_of(metric, vector->mean, variance, &log_volume);
-        unlikeliness[s] = length + log_volume;
+        if (steps) {
+            unlikeliness[s] = squared_length(metric, vector->mean, variance) + steps->log_volume[s];
+        } else {
+            const double length = length_of(metric, vector->mean, variance, &log_volume);
+            unlikeliness[s] = length + log_volume;
+        }
     }
     set_likeliest_step(metric, unlikeliness, vector);
 }
@@ -273,9 +290,32 @@ int iso_metric_project(const struct iso_metric *metric, const struct iso_templat
     for (int i = 0; i < metric->n_nodes; i++) {
         project_value(metric, 3 * curves.n + i, height_residual(metric, &tmpl->upper, i), out);
     }
-    judge_vector(metric, out);
+    judge_vector(metric, NULL, out);
     explicit_bzero(residual_mm, sizeof residual_mm);
     return 0;
+}
+
+static iso_project_function *project_here(void)
+{
+#if defined __x86_64__
+    if (__builtin_cpu_supports("avx2")) {
+        return iso__project_avx2;
+    }
+#endif
+    return iso__project_baseline;
+}
+
+void iso_metric_project_rows(const struct iso_metric *metric, const struct iso_metric_steps *steps,
+                             const float *residual_mm, int n, struct iso_metric_vector *out)
+{
+    float mean[ISO_METRIC_ROWS][ISO_METRIC_DIMENSIONS_MAX];
+    project_here()(metric, residual_mm, n, mean);
+    for (int i = 0; i < n; i++) {
+        out[i] = (struct iso_metric_vector){.n = 1};
+        memcpy(out[i].mean, mean[i], (size_t)metric->n_dimensions * sizeof mean[i][0]);
+        judge_vector(metric, steps, &out[i]);
+    }
+    explicit_bzero(mean, sizeof mean);
 }
 
 void iso_metric_vector_add(const struct iso_metric *metric, const struct iso_metric_vector *one,

@@ -144,10 +144,11 @@ void iso_presentation_measure_face(const struct iso_presentation *presentation,
 
 void iso_presentation_measure_scene(struct iso_presentation *presentation,
                                     const struct iso_frame *coarse, double near_mm, double far_mm,
+                                    const struct iso_presentation_options *options,
                                     struct iso_presentation_cues *out)
 {
     struct iso_presentation_cues cues = {0};
-    cues.has_sheet = iso_sheet_find(presentation->finder, coarse, near_mm, far_mm, &cues.sheet) ==
-                     0;
+    cues.has_sheet = iso_sheet_find(presentation->finder, coarse, near_mm, far_mm,
+                                    options->held_area_max_mm2, &cues.sheet) == 0;
     *out = cues;
 }

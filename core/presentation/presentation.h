@@ -100,9 +100,11 @@ void iso_presentation_measure_face(const struct iso_presentation *presentation,
                                    const struct iso_shape_residuals *head,
                                    struct iso_presentation_cues *out);
 
-/* For a frame without a face: the nearest object between two depths. */
+/* For a frame without a face: the nearest object between two depths. Of an object larger than
+ * options->held_area_max_mm2, only what iso_presentation_judge() looks at is measured. */
 void iso_presentation_measure_scene(struct iso_presentation *presentation,
                                     const struct iso_frame *coarse, double near_mm, double far_mm,
+                                    const struct iso_presentation_options *options,
                                     struct iso_presentation_cues *out);
 
 #endif

@@ -94,15 +94,15 @@ static struct part flood_part(struct iso_sheet_finder *f, const struct iso_frame
     f->queue[tail++] = seed;
     f->label[seed] = label;
     while (head < tail) {
-        const int at = f->queue[head++];
+        const int at = f->queue[head++], column = at % w, row = at / w;
         const double z = (double)frame->depth_mm[at];
         const double pixel = iso_camera_pixel_mm(&frame->camera, z);
-        const double jump = fmax(jump_mm, jump_slope * pixel);
+        const double jump = jump_slope * pixel > jump_mm ? jump_slope * pixel : jump_mm;
+        const int reach = (int)(across_mm / pixel);
         part.area_mm2 += pixel * pixel;
         part.mean_mm += z;
         for (int k = 0; k < 4; k++) {
-            const int to = next_measured(frame, at % w, at / w, steps[k][0], steps[k][1],
-                                         (int)(across_mm / pixel));
+            const int to = next_measured(frame, column, row, steps[k][0], steps[k][1], reach);
             if (to < 0 || f->label[to] >= 0) {
                 continue;
             }
@@ -180,8 +180,9 @@ static void describe_outline(struct iso_sheet_finder *f, const struct iso_frame 
     out->hole_share = inside > 0 ? (double)holes / inside : 0.0;
 }
 
+/* Of a part that is larger than held_max_mm2, only the plane is fitted. */
 static int describe_sheet(struct iso_sheet_finder *f, const struct iso_frame *frame,
-                          const struct part *part, struct iso_sheet *out)
+                          const struct part *part, double held_max_mm2, struct iso_sheet *out)
 {
     struct iso_vec3 *points = f->points_mm;
     double plane[3], farther = part->mean_mm / limit_at_mm;
@@ -189,19 +190,22 @@ static int describe_sheet(struct iso_sheet_finder *f, const struct iso_frame *fr
                               .distance_mm = part->mean_mm,
                               .limit_mm = limit_mm * fmax(1.0, farther)};
     const int n = sample_points(f, frame, part, points);
+    const bool held = sheet.area_mm2 <= held_max_mm2;
     int error = iso_plane_fit(points, n, sheet.limit_mm, plane, &sheet.flat);
-    if (!error) {
+    if (!error && held) {
         error = iso_bent_sheet_fit(points, n, sheet.limit_mm, &sheet.bent);
     }
-    if (!error) {
+    if (!error && held) {
         describe_outline(f, frame, part, &sheet);
+    }
+    if (!error) {
         *out = sheet;
     }
     return error;
 }
 
 int iso_sheet_find(struct iso_sheet_finder *finder, const struct iso_frame *coarse, double near_mm,
-                   double far_mm, struct iso_sheet *out)
+                   double far_mm, double held_max_mm2, struct iso_sheet *out)
 {
     const int n_px = coarse->width_px * coarse->height_px;
     int32_t label = 0;
@@ -221,7 +225,7 @@ int iso_sheet_find(struct iso_sheet_finder *finder, const struct iso_frame *coar
             nearest = part;
         }
     }
-    if (!isfinite(nearest.mean_mm) || describe_sheet(finder, coarse, &nearest, out)) {
+    if (!isfinite(nearest.mean_mm) || describe_sheet(finder, coarse, &nearest, held_max_mm2, out)) {
         return -ENOENT;
     }
     return 0;

@@ -30,9 +30,11 @@ int iso_sheet_finder_new(size_t capacity_px, struct iso_sheet_finder **out)
 void iso_sheet_finder_free(struct iso_sheet_finder *finder);
 
 /* Finds the part with the least mean depth among the parts between two depths that have at least 60
- * cm^2. -ENOENT if there is none or no sheet can be fitted to it, -ENOSPC over the finder's
- * capacity. */
+ * cm^2. If it is larger than held_max_mm2, nobody can hold it: only its plane is fitted, and `bent`
+ * and the shares of border and holes are 0. -ENOENT if there is none or no sheet can be fitted to
+ * it, -ENOSPC over the finder's capacity. */
 int iso_sheet_find(struct iso_sheet_finder *finder, const struct iso_frame *coarse, double near_mm,
-                   double far_mm, struct iso_sheet *out) __attribute__((warn_unused_result));
+                   double far_mm, double held_max_mm2, struct iso_sheet *out)
+    __attribute__((warn_unused_result));
 
 #endif

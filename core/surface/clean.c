@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/frame/depth_lanes.h"
 #include "core/frame/depth_step.h"
 #include "core/frame/shrink.h"
 
@@ -17,19 +18,9 @@ static const double piece_mm2 = 3000.0;
 
 enum { NEIGHBOURS_MIN = 5 };
 
-/* Four pixels at once, by one register: compilers make single comparisons of wider ones. A
- * comparison of lanes gives -1 where it is true. */
-enum { PIXELS = 4 };
-typedef float depths __attribute__((vector_size(PIXELS * sizeof(float))));
-typedef int counts __attribute__((vector_size(PIXELS * sizeof(int))));
-typedef float depths_in_memory
-    __attribute__((vector_size(PIXELS * sizeof(float)), aligned(4), may_alias));
-
-#define DEPTHS_AT(p) (*(const depths_in_memory *)(p))
-
 /* Floats behind a plane that may be read and written when the last pixels of a row are treated
- * PIXELS at a time. */
-enum { SLACK = 2 * PIXELS };
+ * ISO_DEPTHS at a time. */
+enum { SLACK = 2 * ISO_DEPTHS };
 
 /* A pixel that differs by more, mm, from a neighbour or from the median is not on the same surface.
  */
@@ -110,20 +101,20 @@ static struct bounds bounds_of(const struct iso_frame *frame)
     return (struct bounds){fmaxf(neighbour_mm, coarse_mm), fmaxf(median_mm, coarse_mm)};
 }
 
-/* Writes the PIXELS pixels from `at` on, which are two or more from the border, to `to`: the
+/* Writes the ISO_DEPTHS pixels from `at` on, which are two or more from the border, to `to`: the
  * depths of those of the first n that agree with their surroundings, and 0 for the others. The
  * distance from the median is checked by counting, without sorting: a pixel lies within the bound
  * of the median if at most half of the measured pixels lie further than the bound in front of it,
  * and at most half lie further behind it. */
 static void keep_agreeing(const float *at, int width, struct bounds bounds, int n, float *to)
 {
-    const counts lane = {0, 1, 2, 3};
-    const depths z = DEPTHS_AT(at);
-    counts close = {0}, measured = {0}, below = {0}, above = {0};
+    const iso_depth_counts lane = {0, 1, 2, 3};
+    const iso_depths z = ISO_DEPTHS_LOAD(at);
+    iso_depth_counts close = {0}, measured = {0}, below = {0}, above = {0};
     for (int dv = -2; dv <= 2; dv++) {
         for (int du = -2; du <= 2; du++) {
-            const depths near = DEPTHS_AT(&at[dv * width + du]), d = near - z;
-            const counts is = near > 0.0f;
+            const iso_depths near = ISO_DEPTHS_LOAD(&at[dv * width + du]), d = near - z;
+            const iso_depth_counts is = near > 0.0f;
             measured -= is;
             below -= is & (d < -bounds.median_mm);
             above -= is & (d > bounds.median_mm);
@@ -132,9 +123,9 @@ static void keep_agreeing(const float *at, int width, struct bounds bounds, int 
             }
         }
     }
-    const counts keep = (lane < n) & (z > 0.0f) & (close >= NEIGHBOURS_MIN) &
-                        (2 * below <= measured) & (2 * above <= measured);
-    *(depths_in_memory *)to = (depths)((counts)z & keep);
+    const iso_depth_counts keep = (lane < n) & (z > 0.0f) & (close >= NEIGHBOURS_MIN) &
+                                  (2 * below <= measured) & (2 * above <= measured);
+    ISO_DEPTHS_STORE(to, (iso_depths)((iso_depth_counts)z & keep));
 }
 
 /* The kept pixels become those that agree with their surroundings; none at the border. The last
@@ -146,7 +137,7 @@ static void drop_outliers(struct iso_cleaner *c, struct bounds bounds)
     int w = f->width_px, h = f->height_px;
     memset(c->kept, 0, (size_t)w * (size_t)h * sizeof *c->kept);
     for (int row = 2; row < h - 2; row++) {
-        for (int column = 2; column < w - 2; column += PIXELS) {
+        for (int column = 2; column < w - 2; column += ISO_DEPTHS) {
             const int at = row * w + column;
             keep_agreeing(&f->depth_mm[at], w, bounds, w - 2 - column, &c->kept[at]);
         }

@@ -9,6 +9,7 @@
 
 #include "firmware/gallery/gallery.h"
 #include "firmware/gallery/gallery_seal.h"
+#include "firmware/site/site_batch.h"
 
 _Static_assert((int)ISO_GALLERY_TEMPLATES_MAX <= (int)ISO_INDEX_TEMPLATES_MAX,
                "the index takes all templates of a person");
@@ -54,19 +55,14 @@ static int reserve_items(void **items, size_t item_size, size_t least, size_t *c
     return 0;
 }
 
-static int reserve_person(struct iso_gallery_memory *memory)
-{
-    return iso_gallery_memory_reserve_people(memory, 1);
-}
-
-static int reserve_templates(struct iso_gallery_memory *memory, size_t n)
+int iso_gallery_memory_reserve(struct iso_gallery_memory *memory, int n)
 {
     void *entries = memory->entries;
     if (memory->site) {
-        return iso_site_index_reserve(memory->site, n);
+        return iso_site_index_reserve(memory->site, (size_t)n);
     }
-    const int error = reserve_items(&entries, sizeof *memory->entries, memory->n_entries + n,
-                                    &memory->entries_capacity);
+    const int error = reserve_items(&entries, sizeof *memory->entries,
+                                    memory->n_entries + (size_t)n, &memory->entries_capacity);
     memory->entries = entries;
     return error;
 }
@@ -113,7 +109,7 @@ static int prepare_template(struct iso_gallery_memory *memory, const void *bytes
     struct iso_gallery_kept kept = {.tmpl = NULL};
     int error = read_template(memory, bytes, size, &kept);
     if (!error) {
-        error = reserve_templates(memory, 1);
+        error = iso_gallery_memory_reserve(memory, 1);
     }
     if (error) {
         iso_gallery_memory_discard(&kept);
@@ -128,16 +124,11 @@ int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *by
                                struct iso_gallery_kept *out)
 {
     int error = prepare_template(memory, bytes, size, out);
-    if (!error && reserve_person(memory)) {
+    if (!error && iso_gallery_memory_reserve_people(memory, 1)) {
         iso_gallery_memory_discard(out);
         error = -ENOMEM;
     }
     return error;
-}
-
-int iso_gallery_memory_reserve(struct iso_gallery_memory *memory, int n)
-{
-    return reserve_templates(memory, (size_t)n);
 }
 
 int iso_gallery_memory_reserve_people(struct iso_gallery_memory *memory, size_t n)
@@ -245,6 +236,7 @@ void iso_gallery_memory_remove(struct iso_gallery_memory *memory, int64_t person
 
 struct loading {
     struct iso_gallery_db *db;
+    struct iso_site_batch *batch; /* with a metric: what adds the vectors */
     const struct iso_work_listener *listener;
     struct iso_gallery_memory memory;
 };
@@ -252,7 +244,7 @@ struct loading {
 static int load_person(void *context, const struct iso_person *person, struct iso_fault *fault)
 {
     struct iso_gallery_memory *memory = &((struct loading *)context)->memory;
-    if (reserve_person(memory)) {
+    if (iso_gallery_memory_reserve_people(memory, 1)) {
         return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
     }
     struct iso_person *own = &memory->people[memory->n_people];
@@ -265,14 +257,14 @@ static int load_person(void *context, const struct iso_person *person, struct is
 }
 
 /* Loads a template that the running algorithm can use. */
-static int load_usable(struct iso_gallery_memory *memory, struct iso_person *person, int64_t number,
+static int load_usable(struct loading *loading, struct iso_person *person, int64_t number,
                        const void *bytes, size_t size)
 {
     struct iso_gallery_kept kept;
-    int error = prepare_template(memory, bytes, size, &kept);
-    if (!error) {
-        kept.number = number;
-        error = insert_vector(memory, person->id, &kept);
+    int error = loading->batch ? iso_site_batch_add(loading->batch, person->id, number, bytes, size)
+                               : prepare_template(&loading->memory, bytes, size, &kept);
+    if (!error && !loading->batch) {
+        error = insert_vector(&loading->memory, person->id, &kept);
     }
     person->usable += !error;
     return error;
@@ -289,6 +281,16 @@ static int check_unusable(const void *bytes, size_t size, uint32_t algorithm)
     return facts.algorithm == algorithm ? 0 : -EBADMSG;
 }
 
+/* What the error of a template means for loading. */
+static int template_result(const struct loading *loading, int error, struct iso_fault *fault)
+{
+    if (error == -ENOMEM) {
+        return iso_fault_set(fault, error, "gallery: out of memory");
+    }
+    const bool damaged = error && error != -EPROTONOSUPPORT;
+    return damaged ? iso_gallery_db_damaged(loading->db, "a template cannot be read", fault) : 0;
+}
+
 static int load_template(void *context, const struct iso_gallery_place *place, const void *bytes,
                          size_t size, struct iso_fault *fault)
 {
@@ -301,14 +303,9 @@ static int load_template(void *context, const struct iso_gallery_place *place, c
     iso_work_step(loading->listener, (uint64_t)(person - loading->memory.people) + 1,
                   loading->memory.n_people);
     const int error = place->algorithm == loading->memory.algorithm
-                          ? load_usable(&loading->memory, person, place->number, bytes, size)
+                          ? load_usable(loading, person, place->number, bytes, size)
                           : check_unusable(bytes, size, place->algorithm);
-    if (error == -ENOMEM) {
-        return iso_fault_set(fault, error, "gallery: out of memory");
-    }
-    return error && error != -EPROTONOSUPPORT
-               ? iso_gallery_db_damaged(loading->db, "a template cannot be read", fault)
-               : 0;
+    return template_result(loading, error, fault);
 }
 
 static int load_access(void *context, const struct iso_gallery_place *place, const void *bytes,
@@ -374,18 +371,24 @@ int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
     };
     const struct iso_gallery_visitor visitor = {load_person, load_template, load_access, &loading};
     int error = 0;
-    if (metric && iso_site_index_new(metric, adapt, &loading.memory.site)) {
+    if (metric && (iso_site_index_new(metric, adapt, &loading.memory.site) ||
+                   iso_site_batch_new(loading.memory.site, algorithm, metric, &loading.batch))) {
+        iso_gallery_memory_done(&loading.memory);
         return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
     }
     error = iso_gallery_db_load(db, &visitor, fault);
+    if (!error && metric) {
+        error = template_result(&loading, iso_site_batch_end(loading.batch), fault);
+    }
+    iso_site_batch_free(loading.batch);
     if (!error) {
         error = check_names(&loading, fault);
     }
-    if (!error && loading.memory.site) {
+    if (!error && metric) {
         iso_site_index_set_record(loading.memory.site, iso_gallery_db_site(db));
-    }
-    if (!error && metric && iso_site_index_start(loading.memory.site)) {
-        error = iso_fault_set(fault, -ENOMEM, "gallery: no memory for a thread");
+        error = iso_site_index_start(loading.memory.site)
+                    ? iso_fault_set(fault, -ENOMEM, "gallery: no memory for a thread")
+                    : 0;
     }
     if (error) {
         iso_gallery_memory_done(&loading.memory);

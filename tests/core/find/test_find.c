@@ -10,85 +10,14 @@
 
 #include <cmocka.h>
 
-#include "core/find/pose_search.h"
-#include "core/frame/shrink.h"
+#include "tests/core/find/find_rig.h"
 #include "tests/core/surfaces/rendered_head.h"
-#include "tests/core/surfaces/shipped_model.h"
 
-enum { COARSE_PX_MAX = 640 * 480, SHRINK = 3 };
-
-static const struct iso_candidate_options range = {.near_mm = 200.0, .far_mm = 2000.0};
-static const struct iso_shape_fit_options rough_fit = {
-    .rigid_iterations = 1,
-    .jaws = 1,
-    .iterations = 4,
-    .cutoff_first_mm = 12.0,
-    .cutoff_last_mm = 4.0,
-    .soft_weight = 0.3,
-    .identity_stiffness_mm2 = 20.0,
-    .expression_stiffness_mm2 = 5.0,
-};
-
-struct fixture {
-    struct iso_head_model *model;
-    struct iso_frame *frame;
-    struct iso_frame coarse;
-    struct iso_candidate_finder *finder;
-    struct iso_nose_candidate candidates[ISO_CANDIDATES_MAX];
-    int n_candidates, n_parts;
-    bool several;
-    struct iso_pose_search search;
-    struct iso_pose_vertices *vertices;
-};
-
-static int set_up(void **state)
-{
-    struct fixture *f = calloc(1, sizeof *f);
-    assert_non_null(f);
-    f->model = shipped_head_model();
-    f->frame = rendered_head_frame();
-    f->coarse.depth_mm = calloc(COARSE_PX_MAX, sizeof *f->coarse.depth_mm);
-    assert_non_null(f->coarse.depth_mm);
-    assert_int_equal(iso_candidate_finder_new(COARSE_PX_MAX, &f->finder), 0);
-    assert_int_equal(iso_pose_vertices_new(f->model, 220, 1.0, &f->vertices), 0);
-    f->search = (struct iso_pose_search){
-        .vertices = f->vertices,
-        .frame = &f->coarse,
-        .cost_max_mm2 = 14.0,
-        .coverage_min = 0.5,
-    };
-    assert_int_equal(iso_shape_fitter_new(f->model, &rough_fit, &f->search.fitter), 0);
-    *state = f;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    struct fixture *f = *state;
-    iso_shape_fitter_free(f->search.fitter);
-    iso_pose_vertices_free(f->vertices);
-    iso_candidate_finder_free(f->finder);
-    free(f->coarse.depth_mm);
-    iso_frame_free(f->frame);
-    iso_head_model_free(f->model);
-    free(f);
-    return 0;
-}
-
-/* Shrinks the frame and looks for candidates, then for a face. */
-static int find(struct fixture *f, struct iso_pose_fit *fit)
-{
-    struct iso_window all = {0, 0, f->frame->width_px, f->frame->height_px};
-    assert_int_equal(iso_frame_shrink(f->frame, all, SHRINK, COARSE_PX_MAX, &f->coarse), 0);
-    assert_int_equal(iso_candidates_find(f->finder, &f->coarse, &range, f->candidates,
-                                         &f->n_candidates, &f->n_parts),
-                     0);
-    return iso_pose_search(&f->search, f->candidates, f->n_candidates, fit, &f->several);
-}
+enum { SHRINK = 3 };
 
 static void a_head_is_found_in_every_attitude_and_distance(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     const double yaws[] = {0.0, 20.0, -30.0}, pitches[] = {0.0, 15.0, -15.0};
     const struct iso_vec3 places[] = {{20, -30, 420}, {-60, 40, 700}, {90, 10, 1100}};
     for (int y = 0; y < 3; y++) {
@@ -99,7 +28,7 @@ static void a_head_is_found_in_every_attitude_and_distance(void **state)
                 rendered_head_clear(f->frame);
                 rendered_head_draw(f->frame, f->model, NULL, 1.0, &truth);
                 rendered_head_wall(f->frame, 1900.0f);
-                assert_int_equal(find(f, &fit), 0);
+                assert_int_equal(find_rig_find(f, SHRINK, &fit), 0);
                 rendered_head_assert_pose(&fit.camera_from_face, &truth, 3.0, 3.0);
                 assert_true(fit.in_image > 0.99);
             }
@@ -109,12 +38,12 @@ static void a_head_is_found_in_every_attitude_and_distance(void **state)
 
 static void a_nose_tip_is_among_the_candidates(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     struct iso_vec3 nose = {-40, 25, 600};
     struct iso_rigid truth = rendered_head_pose(15.0, -10.0, nose);
     struct iso_pose_fit fit;
     rendered_head_draw(f->frame, f->model, NULL, 1.0, &truth);
-    assert_int_equal(find(f, &fit), 0);
+    assert_int_equal(find_rig_find(f, SHRINK, &fit), 0);
     assert_int_equal(f->n_parts, 1);
     double closest_mm = INFINITY;
     for (int i = 0; i < f->n_candidates; i++) {
@@ -132,7 +61,7 @@ static void a_nose_tip_is_among_the_candidates(void **state)
 }
 
 /* Draws two heads, the nearer one at the left, and asserts that the nearer one is found. */
-static void assert_nearer_is_chosen(struct fixture *f, const struct iso_vec3 *near_shape,
+static void assert_nearer_is_chosen(struct find_rig *f, const struct iso_vec3 *near_shape,
                                     double near_size, double far_size, double within_mm)
 {
     struct iso_rigid near = rendered_head_pose(10.0, 5.0, iso_vec3(-110, 0, 650));
@@ -141,27 +70,27 @@ static void assert_nearer_is_chosen(struct fixture *f, const struct iso_vec3 *ne
     rendered_head_clear(f->frame);
     rendered_head_draw(f->frame, f->model, near_shape, near_size, &near);
     rendered_head_draw(f->frame, f->model, NULL, far_size, &far);
-    assert_int_equal(find(f, &fit), 0);
+    assert_int_equal(find_rig_find(f, SHRINK, &fit), 0);
     assert_int_equal(f->n_parts, 2);
     rendered_head_assert_pose(&fit.camera_from_face, &near, within_mm, 5.0);
 }
 
 static void the_nearer_of_two_people_is_chosen(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     assert_nearer_is_chosen(f, NULL, 1.0, 1.0, 3.0);
 }
 
 static void a_bigger_person_behind_is_not_chosen(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     /* The apparent sizes are 0.9 / 650 for the nearer head and 1.3 / 800 for the farther one. */
     assert_nearer_is_chosen(f, NULL, 0.9, 1.3, 12.0);
 }
 
 static void a_better_fit_behind_is_not_chosen(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     struct iso_vec3 *shape = calloc(f->model->n_vertices, sizeof *shape);
     assert_non_null(shape);
     for (uint32_t i = 0; i < f->model->n_vertices; i++) {
@@ -176,9 +105,9 @@ static void a_better_fit_behind_is_not_chosen(void **state)
 
 static void an_empty_frame_holds_nobody(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     struct iso_pose_fit fit = {.cost_mm2 = -7.0};
-    assert_int_equal(find(f, &fit), -ENOENT);
+    assert_int_equal(find_rig_find(f, SHRINK, &fit), -ENOENT);
     assert_int_equal(f->n_parts, 0);
     assert_int_equal(f->n_candidates, 0);
     assert_true(fit.cost_mm2 == -7.0);
@@ -186,10 +115,10 @@ static void an_empty_frame_holds_nobody(void **state)
 
 static void a_wall_is_no_face(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     struct iso_pose_fit fit = {.cost_mm2 = -7.0};
     rendered_head_wall(f->frame, 700.0f);
-    assert_int_equal(find(f, &fit), -ENOENT);
+    assert_int_equal(find_rig_find(f, SHRINK, &fit), -ENOENT);
     assert_int_equal(f->n_parts, 1);
     assert_int_equal(f->n_candidates, 0);
     assert_true(fit.cost_mm2 == -7.0);
@@ -197,11 +126,11 @@ static void a_wall_is_no_face(void **state)
 
 static void a_person_out_of_range_is_not_seen(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     struct iso_rigid pose = rendered_head_pose(0.0, 0.0, iso_vec3(0, 0, 2100));
     struct iso_pose_fit fit;
     rendered_head_draw(f->frame, f->model, NULL, 1.0, &pose);
-    assert_int_equal(find(f, &fit), -ENOENT);
+    assert_int_equal(find_rig_find(f, SHRINK, &fit), -ENOENT);
     assert_int_equal(f->n_parts, 0);
 }
 
@@ -223,14 +152,14 @@ static void draw_ball(struct iso_frame *frame, struct iso_vec3 centre, double ra
 
 static void a_ball_is_no_face(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     const double radii_mm[] = {50.0, 75.0, 110.0, 160.0};
     for (int i = 0; i < 4; i++) {
         struct iso_pose_fit fit;
         rendered_head_clear(f->frame);
         draw_ball(f->frame, iso_vec3(15, -20, 800), radii_mm[i]);
         rendered_head_wall(f->frame, 1900.0f);
-        assert_int_equal(find(f, &fit), -ENOENT);
+        assert_int_equal(find_rig_find(f, SHRINK, &fit), -ENOENT);
     }
 }
 
@@ -244,7 +173,7 @@ static double next_uniform(uint32_t *state)
 
 static void noise_is_no_face(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     const double spreads_mm[] = {20.0, 60.0, 1500.0};
     uint32_t seed = 1;
     for (int s = 0; s < 3; s++) {
@@ -252,7 +181,7 @@ static void noise_is_no_face(void **state)
             f->frame->depth_mm[i] = (float)(400.0 + spreads_mm[s] * next_uniform(&seed));
         }
         struct iso_pose_fit fit;
-        assert_int_equal(find(f, &fit), -ENOENT);
+        assert_int_equal(find_rig_find(f, SHRINK, &fit), -ENOENT);
     }
 }
 
@@ -260,7 +189,7 @@ static void noise_is_no_face(void **state)
  */
 static void scraps_do_not_hide_a_face(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     struct iso_rigid truth = rendered_head_pose(0.0, 0.0, iso_vec3(20, 110, 700));
     rendered_head_draw(f->frame, f->model, NULL, 1.0, &truth);
     for (int row = 0; row < 170; row++) {
@@ -269,7 +198,7 @@ static void scraps_do_not_hide_a_face(void **state)
                                                                                        : 1500.0f;
         }
     }
-    assert_int_equal(iso_candidates_find(f->finder, f->frame, &range, f->candidates,
+    assert_int_equal(iso_candidates_find(f->finder, f->frame, &find_rig_range, f->candidates,
                                          &f->n_candidates, &f->n_parts),
                      0);
     assert_int_equal(f->n_parts, 1);
@@ -280,7 +209,7 @@ static void scraps_do_not_hide_a_face(void **state)
  * still means that nothing was measured. */
 static void unmeasured_pixels_are_no_part(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     const struct iso_candidate_options anywhere = {.near_mm = 0.0, .far_mm = INFINITY};
     f->frame->camera.projection = ISO_ORTHOGRAPHIC;
     f->frame->camera.pitch_mm = 1.0;
@@ -295,13 +224,13 @@ static void unmeasured_pixels_are_no_part(void **state)
 
 static void a_frame_over_the_capacity_is_refused(void **state)
 {
-    struct fixture *f = *state;
+    struct find_rig *f = *state;
     struct iso_candidate_finder *small = NULL;
     int n_candidates = -7, n_parts = -7;
     assert_int_equal(iso_candidate_finder_new(640 * 480 - 1, &small), 0);
-    assert_int_equal(
-        iso_candidates_find(small, f->frame, &range, f->candidates, &n_candidates, &n_parts),
-        -ENOSPC);
+    assert_int_equal(iso_candidates_find(small, f->frame, &find_rig_range, f->candidates,
+                                         &n_candidates, &n_parts),
+                     -ENOSPC);
     assert_int_equal(n_candidates, -7);
     assert_int_equal(n_parts, -7);
     iso_candidate_finder_free(small);
@@ -311,20 +240,26 @@ static void a_frame_over_the_capacity_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(a_head_is_found_in_every_attitude_and_distance, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(a_nose_tip_is_among_the_candidates, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_nearer_of_two_people_is_chosen, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_bigger_person_behind_is_not_chosen, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_better_fit_behind_is_not_chosen, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(an_empty_frame_holds_nobody, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_wall_is_no_face, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_person_out_of_range_is_not_seen, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_ball_is_no_face, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(noise_is_no_face, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(scraps_do_not_hide_a_face, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(unmeasured_pixels_are_no_part, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_frame_over_the_capacity_is_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_head_is_found_in_every_attitude_and_distance,
+                                        find_rig_new, find_rig_free),
+        cmocka_unit_test_setup_teardown(a_nose_tip_is_among_the_candidates, find_rig_new,
+                                        find_rig_free),
+        cmocka_unit_test_setup_teardown(the_nearer_of_two_people_is_chosen, find_rig_new,
+                                        find_rig_free),
+        cmocka_unit_test_setup_teardown(a_bigger_person_behind_is_not_chosen, find_rig_new,
+                                        find_rig_free),
+        cmocka_unit_test_setup_teardown(a_better_fit_behind_is_not_chosen, find_rig_new,
+                                        find_rig_free),
+        cmocka_unit_test_setup_teardown(an_empty_frame_holds_nobody, find_rig_new, find_rig_free),
+        cmocka_unit_test_setup_teardown(a_wall_is_no_face, find_rig_new, find_rig_free),
+        cmocka_unit_test_setup_teardown(a_person_out_of_range_is_not_seen, find_rig_new,
+                                        find_rig_free),
+        cmocka_unit_test_setup_teardown(a_ball_is_no_face, find_rig_new, find_rig_free),
+        cmocka_unit_test_setup_teardown(noise_is_no_face, find_rig_new, find_rig_free),
+        cmocka_unit_test_setup_teardown(scraps_do_not_hide_a_face, find_rig_new, find_rig_free),
+        cmocka_unit_test_setup_teardown(unmeasured_pixels_are_no_part, find_rig_new, find_rig_free),
+        cmocka_unit_test_setup_teardown(a_frame_over_the_capacity_is_refused, find_rig_new,
+                                        find_rig_free),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "core/match/metric_vector.h"
 #include "core/match/search.h"
 #include "tests/core/match/small_metric.h"
 
@@ -249,6 +250,80 @@ static void a_search_takes_all_templates_of_a_person_together(void **state)
     iso_metric_free(m);
 }
 
+/* A metric like the small one with more dimensions. */
+static struct iso_metric *wide_metric(int n_dimensions)
+{
+    struct iso_metric *small = small_metric(), *wide = NULL, shape = *small;
+    shape.n_dimensions = n_dimensions;
+    assert_int_equal(iso_metric_new(&shape, &wide), 0);
+    memcpy(wide->curve_mm, small->curve_mm, (size_t)small->n_curve_values * sizeof(float));
+    memcpy(wide->upper_mm, small->upper_mm, (size_t)small->n_nodes * sizeof(float));
+    for (int i = 0; i < wide->n_values * n_dimensions; i++) {
+        wide->axis[i] = (float)sin(0.7 * i);
+    }
+    for (int d = 0; d < n_dimensions; d++) {
+        wide->between[d] = 3.0f / (float)(d + 1);
+        wide->centre[d] = 0.3f * (float)d - 2.0f;
+    }
+    iso_metric_free(small);
+    return wide;
+}
+
+/* On x86-64 the numbers are the same to the bit. Elsewhere the compiler may join a product and a
+ * sum into one instruction. */
+static void assert_same_numbers(const float *a, const float *b, int n)
+{
+    for (int d = 0; d < n; d++) {
+#if defined __x86_64__
+        assert_memory_equal(&a[d], &b[d], sizeof a[d]);
+#else
+        assert_true(fabsf(a[d] - b[d]) <= 1e-5f * fmaxf(fabsf(a[d]), 1.0f));
+#endif
+    }
+}
+
+/* Projects the first n of ISO_METRIC_ROWS templates one by one and together. */
+static void assert_rows_are_single_ones(const struct iso_metric *m, int n)
+{
+    static struct iso_metric_steps steps;
+    struct iso_metric_vector one[ISO_METRIC_ROWS], rows[ISO_METRIC_ROWS];
+    float mean[ISO_METRIC_ROWS][ISO_METRIC_DIMENSIONS_MAX];
+    float *residual_mm = calloc(ISO_METRIC_ROWS * (size_t)m->n_values, sizeof *residual_mm);
+    assert_non_null(residual_mm);
+    for (int i = 0; i < n; i++) {
+        struct iso_template t = small_template(m, 0.1 * i);
+        t.points_mm[1][4][i % POINTS][2] += 1.5f + 0.25f * (float)i;
+        assert_int_equal(iso_metric_project(m, &t, &one[i]), 0);
+        assert_int_equal(iso_metric_residuals(m, &t, &residual_mm[i * m->n_values]), 0);
+    }
+    iso_metric_steps_fill(m, &steps);
+    iso_metric_project_rows(m, &steps, residual_mm, n, rows);
+    iso__project_baseline(m, residual_mm, n, mean);
+    for (int i = 0; i < n; i++) {
+        assert_int_equal(rows[i].n, 1);
+        assert_int_equal(rows[i].step, one[i].step);
+        assert_same_numbers(&rows[i].weight, &one[i].weight, 1);
+        assert_same_numbers(&rows[i].scale, &one[i].scale, 1);
+        assert_same_numbers(rows[i].mean, one[i].mean, ISO_METRIC_DIMENSIONS_MAX);
+        assert_same_numbers(mean[i], one[i].mean, m->n_dimensions);
+    }
+    free(residual_mm);
+}
+
+/* The sizes are less than a block, one block, and not a multiple of one. */
+static void many_templates_are_projected_like_single_ones(void **state)
+{
+    (void)state;
+    const int sizes[] = {1, 7, 8, 16, 19, 150};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        struct iso_metric *m = wide_metric(sizes[i]);
+        assert_rows_are_single_ones(m, 1);
+        assert_rows_are_single_ones(m, 6);
+        assert_rows_are_single_ones(m, ISO_METRIC_ROWS);
+        iso_metric_free(m);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -260,6 +335,7 @@ int main(void)
         cmocka_unit_test(a_noisy_vector_counts_for_less),
         cmocka_unit_test(a_score_is_the_likelihood_ratio_of_one_person_and_two),
         cmocka_unit_test(a_search_takes_all_templates_of_a_person_together),
+        cmocka_unit_test(many_templates_are_projected_like_single_ones),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -265,11 +265,18 @@ static void the_size_of_the_mean_face_is_found(void **state)
     assert_int_equal(relief.n_cells, 77);
     assert_int_equal(iso_sheet_finder_new(0, &finder), -EINVAL);
     assert_int_equal(iso_sheet_finder_new(1000, &finder), 0);
-    assert_int_equal(iso_sheet_find(finder, frame, 100.0, 1500.0, &sheet), -ENOSPC);
+    assert_int_equal(iso_sheet_find(finder, frame, 100.0, 1500.0, INFINITY, &sheet), -ENOSPC);
     iso_sheet_finder_free(finder);
     assert_int_equal(iso_sheet_finder_new(640 * 480, &finder), 0);
-    assert_int_equal(iso_sheet_find(finder, frame, 100.0, 1500.0, &sheet), -ENOENT);
+    assert_int_equal(iso_sheet_find(finder, frame, 100.0, 1500.0, INFINITY, &sheet), -ENOENT);
     assert_true(sheet.area_mm2 == 3.0);
+    /* Of a wall, which nobody can hold, only the plane is fitted. */
+    rendered_head_wall(frame, 800.0f);
+    assert_int_equal(iso_sheet_find(finder, frame, 100.0, 1500.0, INFINITY, &sheet), 0);
+    assert_true(sheet.flat.inlier_share > 0.99 && sheet.bent.inlier_share > 0.99);
+    assert_int_equal(iso_sheet_find(finder, frame, 100.0, 1500.0, 130000.0, &sheet), 0);
+    assert_true(sheet.flat.inlier_share > 0.99 && sheet.area_mm2 > 130000.0);
+    assert_true(sheet.bent.inlier_share == 0.0 && sheet.border_share == 0.0);
     iso_sheet_finder_free(finder);
     iso_sizer_free(sizer);
     iso_frame_free(frame);
