@@ -7,6 +7,34 @@
 #include "enroll/cli/doctor/configured.h"
 #include "enroll/cli/text/report.h"
 
+/* The commands that need no connection to the daemon, or make their own. False: it is another. */
+static bool run_alone(const struct cli_arguments *arguments, enum cli_exit *exit,
+                      struct cli_fault *fault)
+{
+    switch (arguments->verb) {
+    case CLI_DOCTOR:
+        *exit = cli_doctor(arguments, fault);
+        return true;
+    case CLI_SETUP:
+        *exit = cli_setup(arguments, fault);
+        return true;
+    case CLI_WEB:
+        *exit = cli_web(&cli_web_installed, arguments, fault);
+        return true;
+    case CLI_VERSION:
+        *exit = cli_version(&cli_image_installed, arguments, fault);
+        return true;
+    case CLI_UPDATE:
+        *exit = cli_update(&cli_image_installed, arguments, fault);
+        return true;
+    case CLI_FACTORY_RESET:
+        *exit = cli_factory_reset(&cli_reset_installed, arguments, fault);
+        return true;
+    default:
+        return false;
+    }
+}
+
 static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault *fault)
 {
     static enum cli_exit (*const commands[CLI_VERBS])(
@@ -34,25 +62,6 @@ static enum cli_exit run(const struct cli_arguments *arguments, struct cli_fault
         [CLI_SETTINGS] = cli_settings,
     };
     struct cli_daemon *daemon = NULL;
-
-    if (arguments->verb == CLI_DOCTOR) {
-        return cli_doctor(arguments, fault);
-    }
-    if (arguments->verb == CLI_SETUP) {
-        return cli_setup(arguments, fault);
-    }
-    if (arguments->verb == CLI_WEB) {
-        return cli_web(&cli_web_installed, arguments, fault);
-    }
-    if (arguments->verb == CLI_VERSION) {
-        return cli_version(&cli_image_installed, arguments, fault);
-    }
-    if (arguments->verb == CLI_UPDATE) {
-        return cli_update(&cli_image_installed, arguments, fault);
-    }
-    if (arguments->verb == CLI_FACTORY_RESET) {
-        return cli_factory_reset(&cli_reset_installed, arguments, fault);
-    }
     enum cli_exit exit = cli_daemon_open(&arguments->bus, &daemon, fault);
     if (exit == CLI_EXIT_OK) {
         exit = commands[arguments->verb](daemon, arguments, fault);
@@ -74,7 +83,9 @@ int main(int argc, char **argv)
     } else if (exit == CLI_EXIT_OK) {
         /* Writes line by line, because people read hints and new records as they come. */
         setvbuf(stdout, NULL, _IOLBF, 0);
-        exit = run(&arguments, &fault);
+        if (!run_alone(&arguments, &exit, &fault)) {
+            exit = run(&arguments, &fault);
+        }
         cli_explain_no_daemon(&arguments.bus, exit, &fault);
     }
     if (fault.text[0]) {
