@@ -59,8 +59,8 @@ static int take_template(struct judgement *judgement, const char *directory, con
     }
     iso_frame_free(frame);
     iso_recording_close(recording);
-    return error ? iso_fault_set(fault, error, "%.80s: %.160s", name,
-                                 why.text[0] ? why.text : strerror(-error))
+    return error ? iso_fault_set_code(fault, why.code, error, "%.80s: %.160s", name,
+                                      why.text[0] ? why.text : strerror(-error))
                  : 0;
 }
 
