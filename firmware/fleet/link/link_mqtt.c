@@ -189,7 +189,9 @@ static int on_socket(sd_event_source *source, int fd, uint32_t revents, void *co
     if (has_connect_failed(mqtt, fd, revents)) {
         return 0;
     }
-    if (revents & (EPOLLIN | EPOLLRDHUP | EPOLLHUP | EPOLLERR)) {
+    /* Where TCP has not connected at once, the library begins TLS when it is told to read. */
+    if ((revents & (EPOLLIN | EPOLLRDHUP | EPOLLHUP | EPOLLERR)) ||
+        mqtt->state == LINK_MQTT_CONNECTING) {
         r = settle(mqtt, mosquitto_loop_read(mqtt->client, 1));
     }
     if (r == 0 && (revents & (EPOLLHUP | EPOLLRDHUP)) && mqtt->state == LINK_MQTT_CONNECTING &&
