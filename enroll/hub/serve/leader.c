@@ -103,7 +103,8 @@ static bool is_acknowledged(struct hub_service *service)
     if (counts.acknowledged < publishing->until) {
         if (!publishing->is_late && took_s > LATE_S) {
             publishing->is_late = true;
-            fprintf(stderr, SD_WARNING "isotherm-hub: the broker takes long for %u changes\n",
+            fprintf(stderr,
+                    SD_WARNING "isotherm-hub: the broker takes long; changes that wait: %u\n",
                     publishing->deltas);
         }
         return false;
