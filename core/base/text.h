@@ -28,11 +28,11 @@ size_t iso_text_split(char *line, char separator, char **fields, size_t max);
  */
 size_t iso_text_words(char *line, char **words, size_t max);
 
-/* A decimal number, the whole string, finite: digits, sign, point, exponent; no spaces, no
- * hexadecimal, no names. -EINVAL else. */
+/* Reads a decimal number. The whole string must be one finite number of digits, sign, point and
+ * exponent, without spaces, hexadecimal digits or names; otherwise -EINVAL. */
 int iso_text_number(const char *text, double *out) __attribute__((warn_unused_result));
 
-/* A count, the whole string: 1 to 18 decimal digits. -EINVAL else. */
+/* Reads a count. The whole string must be 1 to 18 decimal digits, otherwise -EINVAL. */
 int iso_text_count(const char *text, size_t *out) __attribute__((warn_unused_result));
 
 #endif

@@ -18,7 +18,7 @@ static const double part_area_mm2 = 6000.0; /* the least area of a part that may
 static const double height_max_mm = 60.0;
 static const double apart_mm = 22.0; /* the least distance of two candidates */
 
-/* The surroundings that a depth is smoothed with differ less from it. */
+/* A pixel is smoothed with those neighbours whose depths differ from its own by less than this. */
 static const float same_surface_mm = 20.0f;
 
 /* The planes of a finder have a border that is not measured: a row above the frame, one below it,
@@ -169,9 +169,10 @@ static int find_parts(struct iso_candidate_finder *f, const struct iso_frame *fr
     return n;
 }
 
-/* The mean depth of ISO_DEPTHS pixels, which begin at `at` in a plane, each with those of its 3 x 3
- * surroundings that lie on the same surface. Only for measured pixels. The differences and their
- * sums are exact from 150 mm on: depths of 24 bits that differ by less than 20 mm. */
+/* Smooths ISO_DEPTHS pixels, which begin at `at` in a plane: the result for a pixel is the mean of
+ * those depths of its 3 x 3 neighbourhood that lie on the same surface. The pixels must be
+ * measured. A float has 24 bits, and the depths differ by less than 20 mm: so from a depth of 150
+ * mm on, the differences and their sums are exact. */
 static void smooth_depths(const float *at, int pitch, double mean_mm[ISO_DEPTHS])
 {
     const iso_depths z = ISO_DEPTHS_LOAD(at);

@@ -36,12 +36,16 @@ static const double other_coverage_min = 0.8;
 static const double other_apart_mm = 110.0, other_far_ratio = 1.2;
 /* Bounds of the rigid cost of a pose, from 3,400 searches in rendered and real frames. They decide
  * which poses are fitted.
- *   hopeless_mm2    After a fit beyond doubt, only poses are fitted whose cost is at most this much
- *                   above the least one. Without this bound, 16 searches found a slightly better
- * fit of the same face. rigid_face_mm2  A second face costs at most this. Of 2,963 faces 3 cost
- * more, all of them in images of attacks. rigid_most_mm2  No pose that costs more is fitted. No
- * face was found from a pose that cost more than 20.5 mm2. */
-static const double hopeless_mm2 = 6.0, rigid_face_mm2 = 16.0, rigid_most_mm2 = 23.0;
+ *
+ * After a fit beyond doubt, a pose is fitted only if its cost is at most this much above the least
+ * cost. Without this bound, 16 searches found a slightly better fit of the same face. */
+static const double hopeless_mm2 = 6.0;
+/* The rigid cost of a second face is at most this. Of 2,963 faces 3 cost more, all of them in
+ * images of attacks. */
+static const double rigid_face_mm2 = 16.0;
+/* A pose that costs more is not fitted. Every face was found from a pose that cost 20.5 mm2 or
+ * less. */
+static const double rigid_most_mm2 = 23.0;
 /* A nearer fit gives way to one that is better by more than this. */
 static const double much_worse_mm2 = 4.0;
 

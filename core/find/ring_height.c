@@ -23,9 +23,9 @@ static const double wide_radius_mm = 90.0, behind_min_mm = -40.0, behind_max_mm 
 
 enum { RING = 16, RING_MIN = 9, WIDE_MIN = 5 };
 
-/* The pixels of a ring, as steps from its centre: point k is step[k] columns to the right and
- * step[k + 3 RING / 4] rows down, counted round. step[k] is the rounded radius times
- * cos(2 pi k / RING). */
+/* The pixels of a ring, as steps from its centre. step[k] is radius * cos(2 pi k / RING), rounded.
+ * Point k of the ring is step[k] columns to the right of the centre, and step[(k + 3 RING / 4) mod
+ * RING] rows below it, because the sine is the cosine three quarters of a turn later. */
 struct steps {
     int step[RING];
 };
@@ -76,7 +76,8 @@ static bool all_are_low(const struct iso_frame *frame, int column, int row, doub
     return sum / RING - z_mm < below_mm;
 }
 
-/* A mean of the whole ring below this has a height below the least one. */
+/* If all points of the ring lie on the surface and their mean depth behind the centre is less than
+ * this, then the height is less than ISO_RING_HEIGHT_MIN_MM. */
 static double mean_bound(const struct iso_frame *frame, int column, int row)
 {
     const struct iso_camera *c = &frame->camera;

@@ -20,8 +20,9 @@
  * image: the image check is left out. A method that is not calibrated has to rank the two people,
  * because it has no level.
  *
- * -EBADMSG a frame is not judged as it has to be, or a recording is damaged or has no usable frame;
- * -ENOENT a recording is missing; the errors of iso_pipeline_open; -ENOMEM; each with a fault. */
+ * -EBADMSG if the visitor is not recognised as the enrolled person, if the other person reaches the
+ * level, or if a recording is damaged or has no usable frame; -ENOENT if a recording is missing;
+ * the errors of iso_pipeline_open; -ENOMEM; each with a fault. */
 int iso_judge_stored(const struct iso_config *config, const struct iso_times *times,
                      const char *directory, FILE *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));

@@ -4,11 +4,11 @@
  *
  *   begin    The marker is written and synchronised. From then on the daemon does not start, so the
  *            door admits nobody, and the reset can only go on.
- *   finish   1. The keys are overwritten and deleted: what they have sealed cannot be read any
- * more, even if the rest does not happen.
+ *   finish   1. The keys are overwritten and deleted. Nobody can read what they have sealed, even
+ *               if the rest does not happen.
  *            2. The sealed files are deleted.
  *            3. The folders of the web server (accounts, its key) and of the link (the membership
- * of a fleet) are emptied.
+ *               of a fleet) are emptied.
  *            4. The marker is deleted; or renamed, if there is a counter of the state, to which the
  *               daemon has to say that the stores are new because of a reset.
  *
@@ -38,8 +38,8 @@ struct iso_reset_places {
 /* Whether a reset was begun and is not finished. Also true if that cannot be found out. */
 bool iso_reset_is_pending(const char *marker);
 
-/* Begins a reset: writes the marker. The errors of iso_data_file_replace; then nothing has changed.
- */
+/* Begins a reset by writing the marker. Returns the errors of iso_data_file_replace; after an error
+ * nothing has changed. */
 int iso_reset_begin(const struct iso_reset_places *places, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

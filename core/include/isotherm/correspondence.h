@@ -17,7 +17,7 @@
 
 #include "isotherm/shape.h"
 
-/** What all distances on one shape share: two factorised matrices. */
+/** The solver of a shape: the two factorised matrices that every distance on it needs. */
 struct iso_geodesic;
 
 /** Factorises the matrices.
@@ -115,8 +115,9 @@ struct iso_match_options {
     double weight;       /**< Of the commutator with the Laplacians, above 0. */
 };
 
-/** Finds corresponding points: fits a functional map to 60 wave kernel signatures, at energies of
- * `from`, and to 20 heat kernel signatures, and refines it by ZoomOut.
+/** Finds corresponding points. A first functional map is fitted to 60 wave kernel signatures, whose
+ * energies come from the eigenvalues of `from`, and to 20 heat kernel signatures. ZoomOut then
+ * refines this map.
  *
  * @param from     The one shape.
  * @param to       The other shape.

@@ -8,8 +8,9 @@
 #include "enroll/cli/machine/text_file.h"
 #include "enroll/cli/text/report.h"
 
-/* The package of a library is called PACKAGE and the number of its binary interface, which changes
- * from release to release: libgpiod2. SuiteSparse is many libraries of one release. */
+/* Debian adds the number of the binary interface to the name of a library: the package of libgpiod
+ * is libgpiod2, and a later release may have another number. The libraries of SuiteSparse have one
+ * version, so one of them stands for all. */
 static const struct {
     const char *name, *package;
 } libraries[CLI_LIBRARIES] = {

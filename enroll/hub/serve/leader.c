@@ -89,10 +89,11 @@ static void follow_time(struct hub_publishing *publishing, double took_s)
     }
 }
 
-/* Deltas count as published only when the broker has them. Returns whether it has them all. The
- * loop does not wait for it: doors would get no lease meanwhile. And what is sent is not sent again
- * as long as the connection lasts: a slow broker would have the more to do, the slower it is. */
-static bool is_acknowledged(struct hub_service *service)
+/* Deltas count as published only when the broker has acknowledged them. If it has, this stores that
+ * and returns true. The loop does not wait for the broker, because doors would get no lease
+ * meanwhile. While the connection lasts, nothing is sent a second time: a slow broker would get
+ * more to do, and become slower. */
+static bool confirm_published(struct hub_service *service)
 {
     struct hub_publishing *publishing = &service->publishing;
     struct hub_mqtt_counts counts;
@@ -147,7 +148,7 @@ static void publish(struct hub_service *service)
         forget(publishing);
         return;
     }
-    if (publishing->waits && !is_acknowledged(service)) {
+    if (publishing->waits && !confirm_published(service)) {
         return;
     }
     service->emit_failed = false;

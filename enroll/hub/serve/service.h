@@ -25,7 +25,7 @@ enum { HUB_TICK_MS = 1000, HUB_API_HOST_SIZE = 256, HUB_SCIM_KNOWN = 8 };
 /* What is counted since the start. */
 struct hub_totals {
     uint64_t questions, events, requests, presences, refused; /* messages of doors */
-    uint64_t emitted, deltas, publish_failures, takeovers;
+    uint64_t emitted, publish_failures, takeovers;
     uint64_t joins, joins_refused, fetches, fetches_refused, renewals;
     uint64_t scim, scim_refused, scim_strangers;
     struct hub_pruned pruned;

@@ -96,9 +96,9 @@ static bool all_answered(void)
     return __atomic_load_n(&answered, __ATOMIC_ACQUIRE) == asked;
 }
 
-/* Runs the service until it has answered all calls, but at least once and at most for so many
- * rounds. Picture() is answered with the next frame or when its claim ends, which may be never
- * before the end of the input. */
+/* Runs the event loop until the service has answered all calls. The loop makes at least one round
+ * and at most `rounds`. The service answers Picture() with the next frame, or when its claim ends;
+ * within an input neither of them may happen. */
 static void go_round(int rounds)
 {
     for (int i = 0; i < rounds; i++) {
