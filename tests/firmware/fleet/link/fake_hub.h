@@ -38,7 +38,8 @@ struct fake_hub {
     /* what it has seen */
     uint64_t questions, requests;
     uint64_t stored[HUB_EVENTS]; /* how often an event arrived; [0] is unused */
-    uint64_t highest_event, acked, told, first_of_last_batch;
+    uint64_t highest_event, acked, first_of_last_batch;
+    uint64_t told; /* of its last ACK; its answers name this number, too */
     unsigned fetches_of_deltas, fetches_of_snapshots;
     char online[4]; /* of the door's topic */
     struct iso_fleet_place last_question;

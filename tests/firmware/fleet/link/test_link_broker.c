@@ -145,6 +145,7 @@ static void events_that_the_hub_lost_are_sent_again(void **state)
         rig->hub.stored[n] = 1;
     }
     rig->hub.acked = 40;
+    rig->hub.told = 40;
     rig->hub.highest_event = 40;
     link_door_work(rig->door, "places");
     link_rig_until(rig, rig->hub.acked == 100);
