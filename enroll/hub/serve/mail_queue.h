@@ -1,8 +1,8 @@
 /* The messages of doors that wait for the database. They are taken one at a time, so that other
  * sources of the event loop get their turn. A queue that is full drops the newest message: each
- * door says the same again as long as it has no answer. A door that asks again refuses the answer
- * to its earlier question, so a QUESTION takes the place of one of the same door that still waits.
- * One thread. */
+ * door says the same again as long as it has no answer. A door that asks again needs no
+ * answer to its earlier question, so a QUESTION takes the place of one of the same door that still
+ * waits. One thread. */
 #ifndef HUB_SERVE_MAIL_QUEUE_H
 #define HUB_SERVE_MAIL_QUEUE_H
 
