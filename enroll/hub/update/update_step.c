@@ -97,6 +97,10 @@ static enum hub__door_state new_state(const struct step *s, const char **why)
     const struct hub__update_report *report = &s->report;
     const bool is_this = iso_fleet_id_is_same(&report->rollout, &s->rollout);
     *why = "";
+    /* A door that was told restarts, and its first question may come before it knows its state. */
+    if (s->counts && (!report->is_given || report->state == ISO_FLEET_UPDATE_NONE)) {
+        return s->state;
+    }
     if (!report->is_given) {
         *why = "its release does not know updates by the hub";
         return HUB__DOOR_UNABLE;
