@@ -67,8 +67,8 @@ struct hub_rollout_options {
 int hub_rollout_start(struct hub_store *store, const struct hub_rollout_options *options,
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Stops the rollout of a zone: no door is told any more, and doors that have not restarted yet do
- * not do it. -ENOENT, -EALREADY it does not run. */
+/* Stops the rollout of a zone: no door is told any more, and the orders of those that were told
+ * hold no more. -ENOENT, -EALREADY it does not run. */
 int hub_rollout_stop(struct hub_store *store, const char *zone, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -206,6 +206,22 @@ static int place(struct hub_store *store, int from, struct hub_update_file *file
     return iso_directory_sync(path, fault);
 }
 
+/* Ends the list at a file of the same version and board. */
+static int is_same(void *context, const struct hub_update_file *file)
+{
+    const struct hub_update_file *other = context;
+    return strcmp(file->version, other->version) == 0 && strcmp(file->board, other->board) == 0;
+}
+
+/* Before the copy, so that a file that is refused does not stay in the folder. */
+static int check_new(struct hub_store *store, struct hub_update_file *file, struct iso_fault *fault)
+{
+    const int found = hub_update_each(store, is_same, file, fault);
+    return found > 0 ? iso_fault_set(fault, -EEXIST, "version %s for the board %s is here already",
+                                     file->version, file->board)
+                     : found;
+}
+
 int hub_update_keep(struct hub_store *store, const char *path, struct hub_update_file *out,
                     struct iso_fault *fault)
 {
@@ -215,7 +231,8 @@ int hub_update_keep(struct hub_store *store, const char *path, struct hub_update
     if (error) {
         return error;
     }
-    error = place(store, fd, &file, fault);
+    error = check_new(store, &file, fault);
+    error = error ? error : place(store, fd, &file, fault);
     (void)close(fd);
     error = error ? error : hub_update_add(store, &file, fault);
     if (!error) {

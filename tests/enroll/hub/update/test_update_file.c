@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include <dirent.h>
 #include <errno.h>
 #include <sodium.h>
 #include <stdio.h>
@@ -56,6 +57,21 @@ static int files(struct store_rig *rig)
     return n;
 }
 
+/* How many files are in the folder of the hub. */
+static int kept_files(void)
+{
+    char updates[96];
+    int n = 0;
+    (void)snprintf(updates, sizeof updates, "%s/updates", folder);
+    DIR *directory = opendir(updates);
+    assert_non_null(directory);
+    for (const struct dirent *entry; (entry = readdir(directory));) {
+        n += strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0;
+    }
+    assert_int_equal(closedir(directory), 0);
+    return n;
+}
+
 static void a_file_is_kept_once(void **state)
 {
     struct store_rig *rig = *state;
@@ -82,6 +98,10 @@ static void a_file_is_kept_once(void **state)
     free(copied);
     assert_int_equal(hub_update_keep(&rig->store, path, &file, &fault), -EEXIST);
     assert_non_null(strstr(fault.text, "version 1.2 for the board " BOARD));
+    /* Another file of the same version and board is refused, and does not stay. */
+    bundle_rig_write(path, bundle_rig_manifest("1.2", BOARD), 200000, 9);
+    assert_int_equal(hub_update_keep(&rig->store, path, &file, &fault), -EEXIST);
+    assert_int_equal(kept_files(), 1);
     /* The same version for another board is another file. */
     bundle_rig_write(path, bundle_rig_manifest("1.2", "isotherm-rpi4-arm64"), 1000, 2);
     store_rig_fine(hub_update_keep(&rig->store, path, &file, &fault), &fault);
