@@ -11,6 +11,7 @@
 
 #include "enroll/hub/store/hub_store.h"
 #include "firmware/fleet/message/door_mail.h"
+#include "firmware/fleet/order/update_order.h"
 
 /* Takes a message for the broker; topic and bytes are valid during the call. An error ends the
  * function that emits, which returns it. */
@@ -26,8 +27,8 @@ int hub_take(struct hub_store *store, const struct iso_fleet_id *door, const voi
     __attribute__((warn_unused_result));
 
 /* Stores the report. Emits the LEASE, then a KEY for each zone of the door of which it has another
- * epoch. A place that is ahead of the zone's own, or of another history, marks the zone as behind
- * its doors (hub_zone.h). */
+ * epoch, then an UPDATE if the door shall install one. A place that is ahead of the zone's own, or
+ * of another history, marks the zone as behind its doors (hub_zone.h). */
 int hub_take_question(struct hub_store *store, const void *bytes, size_t size,
                       const struct hub_emit *emit, struct iso_fault *fault)
     __attribute__((warn_unused_result));
@@ -59,6 +60,17 @@ int hub_answer_fetch(struct hub_store *store, const void *bytes, size_t size,
                      int (*write)(void *context, const void *bytes, size_t size), void *context,
                      enum hub_fetch_answer *what, struct iso_fault *fault)
     __attribute__((warn_unused_result));
+
+/* Answers a FETCH for a part of the file of an update: *fd (the caller closes it) has the bytes,
+ * from *offset on *length of them, ISO_FLEET_UPDATE_PART_BYTES at most and 0 at the end. -EACCES
+ * the rollout has not told the door, or does not run any more; -EAGAIN the file is not on this
+ * machine. */
+int hub_answer_update(struct hub_store *store, const void *bytes, size_t size, int *fd,
+                      uint64_t *offset, uint64_t *length, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Whether the bytes say that they are such a FETCH; nothing is verified. */
+bool hub_fetch_is_update(const void *bytes, size_t size);
 
 /* Makes a snapshot of a zone and stores it in place of older ones. */
 int hub_snapshot_make(struct hub_store *store, const struct iso_fleet_id *zone,

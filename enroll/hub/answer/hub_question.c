@@ -1,4 +1,4 @@
-/* QUESTION of a door: its report is stored, and LEASE and KEY answer it. */
+/* QUESTION of a door: its report is stored, and LEASE, KEY and UPDATE answer it. */
 #include <errno.h>
 #include <jansson.h>
 #include <stdlib.h>
@@ -7,6 +7,7 @@
 #include "enroll/hub/answer/hub_grant.h"
 #include "enroll/hub/answer/hub_sender.h"
 #include "enroll/hub/store/hub_act.h"
+#include "enroll/hub/update/update_step.h"
 
 struct work {
     struct hub_store *store;
@@ -15,6 +16,8 @@ struct work {
     char *health; /* a JSON object, or "" */
     struct hub__door_zones *zones;
     uint64_t acked;
+    bool is_ordered; /* the door shall install an update */
+    struct iso_fleet_update update;
 };
 
 /* The place of a zone in the question, or NULL. */
@@ -228,7 +231,9 @@ static int take_report(void *context, struct iso_fault *fault)
         w->acked = (uint64_t)hub_row_integer(rows, 0, 0);
         PQclear(rows);
     }
-    return error;
+    return error ? error
+                 : hub__update_step(w->store, &w->door->id, w->health, &w->is_ordered, &w->update,
+                                    fault);
 }
 
 /* A door has one lease for the people of all its zones: the strictest. */
@@ -266,7 +271,23 @@ static int emit_lease(const struct work *w, const struct hub_emit *emit, struct 
                  : 0;
 }
 
-/* The LEASE comes first, because a door takes a KEY only for a zone that a LEASE has listed. */
+static int emit_update(const struct work *w, const struct hub_emit *emit, struct iso_fault *fault)
+{
+    struct iso_fleet_bytes bytes = {.bytes = NULL};
+    char topic[ISO_FLEET_TOPIC_SIZE];
+    int error = iso_fleet_make_update(&w->update, &w->store->keys.signs, &bytes);
+    if (error) {
+        return iso_fault_set(fault, error, "door %s: an order: no memory", w->door->name);
+    }
+    error = emit->emit(emit->context, iso_fleet_topic_in(&w->door->id, topic), bytes.bytes,
+                       bytes.size, false);
+    iso_fleet_bytes_free(&bytes);
+    return error ? iso_fault_set(fault, error, "door %s: an order could not be sent", w->door->name)
+                 : 0;
+}
+
+/* The LEASE comes first, because a door takes a KEY only for a zone that a LEASE has listed, and an
+ * order for an update holds until the next LEASE. */
 static int answer(const struct work *w, const struct hub_emit *emit, struct iso_fault *fault)
 {
     int error = emit_lease(w, emit, fault);
@@ -275,7 +296,7 @@ static int answer(const struct work *w, const struct hub_emit *emit, struct iso_
             error = hub__emit_key(w->store, w->door, &w->zones->zones[i], emit, fault);
         }
     }
-    return error;
+    return error || !w->is_ordered ? error : emit_update(w, emit, fault);
 }
 
 /* The health as the database stores it: a JSON object, or nothing. */

@@ -6,8 +6,9 @@
 #include <time.h>
 
 #include "enroll/hub/command/hub_command.h"
+#include "enroll/hub/update/hub_update.h"
 
-enum { CONFIG = 1 << 30 };
+enum { CONFIG = 1 << 30, WAIT_MOST_S = 31 * 24 * 3600 };
 
 static const struct option longs[] = {
     {"config", required_argument, NULL, CONFIG},
@@ -36,6 +37,8 @@ static const struct option longs[] = {
     {"bind", required_argument, NULL, HUB_OPTION_BIND},
     {"dry-run", no_argument, NULL, HUB_OPTION_DRY_RUN},
     {"force", no_argument, NULL, HUB_OPTION_FORCE},
+    {"first", required_argument, NULL, HUB_OPTION_FIRST},
+    {"stop-after", required_argument, NULL, HUB_OPTION_STOP_AFTER},
     {NULL, 0, NULL, 0},
 };
 
@@ -157,7 +160,11 @@ static int take(int option, const char *value, struct hub_arguments *out)
     case HUB_OPTION_COUNT:
         return read_number(value, 1000000, &out->count);
     case HUB_OPTION_WAIT:
-        return read_number(value, 3600, &out->wait_s);
+        return read_number(value, WAIT_MOST_S, &out->wait_s);
+    case HUB_OPTION_FIRST:
+        return read_number(value, HUB_UPDATE_DOORS_MOST, &out->first);
+    case HUB_OPTION_STOP_AFTER:
+        return read_number(value, HUB_UPDATE_DOORS_MOST, &out->stop_after);
     case HUB_OPTION_LOCAL:
         return read_word(value, "yes", "no", &out->local_people);
     case HUB_OPTION_APPROVE:

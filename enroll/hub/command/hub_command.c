@@ -15,7 +15,7 @@ enum { CONFIRM_S = 5, POLL_MS = 200 };
 static const struct hub_command *const tables[] = {
     hub_setup_commands,     hub_serve_commands,   hub_zone_commands,    hub_door_commands,
     hub_person_commands,    hub_request_commands, hub_event_commands,   hub_outlet_commands,
-    hub_directory_commands, hub_scim_commands,    hub_metrics_commands,
+    hub_directory_commands, hub_scim_commands,    hub_metrics_commands, hub_update_commands,
 };
 
 /* How many words of argv the command's own words are, or 0. */

@@ -42,6 +42,8 @@ enum hub_option {
     HUB_OPTION_BIND = 1 << 22,
     HUB_OPTION_DRY_RUN = 1 << 23,
     HUB_OPTION_FORCE = 1 << 24,
+    HUB_OPTION_FIRST = 1 << 25,
+    HUB_OPTION_STOP_AFTER = 1 << 26,
 };
 
 enum { HUB_WORDS_MAX = 4 };
@@ -53,7 +55,7 @@ struct hub_arguments {
     const char *words[HUB_WORDS_MAX]; /* behind the words of the command */
     const char *zones[HUB_PERSON_ZONES_MAX];
     bool local_people, approve_auto;
-    uint32_t lease_s, count, wait_s;
+    uint32_t lease_s, count, wait_s, first, stop_after;
     int64_t from_s, until_s;
     const char *search, *door, *person, *event, *since;
     const char *secret_file, *ca, *uri, *base, *filter, *map, *bind;
@@ -92,7 +94,8 @@ struct hub_command {
 /* The tables of the files cmd_*.c; each ends with an entry without words. */
 extern const struct hub_command hub_setup_commands[], hub_zone_commands[], hub_door_commands[],
     hub_person_commands[], hub_request_commands[], hub_event_commands[], hub_serve_commands[],
-    hub_outlet_commands[], hub_directory_commands[], hub_scim_commands[], hub_metrics_commands[];
+    hub_outlet_commands[], hub_directory_commands[], hub_scim_commands[], hub_metrics_commands[],
+    hub_update_commands[];
 
 /* Reads options and words behind those of the command. -EINVAL with a line. */
 int hub_arguments_read(const struct hub_command *command, int argc, char **argv,

@@ -86,9 +86,15 @@ static int write_all(void *context, const void *bytes, size_t size)
 static void answer(struct hub_store *store, struct job *job)
 {
     struct hub_fetch_result *result = &job->result;
-    struct output out = {.fd = memfd_create("isotherm-fetch", MFD_CLOEXEC)};
     const int64_t begun_ns = web_now_ns();
 
+    if (hub_fetch_is_update(job->bytes, job->size)) {
+        result->error = hub_answer_update(store, job->bytes, job->size, &result->fd,
+                                          &result->offset, &result->size, &result->fault);
+        result->seconds = 1e-9 * (double)(web_now_ns() - begun_ns);
+        return;
+    }
+    struct output out = {.fd = memfd_create("isotherm-fetch", MFD_CLOEXEC)};
     result->error = out.fd < 0 ? iso_fault_set(&result->fault, -errno, "a file in memory: %s",
                                                strerror(errno))
                                : hub_answer_fetch(store, job->bytes, job->size, write_all, &out,

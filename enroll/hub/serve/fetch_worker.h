@@ -1,6 +1,6 @@
 /* Answers FETCHes in threads of their own, each with a connection of its own to the database: a
  * snapshot of a large zone takes longer than the event loop may wait. The answers are files in
- * memory. */
+ * memory; a part of an update is read from the file that the hub keeps. */
 #ifndef HUB_SERVE_FETCH_WORKER_H
 #define HUB_SERVE_FETCH_WORKER_H
 
@@ -15,10 +15,11 @@ enum {
 };
 
 struct hub_fetch_result {
-    int error; /* 0, or that of hub_answer_fetch(), with its fault */
+    int error; /* 0, or that of hub_answer_fetch() or hub_answer_update(), with its fault */
     struct iso_fault fault;
-    enum hub_fetch_answer what;
-    int fd; /* whoever is called owns it; -1 after an error */
+    enum hub_fetch_answer what; /* not of an update */
+    int fd;                     /* whoever is called owns it; -1 after an error */
+    uint64_t offset;            /* where the answer begins in it */
     uint64_t size;
     double seconds; /* that the answer has taken */
 };

@@ -1,5 +1,5 @@
-/* POST /fleet/v1/fetch: missing deltas, or a snapshot. The body is a FETCH, which the door has
- * signed; so the request needs nothing more. */
+/* POST /fleet/v1/fetch: missing deltas, a snapshot, or a part of an update. The body is a FETCH,
+ * which the door has signed; so the request needs nothing more. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,12 +18,13 @@ struct fetching {
 /* The file of an answer, which is sent. */
 struct sending {
     int fd;
+    uint64_t offset; /* where the answer begins */
 };
 
 static ssize_t read_file(void *context, uint64_t at, void *out, size_t most)
 {
     const struct sending *sending = context;
-    const ssize_t n = pread(sending->fd, out, most, (off_t)at);
+    const ssize_t n = pread(sending->fd, out, most, (off_t)(sending->offset + at));
 
     return n < 0 ? -errno : n;
 }
@@ -87,7 +88,7 @@ static void on_answer(void *context, const struct hub_fetch_result *result)
         return;
     }
     totals->fetches++;
-    sending->fd = result->fd;
+    *sending = (struct sending){result->fd, result->offset};
     const struct web_source source = {result->size, read_file, close_file, sending};
     web_exchange_source(fetching.exchange, "application/octet-stream", &source);
 }

@@ -42,6 +42,12 @@ int hub_store_open(const struct hub_store_options *options, struct hub_store *ou
         return error;
     }
     (void)snprintf(store.actor, sizeof store.actor, "%s", options->actor);
+    const char *slash = strrchr(options->key_file, '/');
+    const int length = slash ? (int)(slash - options->key_file) : 1;
+    if (snprintf(store.updates, sizeof store.updates, "%.*s/updates", length,
+                 slash ? options->key_file : ".") >= (int)sizeof store.updates) {
+        return iso_fault_set(fault, -ENAMETOOLONG, "%s: the path is too long", options->key_file);
+    }
     error = hub_keys_read(options->key_file, &store.keys, fault);
     error = error ? error : hub_db_open(options->conninfo, &store.db, fault);
     error = error ? error : hub_schema_check(store.db, fault);

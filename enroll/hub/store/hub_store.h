@@ -25,13 +25,15 @@
 enum {
     HUB_NAME_SIZE = ISO_FLEET_TITLE_SIZE, /* of a zone, a door or the hub */
     HUB_ACTOR_SIZE = 65,
+    HUB_FOLDER_SIZE = 240,
 };
 
 struct hub_store {
     struct hub_db *db;
     struct hub_keys keys;
     char hub_name[HUB_NAME_SIZE];
-    char actor[HUB_ACTOR_SIZE]; /* who acts, for the table of acts: "anna", "hub" */
+    char actor[HUB_ACTOR_SIZE];    /* who acts, for the table of acts: "anna", "hub" */
+    char updates[HUB_FOLDER_SIZE]; /* the folder of files for doors (enroll/hub/update) */
     /* Seconds since 1970. Tests set their own clock. */
     int64_t (*now_s)(void);
     uint64_t leader_generation; /* of the connection that holds the leader's lock; 0: none */
@@ -41,8 +43,9 @@ struct hub_store_options {
     const char *conninfo, *key_file, *hub_name, *actor;
 };
 
-/* Reads the keys, connects and checks the version of the schema. The errors of hub_keys_read,
- * hub_db_open and hub_schema_check. The caller closes the store. */
+/* Reads the keys, connects and checks the version of the schema. Files for doors are in the folder
+ * "updates" next to the keys. -ENAMETOOLONG the path of the keys is too long; the errors of
+ * hub_keys_read, hub_db_open and hub_schema_check. The caller closes the store. */
 int hub_store_open(const struct hub_store_options *options, struct hub_store *out,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
 

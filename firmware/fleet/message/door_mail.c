@@ -157,7 +157,8 @@ int iso_fleet_read_fetch(const void *bytes, size_t size,
     fetch.after = iso_fleet_take_u64(&in);
     fetch.what = (enum iso_fleet_wanted)iso_fleet_take_u8(&in);
     if (!iso_fleet_reader_is_done(&in) ||
-        (fetch.what != ISO_FLEET_WANT_DELTAS && fetch.what != ISO_FLEET_WANT_SNAPSHOT)) {
+        (fetch.what != ISO_FLEET_WANT_DELTAS && fetch.what != ISO_FLEET_WANT_SNAPSHOT &&
+         fetch.what != ISO_FLEET_WANT_UPDATE)) {
         return -EBADMSG;
     }
     *out = fetch;

@@ -7,7 +7,8 @@
  *
  * Events arrive at least once. The hub stores each once, because its key is the door and the
  * number. A FETCH is the body of an HTTPS request; the hub answers with DELTA messages, each behind
- * its length as u32, or with a SNAPSHOT. */
+ * its length as u32, with a SNAPSHOT, or with a part of the file of an update
+ * (firmware/fleet/order/update_order.h). */
 #ifndef ISO_FIRMWARE_FLEET_MESSAGE_DOOR_MAIL_H
 #define ISO_FIRMWARE_FLEET_MESSAGE_DOOR_MAIL_H
 
@@ -55,13 +56,17 @@ int iso_fleet_read_request(const void *bytes, size_t size,
                            struct iso_fleet_bytes *body, struct iso_fleet_person *person)
     __attribute__((warn_unused_result));
 
-enum iso_fleet_wanted { ISO_FLEET_WANT_DELTAS = 1, ISO_FLEET_WANT_SNAPSHOT = 2 };
+enum iso_fleet_wanted {
+    ISO_FLEET_WANT_DELTAS = 1,
+    ISO_FLEET_WANT_SNAPSHOT = 2,
+    ISO_FLEET_WANT_UPDATE = 3
+};
 
 struct iso_fleet_fetch {
-    struct iso_fleet_id door, zone;
+    struct iso_fleet_id door, zone; /* UPDATE: the rollout in place of a zone */
     uint8_t nonce[ISO_FLEET_NONCE_BYTES];
     int64_t time_s;
-    uint64_t after; /* DELTAS: those with higher numbers, in their order */
+    uint64_t after; /* DELTAS: those with higher numbers, in their order; UPDATE: bytes */
     enum iso_fleet_wanted what;
 };
 

@@ -15,10 +15,11 @@
  *                  LEASE       the answer to a QUESTION
  *                  ACK         up to which number the events of a door are stored
  *                  SNAPSHOT    all people of a zone; a file (snapshot.h)
+ *                  UPDATE      which update of its image the door shall install
  *   door -> hub    QUESTION    what the door has; asks for a lease
  *                  EVENTS      records of the door's log, sealed for the hub
  *                  REQUEST     a person who was enrolled at the door, sealed for the hub
- *                  FETCH       asks over HTTPS for deltas, or for a snapshot
+ *                  FETCH       asks over HTTPS for deltas, a snapshot, or a part of an update
  *
  * Versions. Magic, version and the place of the signature are the same in every version, so that a
  * program verifies a message that it cannot read, and believes the hub alone that it is older. A
@@ -52,6 +53,7 @@ enum iso_fleet_kind {
     ISO_FLEET_LEASE = 5,
     ISO_FLEET_ACK = 6,
     ISO_FLEET_SNAPSHOT = 7,
+    ISO_FLEET_UPDATE = 8,
     ISO_FLEET_QUESTION = 16,
     ISO_FLEET_EVENTS = 17,
     ISO_FLEET_REQUEST = 18,

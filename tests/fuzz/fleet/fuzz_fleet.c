@@ -11,6 +11,7 @@
 #include "firmware/fleet/message/membership.h"
 #include "firmware/fleet/message/snapshot.h"
 #include "firmware/fleet/message/zone_key.h"
+#include "firmware/fleet/order/update_order.h"
 #include "tests/fuzz/fuzz.h"
 
 static struct iso_fleet_signer signer;
@@ -53,6 +54,7 @@ static void read_for_door(const uint8_t *bytes, size_t size)
     struct iso_fleet_key_grant grant;
     struct iso_fleet_lease lease;
     struct iso_fleet_ack ack;
+    struct iso_fleet_update update;
     struct iso_fleet_membership membership;
     struct iso_fleet_place place;
     struct iso_fleet_bytes plain = {.bytes = NULL};
@@ -67,6 +69,12 @@ static void read_for_door(const uint8_t *bytes, size_t size)
         fuzz_check(lease.n <= ISO_FLEET_ZONES_MAX, "a bounded list");
     }
     (void)iso_fleet_read_ack(bytes, size, signer.public, &ack);
+    if (iso_fleet_read_update(bytes, size, signer.public, &update) == 0) {
+        fuzz_check(update.size > 0 && update.size <= ISO_FLEET_UPDATE_BYTES_MAX, "a bounded file");
+        fuzz_check(iso_fleet_update_word_is_good(update.version) &&
+                       iso_fleet_update_word_is_good(update.board),
+                   "words");
+    }
     if (iso_fleet_read_membership(bytes, size, &membership) == 0) {
         fuzz_check(memchr(membership.hub_name, 0, sizeof membership.hub_name) != NULL, "a text");
     }

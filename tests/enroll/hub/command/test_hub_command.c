@@ -17,6 +17,7 @@
 #include "enroll/hub/command/hub_command.h"
 #include "enroll/hub/people/hub_request.h"
 #include "tests/enroll/hub/rigs/played_door.h"
+#include "tests/enroll/hub/update/bundle_rig.h"
 #include "tests/support/programs/run.h"
 #include "tests/support/scratch.h"
 
@@ -208,6 +209,48 @@ static void a_fleet_is_run_by_commands(void **state)
     hub_store_close(&store);
 }
 
+/* The door of a_fleet_is_run_by_commands was expelled; another one is updated. */
+static void a_zone_is_updated_by_commands(void **state)
+{
+    static struct played_door door;
+    struct iso_fault fault = {.text = ""};
+    struct hub_store store;
+    char words[200], *address;
+    (void)snprintf(words, sizeof words, "update add %s", scratch_path(*state, "next.raucb"));
+    expect(3, words, "next.raucb");
+    bundle_rig_write(scratch_path(*state, "next.raucb"), bundle_rig_manifest("1.2", "isotherm-pc"),
+                     3 << 20, 1);
+    expect(0, words, "version 1.2 for isotherm-pc, 3.0 MiB");
+    expect(1, words, "is here already");
+    expect(2, "update roll 1.2", "--zone ZONE");
+    expect(3, "update roll 1.3 --zone lab", "no update of version 1.3");
+    expect(4, "update roll 1.2 --zone lab", "no door of zone lab has joined");
+    open_store(&store);
+    address = hub(0, "door add back --zone lab");
+    join(&door, &store, address);
+    free(address);
+    free(hub(0, "update roll 1.2 --zone lab --first 1 --stop-after 0 --wait 60"));
+    expect(1, "update roll 1.2 --zone lab", "on the way to version 1.2");
+    expect(1, "update remove 1.2", "stop it first");
+    expect(0, "update show lab", "waiting");
+    door.health = "{\"update-state\":\"idle\",\"image-version\":\"1.1\","
+                  "\"image-board\":\"isotherm-pc\"}";
+    store_rig_fine(played_door_ask(&door, &store, &fault), &fault);
+    assert_true(door.is_ordered);
+    expect(0, "update list", "1 doors: 0 healthy, 0 failed, 1 at work, 0 waiting, 0 unable");
+    expect(0, "update show lab", "told");
+    free(hub(0, "update stop lab"));
+    expect(0, "update list", "zone lab: stopped (by ");
+    free(hub(0, "update resume lab"));
+    expect(1, "update resume lab", "no rollout that was stopped");
+    free(hub(0, "update stop lab"));
+    free(hub(0, "update remove 1.2"));
+    expect(3, "update remove 1.2", "no update of version 1.2");
+    expect(3, "update show office", "has had no rollout");
+    expect(0, "act list", "update-roll lab");
+    hub_store_close(&store);
+}
+
 static void the_broker_is_configured(void **state)
 {
     char words[200];
@@ -297,6 +340,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(init_makes_keys_and_tables_once),
         cmocka_unit_test(a_fleet_is_run_by_commands),
+        cmocka_unit_test(a_zone_is_updated_by_commands),
         cmocka_unit_test(the_broker_is_configured),
         cmocka_unit_test(wrong_words_are_one_line),
         cmocka_unit_test(a_wrong_configuration_is_one_line),

@@ -210,6 +210,8 @@ static int take_message(void *context, const char *topic, const void *bytes, siz
     assert_int_equal(iso_fleet_kind_of(bytes, size, &kind), 0);
     const bool is_own = strcmp(topic, iso_fleet_topic_in(&door->id, own)) == 0;
     assert_true(retain == (kind == ISO_FLEET_HEAD));
+    door->is_ordered = kind == ISO_FLEET_UPDATE;
+    assert_true(is_own || kind <= ISO_FLEET_HEAD); /* KEY, DELTA and HEAD may be of others */
     switch (kind) {
     case ISO_FLEET_DELTA:
         take_delta(door, bytes, size);
@@ -222,13 +224,13 @@ static int take_message(void *context, const char *topic, const void *bytes, siz
         }
         return 0;
     case ISO_FLEET_LEASE:
-        assert_true(is_own);
         assert_int_equal(iso_fleet_read_lease(bytes, size, door->hub_signs, &door->lease), 0);
         assert_memory_equal(door->lease.nonce, door->nonce, sizeof door->nonce);
         door->leases++;
         return 0;
+    case ISO_FLEET_UPDATE:
+        return iso_fleet_read_update(bytes, size, door->hub_signs, &door->update);
     case ISO_FLEET_ACK:
-        assert_true(is_own);
         assert_int_equal(iso_fleet_read_ack(bytes, size, door->hub_signs, &ack), 0);
         door->acked = ack.number;
         door->acks++;
@@ -246,7 +248,7 @@ struct hub_emit played_door_emit(struct played_door *door)
 
 int played_door_ask(struct played_door *door, struct hub_store *store, struct iso_fault *fault)
 {
-    static const char health[] = "{\"version\": \"1.0\"}";
+    const char *health = door->health ? door->health : "{\"version\": \"1.0\"}";
     const struct hub_emit emit = played_door_emit(door);
     struct iso_fleet_bytes bytes = {.bytes = NULL};
     struct iso_fleet_question question = {.door = door->id,
@@ -255,7 +257,7 @@ int played_door_ask(struct played_door *door, struct hub_store *store, struct is
                                           .last_event = door->last_event,
                                           .n = door->n_zones,
                                           .health = health,
-                                          .health_length = sizeof health - 1};
+                                          .health_length = strlen(health)};
     randombytes_buf(door->nonce, sizeof door->nonce);
     memcpy(question.nonce, door->nonce, sizeof question.nonce);
     for (size_t i = 0; i < door->n_zones; i++) {

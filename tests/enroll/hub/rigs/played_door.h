@@ -6,6 +6,7 @@
 
 #include "enroll/hub/answer/hub_answer.h"
 #include "firmware/fleet/message/lease.h"
+#include "firmware/fleet/order/update_order.h"
 #include "tests/enroll/hub/rigs/store_rig.h"
 
 enum { PLAYED_DOOR_PEOPLE = 512 };
@@ -41,6 +42,9 @@ struct played_door {
     /* What came. */
     unsigned keys, leases, acks, applied, known, refused;
     struct iso_fleet_lease lease;
+    const char *health; /* of its questions; NULL: any */
+    bool is_ordered;    /* the last message was an UPDATE, which comes behind all others */
+    struct iso_fleet_update update;
 };
 
 /* Adds a door to the hub and lets it join. */

@@ -1,8 +1,9 @@
-/* Messages between one door and the hub: keys, questions, leases, events, requests, fetches and
- * memberships. What is written is read; what was changed, cut, sealed for another or signed by
- * somebody else is refused. */
+/* Messages between one door and the hub: keys, questions, leases, events, requests, fetches,
+ * memberships and orders of updates. What is written is read; what was changed, cut, sealed for
+ * another or signed by somebody else is refused. */
 #include <errno.h>
 #include <sodium.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
@@ -10,6 +11,7 @@
 #include "firmware/fleet/message/door_mail.h"
 #include "firmware/fleet/message/membership.h"
 #include "firmware/fleet/message/zone_key.h"
+#include "firmware/fleet/order/update_order.h"
 #include "tests/firmware/fleet/message/message_rig.h"
 
 static int read_key(void *context, const uint8_t *bytes, size_t size)
@@ -267,6 +269,82 @@ static void topics_are_those_of_the_broker(void **state)
                         "isotherm/door/0190b3f2-0190-4190-8190-0190b3f20190/online");
 }
 
+static int read_update(void *context, const uint8_t *bytes, size_t size)
+{
+    const struct message_rig *rig = context;
+    struct iso_fleet_update update;
+    return iso_fleet_read_update(bytes, size, rig->hub.public, &update);
+}
+
+static void an_update_names_its_file(void **state)
+{
+    struct message_rig rig;
+    struct iso_fleet_update update = {.door = iso_fleet_id_random(),
+                                      .rollout = iso_fleet_id_random(),
+                                      .size = 123456789,
+                                      .spread_s = 77,
+                                      .version = "1.2~rc1",
+                                      .board = "isotherm-pc-usb-amd64"},
+                            read;
+    struct iso_fleet_bytes message = {.bytes = NULL};
+    (void)state;
+    message_rig_start(&rig);
+    randombytes_buf(update.sha256, sizeof update.sha256);
+    assert_int_equal(iso_fleet_make_update(&update, &rig.hub, &message), 0);
+    assert_int_equal(iso_fleet_read_update(message.bytes, message.size, rig.hub.public, &read), 0);
+    assert_true(iso_fleet_id_is_same(&read.door, &update.door));
+    assert_true(iso_fleet_id_is_same(&read.rollout, &update.rollout));
+    assert_int_equal(read.size, 123456789);
+    assert_int_equal(read.spread_s, 77);
+    assert_memory_equal(read.sha256, update.sha256, sizeof read.sha256);
+    assert_string_equal(read.version, "1.2~rc1");
+    assert_string_equal(read.board, "isotherm-pc-usb-amd64");
+    message_rig_damage(&message, read_update, &rig);
+    assert_int_equal(iso_fleet_read_update(message.bytes, message.size, rig.door.public, &read),
+                     -EKEYREJECTED);
+    iso_fleet_bytes_free(&message);
+}
+
+static void an_update_that_is_not_allowed_is_refused(void **state)
+{
+    static const struct {
+        uint64_t size;
+        const char *version, *board;
+    } bad[] = {
+        {0, "1.2", "pc"},    {ISO_FLEET_UPDATE_BYTES_MAX + 1, "1.2", "pc"},
+        {1, "", "pc"},       {1, "1.2", ""},
+        {1, "../1.2", "pc"}, {1, "1.2", "a board"},
+    };
+    struct message_rig rig;
+    struct iso_fleet_update update = {.size = 1}, read = {.size = 99};
+    (void)state;
+    message_rig_start(&rig);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        struct iso_fleet_bytes message = {.bytes = NULL};
+        update.size = bad[i].size;
+        (void)snprintf(update.version, sizeof update.version, "%s", bad[i].version);
+        (void)snprintf(update.board, sizeof update.board, "%s", bad[i].board);
+        assert_int_equal(iso_fleet_make_update(&update, &rig.hub, &message), 0);
+        assert_int_equal(iso_fleet_read_update(message.bytes, message.size, rig.hub.public, &read),
+                         -EBADMSG);
+        assert_int_equal(read.size, 99);
+        iso_fleet_bytes_free(&message);
+    }
+}
+
+static void states_of_an_update_have_words(void **state)
+{
+    enum iso_fleet_update_state read = ISO_FLEET_UPDATE_STATES;
+    (void)state;
+    for (int i = 0; i < ISO_FLEET_UPDATE_STATES; i++) {
+        const char *word = iso_fleet_update_state_word((enum iso_fleet_update_state)i);
+        assert_int_equal(iso_fleet_update_state_read(word, &read), 0);
+        assert_int_equal(read, i);
+    }
+    assert_int_equal(iso_fleet_update_state_read("", &read), -EINVAL);
+    assert_int_equal(iso_fleet_update_state_read("healthier", &read), -EINVAL);
+}
+
 int main(void)
 {
     static const struct CMUnitTest tests[] = {
@@ -277,6 +355,9 @@ int main(void)
         cmocka_unit_test(a_request_brings_a_person),
         cmocka_unit_test(a_membership_names_both_keys),
         cmocka_unit_test(topics_are_those_of_the_broker),
+        cmocka_unit_test(an_update_names_its_file),
+        cmocka_unit_test(an_update_that_is_not_allowed_is_refused),
+        cmocka_unit_test(states_of_an_update_have_words),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,33 @@
+#include "enroll/hub/update/rollout_stage.h"
+
+void hub_rollout_move(struct hub_rollout_stage *stage, const struct hub_rollout_count *count,
+                      int64_t now_s)
+{
+    if (stage->state != HUB_ROLLOUT_RUNNING) {
+        return;
+    }
+    if (count->failed > stage->stop_after) {
+        stage->state = HUB_ROLLOUT_STOPPED;
+        return;
+    }
+    if (count->finished < count->told) {
+        return;
+    }
+    if (count->waiting == 0) {
+        stage->state = HUB_ROLLOUT_DONE;
+        return;
+    }
+    /* The stage is full, and all of it have finished. */
+    if (count->told >= stage->most && now_s - count->changed_s >= stage->wait_s) {
+        stage->stage++;
+        stage->most = 2 * count->told;
+    }
+}
+
+uint32_t hub_rollout_spread_s(const struct hub_rollout_stage *stage, uint64_t bytes)
+{
+    /* Half of all doors that were told are of the present stage, but for the first one. */
+    const int64_t doors = stage->stage == 1 ? stage->most : stage->most / 2;
+    const double seconds = (double)doors * (double)bytes / HUB_ROLLOUT_BYTES_PER_S;
+    return seconds < HUB_ROLLOUT_SPREAD_MOST_S ? (uint32_t)seconds : HUB_ROLLOUT_SPREAD_MOST_S;
+}

@@ -1,0 +1,306 @@
+#include "enroll/hub/update/update_step.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "enroll/hub/store/hub_act.h"
+#include "enroll/hub/update/rollout_rows.h"
+
+enum {
+    COUNT_EVERY_S = 10, /* doors that only wait need not be counted with each question */
+    PAUSE_S = 300,      /* a longer time without a count: the hub, or the database, was away */
+};
+
+struct step {
+    struct hub_store *store;
+    const struct iso_fleet_id *door;
+    struct hub__update_report report;
+    /* Of the database. */
+    struct iso_fleet_id rollout;
+    char version[ISO_FLEET_UPDATE_WORD_SIZE], zone[HUB_NAME_SIZE];
+    struct hub_rollout_stage stage;
+    int64_t told, counted_s, watched_s;
+    enum hub__door_state state;
+    bool counts;
+    struct hub_update_file file; /* for the board of the door; size 0: there is none */
+};
+
+/* Finds the rollout in which a door takes part: the one that runs, if there are several. */
+static int find(struct step *s, bool *found, struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    PGresult *rows = NULL;
+    hub_value_id(&values, s->door);
+    const int error = hub_db_run_often(
+        s->store->db,
+        "SELECT r.id, r.version, z.name, r.state, r.stage, r.most, r.stop_after, r.wait_s, "
+        "r.told, r.counted_s, r.watched_s, d.state, d.counts FROM rollout_door d "
+        "JOIN rollout r ON r.id = d.rollout JOIN zone z ON z.id = r.zone WHERE d.door = $1 AND "
+        "r.state IN ('running', 'stopped') ORDER BY r.state, r.started_s DESC LIMIT 1",
+        &values, &rows, fault);
+    *found = !error && PQntuples(rows) > 0;
+    if (*found) {
+        s->rollout = hub_row_id(rows, 0, 0);
+        (void)snprintf(s->version, sizeof s->version, "%s", hub_row_text(rows, 0, 1));
+        (void)snprintf(s->zone, sizeof s->zone, "%s", hub_row_text(rows, 0, 2));
+        hub__rollout_stage_row(rows, 0, 3, &s->stage);
+        s->told = hub_row_integer(rows, 0, 8);
+        s->counted_s = hub_row_integer(rows, 0, 9);
+        s->watched_s = hub_row_integer(rows, 0, 10);
+        s->state = hub__door_state_read(hub_row_text(rows, 0, 11));
+        s->counts = hub_row_switch(rows, 0, 12);
+    }
+    PQclear(rows);
+    return error;
+}
+
+static int find_file(struct step *s, struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    PGresult *rows = NULL;
+    hub_value_text(&values, s->version);
+    hub_value_text(&values, s->report.board);
+    int error = hub_db_run_often(s->store->db,
+                                 "SELECT version, board, size, sha256, added_s FROM update_file "
+                                 "WHERE version = $1 AND board = $2",
+                                 &values, &rows, fault);
+    if (!error && PQntuples(rows) > 0) {
+        error = hub__update_file_row(rows, 0, &s->file, fault);
+    }
+    PQclear(rows);
+    return error;
+}
+
+/* ---- what the report says ---- */
+
+static enum hub__door_state state_of_report(enum iso_fleet_update_state state,
+                                            enum hub__door_state before)
+{
+    switch (state) {
+    case ISO_FLEET_UPDATE_FETCHING:
+    case ISO_FLEET_UPDATE_INSTALLING:
+        return HUB__DOOR_FETCHING;
+    case ISO_FLEET_UPDATE_INSTALLED:
+        return HUB__DOOR_INSTALLED;
+    case ISO_FLEET_UPDATE_FAILED:
+        return HUB__DOOR_FAILED;
+    case ISO_FLEET_UPDATE_WENT_BACK:
+        return HUB__DOOR_WENT_BACK;
+    default:
+        return before;
+    }
+}
+
+/* The state of the door by what it says, and why it is unable or has failed. */
+static enum hub__door_state new_state(const struct step *s, const char **why)
+{
+    const struct hub__update_report *report = &s->report;
+    const bool is_this = iso_fleet_id_is_same(&report->rollout, &s->rollout);
+    *why = "";
+    /* A door that was told restarts, and its first question may come before it knows its state. */
+    if (s->counts && (!report->is_given || report->state == ISO_FLEET_UPDATE_NONE)) {
+        return s->state;
+    }
+    if (!report->is_given) {
+        *why = "its release does not know updates by the hub";
+        return HUB__DOOR_UNABLE;
+    }
+    if (report->state == ISO_FLEET_UPDATE_NONE) {
+        *why = "this machine takes no updates";
+        return HUB__DOOR_UNABLE;
+    }
+    if (strcmp(report->version, s->version) == 0 &&
+        (report->state == ISO_FLEET_UPDATE_HEALTHY || report->state == ISO_FLEET_UPDATE_IDLE)) {
+        return HUB__DOOR_HEALTHY;
+    }
+    if (is_this && report->state != ISO_FLEET_UPDATE_HEALTHY) {
+        *why = report->fault;
+        return state_of_report(report->state, s->state);
+    }
+    if (s->file.size == 0) {
+        *why = "the hub has no file of this version for its board";
+        return HUB__DOOR_UNABLE;
+    }
+    /* It reports again after it was silent, or is able now. */
+    return s->state == HUB__DOOR_UNABLE                ? HUB__DOOR_WAITING
+           : s->state == HUB__DOOR_FAILED && s->counts ? HUB__DOOR_TOLD
+                                                       : s->state;
+}
+
+static int store_state(const struct step *s, enum hub__door_state state, bool counts,
+                       const char *why, struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    hub_value_id(&values, &s->rollout);
+    hub_value_id(&values, s->door);
+    hub_value_text(&values, hub__door_state_word(state));
+    hub_value_switch(&values, counts);
+    hub_value_integer(&values, s->store->now_s());
+    hub_value_text(&values, why);
+    return hub_db_run_often(s->store->db,
+                            "UPDATE rollout_door SET state = $3, counts = $4, changed_s = $5, "
+                            "fault = $6 WHERE rollout = $1 AND door = $2",
+                            &values, NULL, fault);
+}
+
+/* ---- the rollout ---- */
+
+/* Behind this lock nobody else tells doors of the rollout. It is taken before any row of a door is
+ * changed, so that two processes do not wait for each other. */
+static int lock(struct step *s, struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    PGresult *rows = NULL;
+    hub_value_id(&values, &s->rollout);
+    const int error = hub_db_run_often(s->store->db,
+                                       "SELECT state, stage, most, stop_after, wait_s, counted_s, "
+                                       "watched_s FROM rollout WHERE id = $1 FOR NO KEY UPDATE",
+                                       &values, &rows, fault);
+    if (!error && PQntuples(rows) > 0) {
+        hub__rollout_stage_row(rows, 0, 0, &s->stage);
+        s->counted_s = hub_row_integer(rows, 0, 5);
+        s->watched_s = hub_row_integer(rows, 0, 6);
+    }
+    PQclear(rows);
+    return error;
+}
+
+/* A door that was told and is silent has failed. */
+static int fail_silent(struct step *s, struct iso_fault *fault)
+{
+    const int64_t now_s = s->store->now_s();
+    struct hub_values values = {.n = 0};
+    if (now_s - s->counted_s > PAUSE_S) {
+        s->watched_s = now_s;
+    }
+    hub_value_id(&values, &s->rollout);
+    hub_value_integer(&values, now_s);
+    hub_value_integer(&values, s->watched_s);
+    hub_value_integer(&values, now_s - HUB_UPDATE_SILENT_S);
+    return hub_db_run_often(
+        s->store->db,
+        "UPDATE rollout_door d SET state = 'failed', changed_s = $2, fault = 'it does not report' "
+        "FROM door WHERE door.id = d.door AND d.rollout = $1 AND d.counts AND d.state IN ('told', "
+        "'fetching', 'installed') AND greatest(door.reported_s, d.changed_s, $3) < $4",
+        &values, NULL, fault);
+}
+
+static int store_stage(const struct step *s, const struct hub_rollout_count *count, const char *why,
+                       struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    hub_value_id(&values, &s->rollout);
+    hub_value_text(&values, hub_rollout_state_word(s->stage.state));
+    hub_value_text(&values, why);
+    hub_value_integer(&values, s->stage.stage);
+    hub_value_integer(&values, s->stage.most);
+    hub_value_integer(&values, count->told);
+    hub_value_integer(&values, s->store->now_s());
+    hub_value_integer(&values, s->watched_s);
+    return hub_db_run_often(s->store->db,
+                            "UPDATE rollout SET state = $2, why = CASE WHEN $3 = '' THEN why ELSE "
+                            "$3 END, stage = $4, most = $5, told = $6, counted_s = $7, "
+                            "watched_s = $8 WHERE id = $1",
+                            &values, NULL, fault);
+}
+
+static int record(const struct step *s, const char *what, const struct hub_rollout_count *count,
+                  struct iso_fault *fault)
+{
+    return hub__act_add(s->store, what, s->zone, NULL,
+                        json_pack("{s:s,s:I,s:I,s:I}", "version", s->version, "stage",
+                                  (json_int_t)s->stage.stage, "told", (json_int_t)count->told,
+                                  "failed", (json_int_t)count->failed),
+                        fault);
+}
+
+/* Counts the doors, moves the stage on, and tells this door if it is its turn. */
+static int move(struct step *s, struct iso_fault *fault)
+{
+    const struct hub_rollout_stage before = s->stage;
+    struct hub_rollout_count count;
+    char why[96] = "";
+    int error = fail_silent(s, fault);
+    error = error ? error : hub__rollout_count(s->store, &s->rollout, &count, fault);
+    if (error) {
+        return error;
+    }
+    hub_rollout_move(&s->stage, &count, s->store->now_s());
+    const bool is_told = s->stage.state == HUB_ROLLOUT_RUNNING && s->state == HUB__DOOR_WAITING &&
+                         count.told < s->stage.most;
+    if (is_told) {
+        error = store_state(s, HUB__DOOR_TOLD, true, "", fault);
+        s->state = HUB__DOOR_TOLD;
+        count.told++;
+    }
+    if (!error && s->stage.state != before.state) {
+        error = record(s, s->stage.state == HUB_ROLLOUT_STOPPED ? "update-stopped" : "update-done",
+                       &count, fault);
+        if (s->stage.state == HUB_ROLLOUT_STOPPED) {
+            (void)snprintf(why, sizeof why, "%lld of %lld doors have failed",
+                           (long long)count.failed, (long long)count.told);
+        }
+    } else if (!error && s->stage.stage != before.stage) {
+        error = record(s, "update-stage", &count, fault);
+    }
+    return error ? error : store_stage(s, &count, why, fault);
+}
+
+/* Whether something is to be written. */
+static bool is_due(const struct step *s, enum hub__door_state state)
+{
+    return state != s->state || (state == HUB__DOOR_WAITING && s->told < s->stage.most) ||
+           s->store->now_s() - s->counted_s >= COUNT_EVERY_S;
+}
+
+static void write_order(const struct step *s, bool *is_ordered, struct iso_fleet_update *order)
+{
+    *is_ordered = s->stage.state == HUB_ROLLOUT_RUNNING && s->file.size > 0 &&
+                  (s->state == HUB__DOOR_TOLD || s->state == HUB__DOOR_FETCHING ||
+                   s->state == HUB__DOOR_INSTALLED);
+    if (*is_ordered) {
+        *order = (struct iso_fleet_update){
+            .door = *s->door,
+            .rollout = s->rollout,
+            .size = s->file.size,
+            .spread_s = hub_rollout_spread_s(&s->stage, s->file.size),
+        };
+        memcpy(order->sha256, s->file.sha256, sizeof order->sha256);
+        memcpy(order->version, s->file.version, sizeof order->version);
+        memcpy(order->board, s->file.board, sizeof order->board);
+    }
+}
+
+int hub__update_step(struct hub_store *store, const struct iso_fleet_id *door, const char *health,
+                     bool *is_ordered, struct iso_fleet_update *order, struct iso_fault *fault)
+{
+    struct step s = {.store = store, .door = door};
+    const char *why = "";
+    bool found = false;
+    *is_ordered = false;
+    int error = find(&s, &found, fault);
+    if (error || !found) {
+        return error;
+    }
+    hub__update_report_read(health, &s.report);
+    error = find_file(&s, fault);
+    if (error) {
+        return error;
+    }
+    const enum hub__door_state state = new_state(&s, &why);
+    if (is_due(&s, state)) {
+        error = lock(&s, fault);
+        if (!error && state != s.state) {
+            /* A door that was not told counts if it acts by an order whose record was lost. */
+            const bool counts = s.counts || state == HUB__DOOR_FETCHING ||
+                                state == HUB__DOOR_INSTALLED;
+            error = store_state(&s, state, counts && state != HUB__DOOR_UNABLE, why, fault);
+            s.state = state;
+        }
+        error = error ? error : move(&s, fault);
+    }
+    if (!error) {
+        write_order(&s, is_ordered, order);
+    }
+    return error;
+}
