@@ -21,6 +21,7 @@
 #include "enroll/web/login/turns.h"
 #include "enroll/web/options.h"
 #include "enroll/web/published.h"
+#include "enroll/web/update/update.h"
 
 /* As in enroll/cli/client/fault.h. */
 enum { EXIT_USAGE = 2, EXIT_NOT_FOUND = 3, EXIT_FAULT = 4 };
@@ -105,6 +106,13 @@ static int open_daemon(struct program *program, const struct web_options *option
                                                   .sessions = &program->sessions};
         r = web_enrolment_new(&setup, &api->enrolment);
     }
+    if (r >= 0) {
+        const struct web_update_setup setup = {.event = program->event,
+                                               .bus = options->bus,
+                                               .folder = options->updates,
+                                               .os_release = "/etc/os-release"};
+        r = web_update_new(&setup, &api->update);
+    }
     return r < 0 ? iso_fault_set(fault, r, "--bus %s: %s", options->bus, strerror(-r)) : 0;
 }
 
@@ -116,6 +124,7 @@ static int open_server(struct program *program, const struct web_options *option
                                      .pages = options->pages,
                                      .sessions = &program->sessions,
                                      .routes = web_api_routes,
+                                     .intakes = web_api_intakes,
                                      .context = &program->api};
     int r = web_turns_new(program->event, &program->api.login, &program->api.login.turns);
 
@@ -126,18 +135,23 @@ static int open_server(struct program *program, const struct web_options *option
     return r < 0 ? r : web_server_new(&setup, &program->api.login.server, fault);
 }
 
-/* First the calls of the daemon and the logins that still wait are answered, for exchanges that
- * have to end before the server does; then the streams end, and last those who send into them. */
+/* First the questions to RAUC, the calls of the daemon and the logins that still wait are answered,
+ * for exchanges that have to end before the server does; then the streams end, and last those who
+ * send into them. */
 static void close_all(struct program *program)
 {
     struct web_api *api = &program->api;
 
+    if (api->update) {
+        web_update_close(api->update);
+    }
     if (api->daemon) {
         web_daemon_close(api->daemon);
     }
     web_turns_free(api->login.turns);
     web_server_free(api->login.server);
     api->login.server = NULL;
+    web_update_free(api->update);
     web_enrolment_free(api->enrolment);
     web_last_seen_free(api->last_seen);
     web_feed_free(api->feed);

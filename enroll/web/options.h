@@ -10,10 +10,11 @@ enum web_command {
 
 struct web_options {
     enum web_command command;
-    const char *bus;    /* "system", "session" or an address */
-    const char *listen; /* "ADDRESS:PORT", unless the service manager passes a socket */
-    const char *state;  /* the folder of accounts, key and certificate */
-    const char *pages;  /* the folder of the pages */
+    const char *bus;     /* "system", "session" or an address */
+    const char *listen;  /* "ADDRESS:PORT", unless the service manager passes a socket */
+    const char *state;   /* the folder of accounts, key and certificate */
+    const char *pages;   /* the folder of the pages */
+    const char *updates; /* the folder of updates: enroll/web/update/upload.h */
 };
 
 /* Reads the command line. Returns 0; 1 if help or version was printed; or -EINVAL after a line on
