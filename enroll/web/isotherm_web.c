@@ -17,6 +17,7 @@
 #include "enroll/web/daemon/enrolment.h"
 #include "enroll/web/daemon/feed.h"
 #include "enroll/web/daemon/last_seen.h"
+#include "enroll/web/first_code.h"
 #include "enroll/web/listener.h"
 #include "enroll/web/login/turns.h"
 #include "enroll/web/options.h"
@@ -32,6 +33,7 @@ struct program {
     struct web_sessions sessions;
     struct web_guess guess;
     struct web_api api;
+    struct web_first_code *first_code;
     char accounts[PATH_MAX], setup_code[PATH_MAX];
 };
 
@@ -84,7 +86,7 @@ static int open_state(struct program *program, const struct web_options *options
     api->login.setup_code = program->setup_code;
     api->document = (const char *)web_api_document;
     api->certificate = &program->certificate;
-    if (web_accounts_count(api->login.accounts) == 0) {
+    if (web_accounts_count(api->login.accounts) == 0 && !options->first_code) {
         fprintf(stderr, "isotherm-web: there is no account yet; `isotherm-web setup-code` prints a "
                         "code for the first one\n");
     }
@@ -114,6 +116,19 @@ static int open_daemon(struct program *program, const struct web_options *option
         r = web_update_new(&setup, &api->update);
     }
     return r < 0 ? iso_fault_set(fault, r, "--bus %s: %s", options->bus, strerror(-r)) : 0;
+}
+
+static int open_first_code(struct program *program, const struct web_options *options,
+                           struct iso_fault *fault)
+{
+    const struct web_first_code_setup setup = {.event = program->event,
+                                               .accounts = program->api.login.accounts,
+                                               .accounts_path = program->accounts,
+                                               .code_path = program->setup_code,
+                                               .makes_codes = options->first_code};
+    const int r = web_first_code_new(&setup, &program->first_code);
+
+    return r < 0 ? iso_fault_set(fault, r, "the event loop: %s", strerror(-r)) : 0;
 }
 
 static int open_server(struct program *program, const struct web_options *options,
@@ -148,6 +163,7 @@ static void close_all(struct program *program)
     if (api->daemon) {
         web_daemon_close(api->daemon);
     }
+    web_first_code_free(program->first_code);
     web_turns_free(api->login.turns);
     web_server_free(api->login.server);
     api->login.server = NULL;
@@ -170,6 +186,7 @@ static int serve(const struct web_options *options)
 
     r = r < 0 ? r : open_state(&program, options, &fault);
     r = r < 0 ? r : open_daemon(&program, options, &fault);
+    r = r < 0 ? r : open_first_code(&program, options, &fault);
     r = r < 0 ? r : open_server(&program, options, &fault);
     if (r == 0) {
         web_published_write(program.certificate.fingerprint);

@@ -138,7 +138,8 @@ echo kept >"$root/kept"
 ln -s "$root/kept" "$state/incoming/bundle.raucb"
 "$source_dir/board/image/programs/install-update" page "$state/incoming/bundle.raucb" >"$root/said" 2>&1 || die 'install-update fails'
 result_is '"code": "foreign-key"'
-[ ! -L "$state/incoming/bundle.raucb" ] && [ -e "$root/kept" ] || die 'not the link alone is removed'
+[ ! -L "$state/incoming/bundle.raucb" ] || die 'the link is not removed'
+[ -e "$root/kept" ] || die 'what the link names is removed'
 echo '    install-update: a good bundle, an older one, a foreign one, what is none'
 
 # ---- the restart ----
