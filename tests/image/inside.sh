@@ -6,6 +6,7 @@
 #   inside.sh update    bundles that are damaged, not newer, for another board, or signed by somebody else are refused; a good one is installed
 #   inside.sh updated   version 2 runs from slot b, is found to be healthy, and has people, log and identifier of version 1; then version 3,
 #                       which does not start, is installed into slot a
+#   inside.sh brought   inside_bring.sh: version 2 comes on a USB stick, and as by the page of the web server
 #   inside.sh back      after three attempts with version 3: version 2 runs again
 #   inside.sh tpm_first, tpm_second     a first and a later start with a TPM; the first with a wrong configuration
 #   inside.sh secure        a first start with Secure Boot
@@ -311,5 +312,7 @@ back() {
     entries_are '/efi/EFI/Linux/isotherm-a+0-3.efi /efi/EFI/Linux/isotherm-b.efi' || die "after three attempts: $(entries)"
     say 'three attempts with version 3 failed; version 2 runs again'
 }
+
+. "$VM_SOURCE/tests/image/inside_bring.sh"
 
 "$1"

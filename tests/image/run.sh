@@ -94,6 +94,22 @@ updates() {
     tell back
 }
 
+# On a machine of its own: its disk is new, and a USB stick is in it.
+bring() {
+    . "$here/bundles.sh"
+    make_bundles
+    cp --reflink=auto "$out/test/isotherm.img" "$machine_out/bring.img"
+    mcopy -i "$machine_out/bring.img@@$(start_of esp)" "$out/test/root/usr/lib/isotherm-image/test.conf" ::isotherm.conf
+    machine_disk "$machine_out/bring.img" "$machine_out/bring.qcow2"
+    rm -f "$machine_out/stick.img"
+    truncate -s 256M "$machine_out/stick.img"
+    mkfs.vfat -n UPDATES "$machine_out/stick.img" >/dev/null
+    mcopy -i "$machine_out/stick.img" "$out/bundles/v2.raucb" ::isotherm-2.raucb
+    machine_devices="-device qemu-xhci -drive if=none,id=stick,format=raw,file=$machine_out/stick.img -device usb-storage,drive=stick" \
+        machine_start brought brought "$machine_out/bring.qcow2" || die_with brought $?
+    tell brought
+}
+
 # A byte of the root that was changed on the disk: the machine does not start from it. Every 64th block is changed, so that one is read.
 damaged_root() {
     cp --reflink=auto "$out/test/isotherm.img" "$machine_out/damaged.img"
