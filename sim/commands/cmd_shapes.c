@@ -65,6 +65,8 @@ static const struct sim_option eval_options[] = {
     {"distort", "KIND:LEVEL",
      "distort the queries: white, shot, scale, missing, stretch or bulge, 1..3",
      sim_distortion_parse, FIELD(study.distortion)},
+    {"queries", "N", "look for N shapes only, the first of every class in turn (0: all)",
+     sim_option_count, FIELD(study.queries)},
     {"smooth", "N", "double steps of Taubin's filter before all else (0)", sim_option_int,
      FIELD(study.smooth)},
     {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,

@@ -105,6 +105,23 @@ static void print_bank(const struct sim_study *study, FILE *out)
     }
 }
 
+/* Describes the queries, if they are not all items as they are. */
+static int describe_queries(struct sim_study *study, struct iso_fault *fault)
+{
+    const struct sim_shapes_study_options *options = study->options;
+    struct sim_bank_options *how = &study->queries_how;
+    how->source.distortion = options->distortion.level > 0 ? &options->distortion : NULL;
+    study->query_row = calloc((size_t)study->manifest->n, sizeof *study->query_row);
+    int error = study->query_row ? sim_shape_manifest_turns(study->manifest, options->queries,
+                                                            study->query_row, &how->n_rows)
+                                 : -ENOMEM;
+    if (!error) {
+        how->rows = study->query_row;
+        error = sim_bank_new(how, &study->queries, fault);
+    }
+    return error;
+}
+
 static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault *fault)
 {
     const struct sim_shapes_study_options *options = study->options;
@@ -136,9 +153,8 @@ static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault 
     if (!error) {
         error = check_classes(study, fault);
     }
-    if (!error && options->distortion.level > 0) {
-        study->queries_how.source.distortion = &options->distortion;
-        error = sim_bank_new(&study->queries_how, &study->distorted, fault);
+    if (!error && (options->distortion.level > 0 || options->queries > 0)) {
+        error = describe_queries(study, fault);
     }
     if (!error) {
         print_bank(study, out);
@@ -187,7 +203,8 @@ int sim_shapes_study(const struct sim_shapes_study_options *options, FILE *out,
         (void)iso_fault_set(fault, error, "%s: %s", options->corpus, strerror(-error));
     }
     sim_bank_free(study->items);
-    sim_bank_free(study->distorted);
+    sim_bank_free(study->queries);
+    free(study->query_row);
     sim_shape_manifest_free(study->manifest);
     free(study);
     return error;

@@ -20,29 +20,13 @@ void sim_tables_corpus_ask_method(struct sim_tables_corpus *corpus, const char *
     }
 }
 
-/* Takes the first shapes of every class in turn, up to the wanted number of queries. */
 static int choose_queries(const struct sim_tables_options *options,
                           struct sim_tables_corpus *corpus)
 {
-    const struct sim_shape_manifest *manifest = corpus->manifest;
-    const size_t wanted = options->queries;
-    corpus->query_row = calloc((size_t)manifest->n, sizeof *corpus->query_row);
-    int32_t *turn = calloc((size_t)manifest->n, sizeof *turn);
-    int32_t *seen = calloc((size_t)manifest->n_classes, sizeof *seen);
-    const int error = corpus->query_row && turn && seen ? 0 : -ENOMEM;
-    for (int32_t i = 0; !error && i < manifest->n; i++) {
-        turn[i] = seen[manifest->class_of[i]]++;
-    }
-    for (int32_t round = 0; !error && round < manifest->n; round++) {
-        for (int32_t i = 0; i < manifest->n; i++) {
-            if (turn[i] == round && (wanted == 0 || (size_t)corpus->n_queries < wanted)) {
-                corpus->query_row[corpus->n_queries++] = i;
-            }
-        }
-    }
-    free(turn);
-    free(seen);
-    return error;
+    corpus->query_row = calloc((size_t)corpus->manifest->n, sizeof *corpus->query_row);
+    return corpus->query_row ? sim_shape_manifest_turns(corpus->manifest, options->queries,
+                                                        corpus->query_row, &corpus->n_queries)
+                             : -ENOMEM;
 }
 
 static void print_bank(const struct sim_tables_corpus *corpus, FILE *out)

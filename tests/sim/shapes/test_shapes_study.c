@@ -240,6 +240,37 @@ static void distances_leave_nothing_out(void **state)
     free(text);
 }
 
+/* Some shapes are looked for among all: the first of every class in turn. */
+static void some_shapes_are_looked_for_among_all(void **state)
+{
+    const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
+    struct sim_shapes_study_options options = cp_hk_options(corpus, out);
+    struct iso_fault fault = {.text = ""};
+    char *printed = NULL, method[32], classifier[32];
+    int queries = 0;
+    options.distortion.level = 0;
+    options.queries = 4;
+    generate(corpus, "plain", NULL, 3, 2);
+    assert_int_equal(run_study(&options, &printed, &fault), 0);
+    free(printed);
+    char *text = scratch_read_text(scratch_path(out, "measures.csv"));
+    assert_int_equal(
+        sscanf(strchr(text, '\n') + 1, "%31[^,],%31[^,],%d", method, classifier, &queries), 3);
+    assert_int_equal(queries, 4);
+    free(text);
+    text = scratch_read_text(scratch_path(scratch_path(out, "cp-hk-nn-l2"), "distances.csv"));
+    char *rest = text;
+    int lines = 0, commas = 0;
+    for (char *line = strsep(&rest, "\n"); line && *line; line = strsep(&rest, "\n"), lines++) {
+        for (const char *c = line; *c; c++) {
+            commas += *c == ',';
+        }
+    }
+    assert_int_equal(lines, 1 + 4);
+    assert_int_equal(commas, 9 * (1 + 4));
+    free(text);
+}
+
 static void the_reason_of_a_failed_study_is_named(void **state)
 {
     const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
@@ -309,6 +340,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(retrieves_from_tosca_files, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(distances_leave_nothing_out, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(some_shapes_are_looked_for_among_all, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(the_reason_of_a_failed_study_is_named, scratch_setup,
                                         scratch_teardown),
