@@ -72,24 +72,6 @@ static int open_corpus(struct sim_study *study, struct iso_fault *fault)
 
 /* ---- the whole study ---------------------------------------------------------------------- */
 
-/* Removes the shapes that could not be described from the manifest, too. The items of a study are
- * all rows in their order. */
-static int match_manifest(struct sim_study *study)
-{
-    struct sim_bank *bank = study->items;
-    uint8_t *keep = calloc((size_t)study->manifest->n, 1);
-    if (!keep) {
-        return -ENOMEM;
-    }
-    for (int32_t i = 0; i < bank->n; i++) {
-        keep[bank->row[i]] = 1;
-        bank->row[i] = i;
-    }
-    sim_shape_manifest_keep(study->manifest, keep);
-    free(keep);
-    return 0;
-}
-
 static void print_bank(const struct sim_study *study, FILE *out)
 {
     const struct sim_bank *bank = study->items;
@@ -148,7 +130,7 @@ static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault 
     study->queries_how = study->items_how;
     error = sim_bank_new(&study->items_how, &study->items, fault);
     if (!error) {
-        error = match_manifest(study);
+        error = sim_bank_match(study->items, study->manifest);
     }
     if (!error) {
         error = check_classes(study, fault);

@@ -1,8 +1,11 @@
 #include "sim/shapes/study/tables_corpus.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "drivers/base/path.h"
 
 static int index_of(const struct sim_tables_corpus *corpus, const char *method)
 {
@@ -29,14 +32,28 @@ static int choose_queries(const struct sim_tables_options *options,
                              : -ENOMEM;
 }
 
+static int name_cache(const struct sim_tables_options *options, struct sim_tables_corpus *corpus,
+                      struct iso_fault *fault)
+{
+    if (!options->cache) {
+        return iso_path_join(options->out, "cache", corpus->kept, fault);
+    }
+    const int n = snprintf(corpus->kept, sizeof corpus->kept, "%s", options->cache);
+    return n < (int)sizeof corpus->kept
+               ? 0
+               : iso_fault_set(fault, -ENAMETOOLONG, "--cache: the name is too long");
+}
+
 static void print_bank(const struct sim_tables_corpus *corpus, FILE *out)
 {
     const struct sim_bank *bank = corpus->items;
     fprintf(
         out,
-        "%s: %d shapes of %d classes, %.0f vertices in the mean; %.1f s by %d threads, %.0f MB\n",
+        "%s: %d shapes of %d classes, %.0f vertices in the mean; %.1f s by %d threads, %.0f MB; %d "
+        "of %d descriptions were in the cache\n",
         corpus->directory, bank->n, corpus->manifest->n_classes, bank->mean_vertices,
-        bank->elapsed_seconds, corpus->how.threads, (double)bank->peak_kib / 1024.0);
+        bank->elapsed_seconds, corpus->how.threads, (double)bank->peak_kib / 1024.0, bank->n_known,
+        bank->n * bank->n_methods);
     fprintf(out, "  seconds of a processor: eigenpairs %.1f", bank->shape_seconds);
     for (int m = 0; m < bank->n_methods; m++) {
         fprintf(out, ", %s %.1f", corpus->method[m]->name, bank->seconds[m]);
@@ -50,20 +67,28 @@ int sim_tables_corpus_open(struct sim_tables_corpus *corpus,
                            struct iso_fault *fault)
 {
     int error = sim_shape_manifest_read(corpus->directory, &corpus->manifest, fault);
+    if (!error) {
+        error = name_cache(options, corpus, fault);
+    }
     if (error) {
         return error;
     }
-    error = choose_queries(options, corpus);
     corpus->how = (struct sim_bank_options){
         .corpus = corpus->directory,
         .manifest = corpus->manifest,
         .methods = corpus->method,
         .n_methods = corpus->n_methods,
         .source = {.seed = options->seed, .smooth = options->smooth},
+        .cache = corpus->kept[0] ? corpus->kept : NULL,
+        .skip = !options->strict,
         .threads = options->threads,
     };
+    error = sim_bank_new(&corpus->how, &corpus->items, fault);
     if (!error) {
-        error = sim_bank_new(&corpus->how, &corpus->items, fault);
+        error = sim_bank_match(corpus->items, corpus->manifest);
+    }
+    if (!error) {
+        error = choose_queries(options, corpus);
     }
     if (!error) {
         print_bank(corpus, out);

@@ -316,6 +316,7 @@ static void tables_have_both_sides(void **state)
         fail_msg("%s", fault.text);
     }
     (void)fclose(stream);
+    assert_non_null(strstr(printed, "/p: 9 shapes of 3 classes"));
     static const char *const numbers[] = {"4.1.", "4.5.", "4.8.", "4.10.", "4.13.", "5.1.", "5.2."};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         char title[32];
@@ -327,6 +328,49 @@ static void tables_have_both_sides(void **state)
     assert_non_null(strstr(csv, "\n4.8,shape-dna,nn-l2,0,white,3,3,NN,"));
     assert_non_null(strstr(csv, "\n5.2,PHOG,,0,,0,0,NN,,0.951\n"));
     free(csv);
+}
+
+/* Runs the tables of one corpus. The caller frees what was printed. */
+static int run_tables(const struct sim_tables_options *options, char **printed,
+                      struct iso_fault *fault)
+{
+    size_t size;
+    FILE *out = open_memstream(printed, &size);
+    const int error = sim_shapes_tables(options, out, fault);
+    (void)fclose(out);
+    return error;
+}
+
+static void tables_leave_a_bad_mesh_out_and_are_cached(void **state)
+{
+    const char *plain = scratch_path(*state, "p"), *out = scratch_path(*state, "tables");
+    struct sim_tables_options options = {
+        .corpus = plain, .out = out, .queries = 2, .seed = 1, .threads = 2};
+    struct iso_fault fault = {.text = ""};
+    char *printed = NULL, *csv = NULL;
+    generate(plain, "plain", NULL, 3, 2);
+    scratch_write_text(scratch_path(plain, "dog-01.off"), "OFF\n5 1 0\n0 0 0\n");
+    for (int run = 0; run < 2; run++) {
+        int known = 0, all = 0;
+        if (run_tables(&options, &printed, &fault)) {
+            fail_msg("%s", fault.text);
+        }
+        assert_non_null(strstr(printed, "/p: 8 shapes of 3 classes"));
+        assert_int_equal(
+            sscanf(strstr(printed, " MB; "), " MB; %d of %d descriptions", &known, &all), 2);
+        assert_true(all >= 8);
+        assert_int_equal(known, run == 0 ? 0 : all);
+        free(printed);
+        char *now = scratch_read_text(scratch_path(out, "tables.csv"));
+        assert_true(run == 0 || strcmp(csv, now) == 0);
+        free(csv);
+        csv = now;
+    }
+    free(csv);
+    options.strict = true;
+    assert_int_equal(run_tables(&options, &printed, &fault), -EBADMSG);
+    assert_non_null(strstr(fault.text, "dog-01.off: ends within the vertices"));
+    free(printed);
 }
 
 int main(void)
@@ -346,6 +390,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(the_reason_of_a_failed_study_is_named, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(tables_have_both_sides, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(tables_leave_a_bad_mesh_out_and_are_cached, scratch_setup,
+                                        scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
