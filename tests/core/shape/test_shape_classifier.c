@@ -93,13 +93,15 @@ static void no_classifier_learns_from_the_item_that_it_classifies(void **state)
 }
 
 /* How much the distances to other items may change when an item is not learnt. Collaborative
- * classifiers learn the mean and the size of the features from all items. */
+ * classifiers learn the mean and the size of the features, but no label, from all items; their
+ * code leaves the item out exactly (an_atom_that_is_left_out_is_not_there). */
 static double change_of(const struct iso_classifier_ops *ops)
 {
     return strncmp(ops->name, "nn", 2) == 0 ? 1e-6 : 0.1;
 }
 
-/* The gallery is ranked as if the items that are left out had never been learnt. */
+/* The gallery is ranked as if the items that are left out had never been learnt, but for the
+ * change_of() the classifier. */
 static void omitted_items_are_not_learnt(void **state)
 {
     (void)state;
