@@ -145,8 +145,9 @@ static int store_state(const struct step *s, enum hub__door_state state, bool co
 
 /* ---- the rollout ---- */
 
-/* Behind this lock nobody else tells doors of the rollout. It is taken before any row of a door is
- * changed, so that two processes do not wait for each other. */
+/* While this lock is held, nobody else tells doors of the rollout. The transaction has locked rows
+ * of doors before. So two hubs may wait for each other; PostgreSQL then ends one of the
+ * transactions, and its messages are taken again. */
 static int lock(struct step *s, struct iso_fault *fault)
 {
     struct hub_values values = {.n = 0};

@@ -3,12 +3,11 @@
  * (board/image/units/isotherm-update.path) installs and removes it. The folders, which the image
  * makes:
  *
- *   DIR/incoming/           of the web server
- *     bundle.part           comes just now
- *     bundle.raucb          complete; the unit has it
- *     restart               a wish: the machine shall restart into the update
- * (isotherm-restart.path) DIR/result.json         of root: what became of the last update
- * (install-update)
+ *   DIR/incoming/        of the web server
+ *     bundle.part        is being received
+ *     bundle.raucb       is complete; the unit installs it
+ *     restart            asks for a restart into the update (isotherm-restart.path)
+ *   DIR/result.json      of root: what became of the last update (install-update)
  *
  * One bundle at a time. Nothing is synchronised to the disk: after a power cut the image empties
  * the folder. */
