@@ -12,7 +12,6 @@ static const char owner[] = "sensor openni2";
 
 enum {
     PLAYER_MS = 2000, /* a file that gives no frame for this time is stuck */
-    PLAYER_NAP_MS = 3,
     RECORDER_LOOK_MS = 20,
     RECORDER_STILL = 3,  /* after so many looks without a change the recorder is ready */
     RECORDER_LOOKS = 50, /* the largest number of looks */
@@ -70,7 +69,10 @@ static int set_playback(const struct iso__openni2_session *session, struct iso_f
 static int open_device(struct iso__openni2_session *session, const struct iso__openni2_wish *wish,
                        struct iso_fault *fault)
 {
+    struct iso__openni2_threads before;
+    iso__openni2_threads_list(&before);
     const OniStatus status = oniDeviceOpen(session->info.uri, &session->device);
+    iso__openni2_threads_new(&before, &session->player);
     if (status != ONI_STATUS_OK) {
         session->device = NULL;
         return iso__openni2_refuse(status, session->info.uri, fault);
@@ -119,20 +121,11 @@ int iso__openni2_session_open(struct iso__openni2_session *session,
     return error;
 }
 
-/* The thread of the player goes through the list of its streams without a lock: all the time at the
- * end of a file, and every 10 ms while they are stopped. Destroying the streams at that moment
- * crashes. Shortly after the stop the thread sleeps. */
-static void let_player_sleep(void)
-{
-    const struct timespec while_ns = {0, PLAYER_NAP_MS * 1000000};
-    (void)nanosleep(&while_ns, NULL);
-}
-
 void iso__openni2_session_close(struct iso__openni2_session *session)
 {
     iso__openni2_session_stop(session);
     if (session->file && session->depth.handle) {
-        let_player_sleep();
+        iso__openni2_threads_await_sleep(&session->player);
     }
     if (session->grey.handle) {
         oniStreamDestroy(session->grey.handle);

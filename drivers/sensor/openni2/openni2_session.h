@@ -10,6 +10,7 @@
 
 #include "core/base/fault.h"
 #include "drivers/sensor/openni2/openni2_api.h"
+#include "drivers/sensor/openni2/openni2_player.h"
 #include "drivers/sensor/openni2/openni2_wish.h"
 #include "isotherm/camera.h"
 
@@ -28,6 +29,7 @@ struct iso__openni2_session {
     bool file, loop;
     OniCallbackHandle watch;
     OniDeviceHandle device;
+    struct iso__openni2_threads player; /* the threads that came when the device was opened */
     OniDeviceInfo info;
     char serial[64];
     struct iso__openni2_stream depth, grey;

@@ -1,0 +1,35 @@
+/* The thread that plays a file. For openni2_session.c.
+ *
+ * The runtime's player goes through the list of its streams without a lock: all the time at the end
+ * of a file, and every 10 ms while the streams are stopped. Destroying a stream at that moment
+ * crashes the process. The runtime offers no way to stop this thread first, because it ends only
+ * with the device, and the device must outlive its streams. So the session waits until the kernel
+ * reports that the thread sleeps.
+ */
+#ifndef ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_PLAYER_H
+#define ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_PLAYER_H
+
+#include <sys/types.h>
+
+enum { ISO__OPENNI2_THREADS = 256 };
+
+/* Some threads of this process, by the kernel's numbers. All-zero: none. */
+struct iso__openni2_threads {
+    pid_t ids[ISO__OPENNI2_THREADS];
+    int n;
+};
+
+/* Lists the threads of this process. The list is empty where /proc cannot be read, and ends early
+ * after ISO__OPENNI2_THREADS. */
+void iso__openni2_threads_list(struct iso__openni2_threads *threads);
+
+/* Lists the threads that have come since `before` was listed. */
+void iso__openni2_threads_new(const struct iso__openni2_threads *before,
+                              struct iso__openni2_threads *threads);
+
+/* Waits until each of the threads has been seen asleep or has ended. Gives up after 0.5 s, because
+ * a thread that came by chance with those of the player may be busy for ever. Waits for 3 ms if
+ * there is none. */
+void iso__openni2_threads_await_sleep(const struct iso__openni2_threads *threads);
+
+#endif
