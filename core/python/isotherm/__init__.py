@@ -1,4 +1,4 @@
-"""Shapes by their heat: the part of libisotherm for those who study non-rigid shapes, for NumPy.
+"""Shapes and faces by their heat: libisotherm for NumPy.
 
     import isotherm
     mesh = isotherm.Mesh.load('dog.off')       # or isotherm.Mesh(vertices, triangles)
@@ -6,9 +6,13 @@
     shape.hks(shape.heat_times(50))            # a row of times for each vertex
     isotherm.describe(shape, 'cp-hk').whole    # one vector for the shape
 
+    frames = isotherm.Recording('visit')       # recorded depth frames
+    face = isotherm.Extractor().extract(frames[0])   # landmarks, heat, isotherms
+    isotherm.Metric().score(template, face.template)
+
 Mesh, Shape, Geodesics, Description, Coder, Classifier and SymmetricMatrix hold memory of the library.
 It is freed when the object and every array that it has handed out are gone. Arrays that a function
-computes belong to the caller.
+computes, and those of faces and templates, belong to the caller.
 
 Lengths are in the unit of the mesh, whatever it is; areas and times of heat are in its square. Heat
 flows by dU/dt = -Delta U: it decays by exp(-lambda t). (The dissertation's t is twice this one.)
@@ -23,13 +27,18 @@ from ._classify import Classifier, classifiers
 from ._correspond import Geodesics, functional_map, map_of_points, match, points_of_map, zoom_out
 from ._describe import Coder, Description, Method, describe, methods
 from ._described import Described, read_described
+from ._face import LANDMARKS, Extractor, Face
+from ._frame import Camera, Frame
 from ._library import Error
 from ._matrix import SymmetricMatrix, eigenpairs, finite_elements
 from ._mesh import Mesh
+from ._recording import Recording
 from ._shape import Shape
+from ._template import Metric, Template
 
 __all__ = [
-    'Classifier', 'Coder', 'Described', 'Description', 'Error', 'Geodesics', 'Mesh', 'Method', 'Shape',
-    'SymmetricMatrix', 'classifiers', 'describe', 'eigenpairs', 'finite_elements', 'functional_map', 'map_of_points',
-    'match', 'methods', 'points_of_map', 'read_described', 'zoom_out'
+    'Camera', 'Classifier', 'Coder', 'Described', 'Description', 'Error', 'Extractor', 'Face', 'Frame', 'Geodesics',
+    'LANDMARKS', 'Mesh', 'Method', 'Metric', 'Recording', 'Shape', 'SymmetricMatrix', 'Template', 'classifiers',
+    'describe', 'eigenpairs', 'finite_elements', 'functional_map', 'map_of_points', 'match', 'methods',
+    'points_of_map', 'read_described', 'zoom_out'
 ]

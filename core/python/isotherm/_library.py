@@ -2,7 +2,8 @@
 import ctypes
 import errno
 import os
-from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint64, c_void_p
+from ctypes import (POINTER, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_uint64,
+                    c_void_p)
 
 import numpy as np
 
@@ -40,11 +41,35 @@ def _declare():
     method, fault = POINTER(structs.ShapeMethod), POINTER(structs.Fault)
     points, coloured = POINTER(structs.CriticalPoints), POINTER(structs.ColouredMesh)
     ops = POINTER(structs.ClassifierOps)
+    head, metric, vector = POINTER(structs.HeadModel), POINTER(structs.Metric), POINTER(structs.MetricVector)
+    template, extraction = POINTER(structs.Template), POINTER(structs.Extraction)
     functions = {
         'iso_frame_check': (c_int, POINTER(structs.Frame), fault),
         'iso_triangulator_new': (c_int, c_size_t, POINTER(structs.TriangulateOptions), POINTER(c_void_p)),
         'iso_triangulator_free': (None, c_void_p),
         'iso_triangulate': (c_int, c_void_p, POINTER(structs.Frame), mesh),
+        'iso_landmark_name': (c_char_p, c_int),
+        'iso_capture_name': (c_char_p, c_int),
+        'iso_capture_is_attack': (c_bool, c_int),
+        'iso_head_model_parse': (c_int, c_char_p, c_size_t, POINTER(head), fault),
+        'iso_head_model_free': (None, head),
+        'iso_extract_options_default': (structs.ExtractOptions, ),
+        'iso_extractor_new': (c_int, head, POINTER(structs.ExtractOptions), POINTER(c_void_p)),
+        'iso_extractor_free': (None, c_void_p),
+        'iso_extractor_algorithm': (c_uint32, c_void_p),
+        'iso_extractor_run': (c_int, c_void_p, POINTER(structs.Frame), extraction),
+        'iso_extractor_locate': (c_int, c_void_p, POINTER(structs.Frame), extraction),
+        'iso_extractor_forget': (None, c_void_p),
+        'iso_extractor_mesh': (mesh, c_void_p),
+        'iso_extractor_heat': (c_void_p, c_void_p, c_int),
+        'iso_template_serialise': (c_int, template, c_char_p, c_size_t),
+        'iso_template_parse': (c_int, c_char_p, c_size_t, template),
+        'iso_template_wipe': (None, template),
+        'iso_metric_parse': (c_int, c_char_p, c_size_t, POINTER(metric), fault),
+        'iso_metric_free': (None, metric),
+        'iso_metric_project': (c_int, metric, template, vector),
+        'iso_metric_vector_add': (None, metric, vector, vector),
+        'iso_metric_score': (c_double, metric, vector, vector),
         'iso_mesh_new': (c_int, c_int32, c_int32, POINTER(mesh)),
         'iso_mesh_free': (None, mesh),
         'iso_mesh_check': (c_int, mesh, fault),

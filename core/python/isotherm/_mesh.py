@@ -6,10 +6,10 @@ from ctypes import POINTER, c_void_p
 
 import numpy as np
 
+from ._frame import Camera, Frame
 from ._library import Error, Owner, address, array_in, byref, check, frees, lib, structs, view
 
 _BYTES_MOST = 1 << 30
-_PINHOLE = 1  # enum iso_projection
 
 
 class Mesh:
@@ -91,18 +91,20 @@ class Mesh:
         rows, columns = depth.shape
         fx, fy = np.broadcast_to(np.asarray(focal_length, float), (2, ))
         cx, cy = ((columns - 1) / 2, (rows - 1) / 2) if centre is None else centre
-        camera = structs.Camera(projection=_PINHOLE, width_px=columns, height_px=rows, fx_px=fx, fy_px=fy, cx_px=cx,
-                                cy_px=cy)
-        frame, fault = structs.Frame(camera, columns, rows, depth_mm=address(depth)), structs.Fault()
-        check(lib.iso_frame_check(byref(frame), byref(fault)), 'depth', fault=fault)
+        return cls.from_frame(Frame(depth, Camera(columns, rows, cx, cy, fx, fy)), jump, largest_only)
+
+    @classmethod
+    def from_frame(cls, frame, jump=10.0, largest_only=False):
+        """The same for a Frame, such as one of a Recording."""
+        given, size = frame._check(), frame.depth.size
         options, triangulator = structs.TriangulateOptions(jump, largest_only), c_void_p()
-        check(lib.iso_triangulator_new(depth.size, byref(options), byref(triangulator)), 'jump',
+        check(lib.iso_triangulator_new(size, byref(options), byref(triangulator)), 'jump',
               {errno.EINVAL: '%r is not above 0' % jump})
         work = Owner(triangulator, lib.iso_triangulator_free)
         pointer = POINTER(structs.Mesh)()
-        check(lib.iso_mesh_new(depth.size, 2 * depth.size, byref(pointer)), 'depth')
+        check(lib.iso_mesh_new(size, 2 * size, byref(pointer)), 'depth')
         owner = Owner(pointer, lib.iso_mesh_free)
-        check(lib.iso_triangulate(work.pointer, byref(frame), pointer), 'depth',
+        check(lib.iso_triangulate(work.pointer, given, pointer), 'depth',
               {errno.ENODATA: 'it has no triangle'})
         return cls._of_owner(owner, pointer.contents, None, {})
 

@@ -108,6 +108,154 @@ static void print_shape(void)
     MEMBER(iso_shape, weighted);
 }
 
+static void print_rigid_motions(void)
+{
+    WHOLE(iso_vec3);
+    MEMBER(iso_vec3, x);
+    MEMBER(iso_vec3, y);
+    MEMBER(iso_vec3, z);
+    WHOLE(iso_mat3);
+    MEMBER(iso_mat3, m);
+    WHOLE(iso_rigid);
+    MEMBER(iso_rigid, rotation);
+    MEMBER(iso_rigid, translation_mm);
+}
+
+static void print_heads(void)
+{
+    WHOLE(iso_head_point);
+    MEMBER(iso_head_point, triangle);
+    MEMBER(iso_head_point, weight);
+    WHOLE(iso_head_model);
+    MEMBER(iso_head_model, n_vertices);
+    MEMBER(iso_head_model, n_triangles);
+    MEMBER(iso_head_model, n_identity);
+    MEMBER(iso_head_model, n_expression);
+    MEMBER(iso_head_model, crc32);
+    MEMBER(iso_head_model, mean_mm);
+    MEMBER(iso_head_model, triangles);
+    MEMBER(iso_head_model, region);
+    MEMBER(iso_head_model, identity_mm);
+    MEMBER(iso_head_model, expression_mm);
+    MEMBER(iso_head_model, landmarks);
+    WHOLE(iso_shape_fit_options);
+    MEMBER(iso_shape_fit_options, rigid_iterations);
+    MEMBER(iso_shape_fit_options, iterations);
+    MEMBER(iso_shape_fit_options, jaws);
+    MEMBER(iso_shape_fit_options, vertices);
+    MEMBER(iso_shape_fit_options, cutoff_first_mm);
+    MEMBER(iso_shape_fit_options, cutoff_last_mm);
+    MEMBER(iso_shape_fit_options, soft_weight);
+    MEMBER(iso_shape_fit_options, identity_stiffness_mm2);
+    MEMBER(iso_shape_fit_options, expression_stiffness_mm2);
+    WHOLE(iso_occlusion);
+    MEMBER(iso_occlusion, covered);
+    MEMBER(iso_occlusion, rest_mm2);
+}
+
+static void print_extract_options(void)
+{
+    WHOLE(iso_extract_options);
+    MEMBER(iso_extract_options, t_mm2);
+    MEMBER(iso_extract_options, n_radii);
+    MEMBER(iso_extract_options, radius_mm);
+    MEMBER(iso_extract_options, n_points);
+    MEMBER(iso_extract_options, crop_radius_mm);
+    MEMBER(iso_extract_options, spacing_mm);
+    MEMBER(iso_extract_options, smoothing_mm);
+    MEMBER(iso_extract_options, outlier_mm);
+    MEMBER(iso_extract_options, fit);
+    MEMBER(iso_extract_options, distance_min_mm);
+    MEMBER(iso_extract_options, distance_max_mm);
+    MEMBER(iso_extract_options, yaw_max_rad);
+    MEMBER(iso_extract_options, pitch_max_rad);
+    MEMBER(iso_extract_options, track);
+    MEMBER(iso_extract_options, heat);
+    MEMBER(iso_extract_options, sensor);
+    MEMBER(iso_extract_options, now_ns);
+    MEMBER(iso_extract_options, now_context);
+}
+
+static void print_templates(void)
+{
+    WHOLE(iso_upper_face);
+    MEMBER(iso_upper_face, z_mm);
+    MEMBER(iso_upper_face, kind);
+    WHOLE(iso_template);
+    MEMBER(iso_template, algorithm);
+    MEMBER(iso_template, sensor);
+    MEMBER(iso_template, n_radii);
+    MEMBER(iso_template, n_points);
+    MEMBER(iso_template, n_frames);
+    MEMBER(iso_template, learned);
+    MEMBER(iso_template, quality);
+    MEMBER(iso_template, radius_mm);
+    MEMBER(iso_template, points_mm);
+    MEMBER(iso_template, weight);
+    MEMBER(iso_template, upper);
+}
+
+static void print_extraction(void)
+{
+    WHOLE(iso_extraction);
+    MEMBER(iso_extraction, outcome);
+    MEMBER(iso_extraction, cue);
+    MEMBER(iso_extraction, camera_from_face);
+    MEMBER(iso_extraction, yaw_rad);
+    MEMBER(iso_extraction, pitch_rad);
+    MEMBER(iso_extraction, roll_rad);
+    MEMBER(iso_extraction, distance_mm);
+    MEMBER(iso_extraction, residual_mm);
+    MEMBER(iso_extraction, fitted);
+    MEMBER(iso_extraction, tracked);
+    MEMBER(iso_extraction, landmark_mm);
+    MEMBER(iso_extraction, ibug_mm);
+    MEMBER(iso_extraction, sigma_mm);
+    MEMBER(iso_extraction, occlusion);
+    MEMBER(iso_extraction, fit_coverage);
+    MEMBER(iso_extraction, identity_norm);
+    MEMBER(iso_extraction, expression_norm);
+    MEMBER(iso_extraction, coverage);
+    MEMBER(iso_extraction, source_mm);
+    MEMBER(iso_extraction, tmpl);
+    MEMBER(iso_extraction, stage_ns);
+}
+
+static void print_metric(void)
+{
+    WHOLE(iso_rerank_weights);
+    MEMBER(iso_rerank_weights, metric);
+    MEMBER(iso_rerank_weights, upper);
+    MEMBER(iso_rerank_weights, bias);
+    WHOLE(iso_metric);
+    MEMBER(iso_metric, algorithm);
+    MEMBER(iso_metric, landmarks);
+    MEMBER(iso_metric, n_radii);
+    MEMBER(iso_metric, n_points);
+    MEMBER(iso_metric, n_dimensions);
+    MEMBER(iso_metric, weight_min);
+    MEMBER(iso_metric, gain);
+    MEMBER(iso_metric, bias);
+    MEMBER(iso_metric, rerank);
+    MEMBER(iso_metric, n_origins);
+    MEMBER(iso_metric, origin);
+    MEMBER(iso_metric, n_nodes);
+    MEMBER(iso_metric, node);
+    MEMBER(iso_metric, n_curve_values);
+    MEMBER(iso_metric, n_values);
+    MEMBER(iso_metric, curve_mm);
+    MEMBER(iso_metric, upper_mm);
+    MEMBER(iso_metric, between);
+    MEMBER(iso_metric, centre);
+    MEMBER(iso_metric, axis);
+    WHOLE(iso_metric_vector);
+    MEMBER(iso_metric_vector, n);
+    MEMBER(iso_metric_vector, weight);
+    MEMBER(iso_metric_vector, step);
+    MEMBER(iso_metric_vector, scale);
+    MEMBER(iso_metric_vector, mean);
+}
+
 static void print_methods(void)
 {
     WHOLE(iso_shape_description);
@@ -160,6 +308,12 @@ int main(void)
     print_frames();
     print_spectra();
     print_shape();
+    print_rigid_motions();
+    print_heads();
+    print_extract_options();
+    print_templates();
+    print_extraction();
+    print_metric();
     print_methods();
     print_classifiers();
     return 0;

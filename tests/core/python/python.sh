@@ -4,15 +4,15 @@
 #   python.sh LIBRARY LAYOUT PROGRAM SOURCE_DIRECTORY      LIBRARY: libisotherm.so; LAYOUT: tests/core/python/layout.c, built
 #   python.sh LIBRARY --examples SOURCE_DIRECTORY          runs the examples instead
 #
-# Exit code 77: there is no NumPy or SciPy, or the library needs the run time of clang's sanitizers, which Python does not have.
+# Exit code 77: there is no NumPy, SciPy or Pillow, or the library needs the run time of clang's sanitizers, which Python does not have.
 set -eu
 library=$1 what=$2
 # isotherm-sim has one thread of OpenBLAS; with more, sums are in another order.
 export OPENBLAS_NUM_THREADS=1
 # Debian's Python has the packages; another one may come first in PATH.
 python=/usr/bin/python3
-if ! "$python" -c 'import numpy, scipy' 2>/dev/null; then
-    echo 'skipped: python3-numpy or python3-scipy is missing'
+if ! "$python" -c 'import numpy, scipy, PIL' 2>/dev/null; then
+    echo 'skipped: python3-numpy, python3-scipy or python3-pil is missing'
     exit 77
 fi
 work=$(mktemp -d)
@@ -46,6 +46,16 @@ if [ "$what" = --examples ]; then
             exit 1
         }
     done
+    echo '== faces.py'
+    stored=$source/sim/stored
+    python "$source/core/python/examples/faces.py" --data "$source/core/data" --picture "$work/face.png" \
+        "$stored/p01-enrol" "$stored/p01-v1" "$stored/p02-v1" | tee "$work/faces"
+    grep -q 'p01-v1: .* the same person$' "$work/faces"
+    grep -q 'p02-v1: .* somebody else$' "$work/faces"
+    [ -z "$drawn" ] || [ -s "$work/face.png" ] || {
+        echo 'faces.py: no picture'
+        exit 1
+    }
     exit 0
 fi
 
@@ -65,9 +75,18 @@ for format in npy csv mat5; do
 done
 quietly "$simulator" shapes describe "$coat" --no-pictures --out "$work/coloured"
 quietly "$simulator" shapes match "$work/plain/dog-01.off" "$work/plain/dog-02.off" --pairs 60 --out "$work/match"
+corpus=$work/corpus
+mkdir "$corpus"
+head -n 1 "$source/sim/stored/manifest.csv" >"$corpus/manifest.csv"
+for recording in p01-enrol p01-v1 p02-enrol p02-v1; do
+    ln -s "$source/sim/stored/$recording" "$corpus"
+    grep "^$recording," "$source/sim/stored/manifest.csv" >>"$corpus/manifest.csv"
+done
+quietly "$simulator" eval --corpus "$corpus" --out "$work/scores" --method hfpc-metric --fuse 1 --gallery-frames 1 --probe-frames 1 --threads 1
+quietly "$simulator" landmarks --corpus "$corpus" --out "$work/faces" --pictures 0 --threads 1
 "$what" >"$work/layout"
 ln -s "$coat" "$work/coat.ply"
 mv "$work/coloured/$(basename "$coat" .ply)" "$work/coloured/coat"
-ISOTHERM_PYTHON_TEST=$work
-export ISOTHERM_PYTHON_TEST
+ISOTHERM_PYTHON_TEST=$work ISOTHERM_PYTHON_DATA=$source/core/data
+export ISOTHERM_PYTHON_TEST ISOTHERM_PYTHON_DATA
 python -m unittest discover --start-directory "$source/tests/core/python"
