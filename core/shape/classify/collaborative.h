@@ -53,8 +53,9 @@ double iso_code_residual(const struct iso_collaborative *model, const struct iso
 /* The operations of isotherm/classifier.h; the model is an iso_collaborative. The ranking treats
  * each shape as a class of its own. The distance of a shape is the residual of y after the
  * contribution of that shape is subtracted, averaged over the parts by their weights. It is not
- * divided by |alpha_i|, which is near 0 for most shapes, so that their order would be arbitrary. A
- * negative coefficient counts as 0: the shape deviates from the mean in the opposite way. */
+ * divided by |alpha_i|, which is near 0 for most shapes, so that their order would be arbitrary.
+ * The contribution of a negative coefficient always makes the residual longer, because such a shape
+ * differs from the mean in the opposite direction: |y|^2 + 2 |alpha_i d_i y| + |alpha_i d_i|^2. */
 int iso_collaborative_train(const struct iso_collaborative_kind *kind,
                             const struct iso_labelled *training, void **model)
     __attribute__((warn_unused_result));
