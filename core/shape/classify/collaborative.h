@@ -67,6 +67,17 @@ int iso_collaborative_score(const void *model, const float *feature, double *sco
 int iso_collaborative_rank(const void *model, const float *feature, int32_t left, double *distance)
     __attribute__((warn_unused_result));
 
+/* At most so many shapes are left out in turn while lambda is chosen, which bounds the time. */
+enum { ISO_COLLABORATIVE_SAMPLE_MAX = 60 };
+
+/* The shapes that are left out: the first of every class in turn, then the second of every class,
+ * and so on, so that every class counts whatever the order of the shapes is. A shape that is alone
+ * in its class is not among them. Of more than ISO_COLLABORATIVE_SAMPLE_MAX classes the first ones
+ * are taken. *n receives how many there are. -ENOMEM. */
+int iso_collaborative_sample(const struct iso_training_set *gallery,
+                             int32_t sample[ISO_COLLABORATIVE_SAMPLE_MAX], int32_t *n)
+    __attribute__((warn_unused_result));
+
 /* Chooses model->lambda for the model's dictionaries (collaborative_choice.c). *quality receives
  * the quality of the chosen one, 0..2: the share of shapes whose class is told plus the mean first
  * tier. It is 0 if no class has two shapes. -ENOMEM. */

@@ -9,8 +9,7 @@
 
 #include <cmocka.h>
 
-#include "core/shape/classify/dictionary.h"
-#include "core/shape/classify/standard.h"
+#include "core/shape/classify/collaborative.h"
 #include "tests/core/shape/cloud.h"
 #include "tests/support/near.h"
 
@@ -86,6 +85,36 @@ static void opposite_features_come_last(void **state)
         }
         iso_classifier_free(classifier);
     }
+}
+
+/* Every class is in the sample of a set of over 60 shapes, also if their order has a period.
+ * Classes 0 and 1 take turns in 150 shapes, class 2 has three shapes, class 3 one, class 4 none. */
+static void the_sample_has_shapes_of_every_class(void **state)
+{
+    (void)state;
+    enum { ALL = 154 };
+    int32_t label[ALL], sample[ISO_COLLABORATIVE_SAMPLE_MAX], n = 0, count[5] = {0};
+    uint8_t seen[ALL] = {0};
+    for (int i = 0; i < ALL; i++) {
+        label[i] = i < 150 ? i % 2 : i < 153 ? 2 : 3;
+    }
+    const struct iso_training_set gallery = {.n = ALL, .n_classes = 5, .label = label};
+    assert_int_equal(iso_collaborative_sample(&gallery, sample, &n), 0);
+    assert_int_equal(n, ISO_COLLABORATIVE_SAMPLE_MAX);
+    for (int s = 0; s < n; s++) {
+        assert_true(sample[s] >= 0 && sample[s] < ALL && !seen[sample[s]]);
+        seen[sample[s]] = 1;
+        count[label[sample[s]]]++;
+    }
+    const int expected[5] = {29, 28, 3, 0, 0};
+    for (int c = 0; c < 5; c++) {
+        assert_int_equal(count[c], expected[c]);
+    }
+    const int32_t first[6] = {0, 1, 150, 2, 3, 151};
+    assert_memory_equal(sample, first, sizeof first);
+    const struct iso_training_set few = {.n = 5, .n_classes = 2, .label = label};
+    assert_int_equal(iso_collaborative_sample(&few, sample, &n), 0);
+    assert_int_equal(n, 5);
 }
 
 /* A code without one atom is the same whether the atom is left out or was never there. */
@@ -221,6 +250,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_order_of_the_items_does_not_matter),
         cmocka_unit_test(opposite_features_come_last),
+        cmocka_unit_test(the_sample_has_shapes_of_every_class),
         cmocka_unit_test(an_atom_that_is_left_out_is_not_there),
         cmocka_unit_test(parallel_features_are_told_apart),
         cmocka_unit_test(standard_features_have_no_mean),
