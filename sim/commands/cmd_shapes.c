@@ -124,6 +124,8 @@ static const struct sim_option describe_options[] = {
     {"format", "npy|csv|mat5", "format of the arrays (npy)", sim_option_text,
      FIELD(describe.format)},
     {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(describe.pairs)},
+    {"laplacian", "plain|robust", "finite elements of the mesh (plain), or for bad meshes",
+     sim_option_text, FIELD(describe.laplacian)},
     {"times", "N", "times of hks, on a logarithmic scale (100)", sim_option_int,
      FIELD(describe.quantity.times)},
     {"time-first", "T", "first time, in the square of the mesh's unit (4 ln 10 / last lambda)",
@@ -369,7 +371,7 @@ int sim_cmd_shapes(int argc, char **argv)
         .index = {.method = "cp-hk"},
         .query = {.matches = 10},
         .match = {.first_pairs = 20, .step = 5, .weight = 0.01},
-        .describe = {.what = "all", .format = "npy"},
+        .describe = {.what = "all", .format = "npy", .laplacian = "plain"},
     };
     arguments.threads = sim_threads_default(ISO_HEAT_DIRECT);
     return sim_subcommand_run("shapes", targets, sizeof targets / sizeof *targets, &arguments, argc,

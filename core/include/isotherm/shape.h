@@ -63,6 +63,20 @@ struct iso_shape {
 int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t n_pairs,
                   struct iso_shape **out) __attribute__((warn_unused_result));
 
+/** Makes a shape of a bad mesh, as iso_shape_new(), but with the matrices of
+ * iso_stiffness_mass_robust(), and eigenpairs of these. Triangles without area are kept if all
+ * their corners belong to the shape: they close cracks. `area` and `neighbour` stay those of the
+ * mesh, and iso_geodesic_new() makes finite elements of its own of the mesh as it is.
+ *
+ * @param mesh     As for iso_shape_new().
+ * @param colour   As for iso_shape_new().
+ * @param n_pairs  As for iso_shape_new().
+ * @param out      Receives the shape; free it with iso_shape_free().
+ * @return As iso_shape_new(); -ENOTRECOVERABLE also from iso_stiffness_mass_robust(). */
+int iso_shape_new_robust(const struct iso_mesh *mesh, const struct iso_colour *colour,
+                         int32_t n_pairs, struct iso_shape **out)
+    __attribute__((warn_unused_result));
+
 /** Frees a shape.
  *
  * @param shape  The shape, or NULL. */

@@ -58,12 +58,14 @@ def _new_matrix(mesh):
     return Owner(pointer, lib.iso_symmetric_free)
 
 
-def finite_elements(mesh, lumped=False, density=None):
+def finite_elements(mesh, lumped=False, density=None, robust=False):
     """Stiffness L and mass B of linear finite elements on a mesh: (L, B), two SymmetricMatrix.
 
     lumped: B is diagonal.
     density: (n,) float64 above 0, the density of a weighted manifold at the vertices (Abdelrahman
     2013, 5.11 to 5.13); None: 1 everywhere.
+    robust: those of the intrinsic Delaunay triangulation of the mesh's tufted cover (Sharp and Crane
+    2020), for bad meshes.
     L has no unit, B is in the square of the mesh's unit. Of a vertex in no triangle, the row of L is
     0 and that of B has 1 on its diagonal.
     """
@@ -72,14 +74,17 @@ def finite_elements(mesh, lumped=False, density=None):
         raise Error('mesh: it has no triangles')
     stiffness, mass = _new_matrix(mesh), _new_matrix(mesh)
     kind = _LUMPED if lumped else _CONSISTENT
-    if density is None:
-        code = lib.iso_stiffness_mass(byref(mesh._struct), kind, stiffness.pointer, mass.pointer)
-    else:
+    if density is not None:
         density = array_in(density, np.float64, (len(mesh.vertices), ), 'density')
         if not (density > 0).all():
             raise Error('density: a number is not above 0')
-        code = lib.iso_stiffness_mass_weighted(byref(mesh._struct), kind, address(density), stiffness.pointer,
-                                               mass.pointer)
+    weight = None if density is None else address(density)
+    if robust:
+        code = lib.iso_stiffness_mass_robust(byref(mesh._struct), kind, weight, stiffness.pointer, mass.pointer)
+    elif density is None:
+        code = lib.iso_stiffness_mass(byref(mesh._struct), kind, stiffness.pointer, mass.pointer)
+    else:
+        code = lib.iso_stiffness_mass_weighted(byref(mesh._struct), kind, weight, stiffness.pointer, mass.pointer)
     check(code, 'mesh')
     return SymmetricMatrix(stiffness, stiffness.pointer), SymmetricMatrix(mass, mass.pointer)
 

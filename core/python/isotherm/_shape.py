@@ -31,11 +31,13 @@ class Shape:
     densities are its channels; else empty
     """
 
-    def __init__(self, mesh, pairs=0, colours=False):
+    def __init__(self, mesh, pairs=0, colours=False, robust=False):
         """Makes the shape of a mesh.
 
         pairs: eigenpairs, the trivial one among them; 0: 100. A shape has at most half as many as
-        vertices. colours: whether methods that need the mesh's colours will be used.
+        vertices. colours: whether methods that need the mesh's colours will be used. robust: finite
+        elements for bad meshes: those of the intrinsic Delaunay triangulation of the mesh's tufted
+        cover (Sharp and Crane 2020); areas and distances stay those of the mesh.
         Raises Error if fewer than 32 vertices are left, or if its spectrum cannot be computed. Warns
         if over 1 % of the mesh's area is left out.
         """
@@ -45,7 +47,8 @@ class Shape:
         mesh_area = mesh.area
         pointer = POINTER(structs.Shape)()
         given = address(mesh._arrays[2]) if colours else None
-        check(lib.iso_shape_new(byref(mesh._struct), given, pairs, byref(pointer)), 'mesh', {
+        make = lib.iso_shape_new_robust if robust else lib.iso_shape_new
+        check(make(byref(mesh._struct), given, pairs, byref(pointer)), 'mesh', {
             errno.ENODATA: 'its largest part has fewer than %d vertices' % VERTICES_MIN, **SPECTRUM_FAULTS})
         self._pointer = pointer
         self._owner = Owner(pointer, lib.iso_shape_free)

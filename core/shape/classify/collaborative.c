@@ -197,6 +197,15 @@ void iso_code_scores(const struct iso_collaborative *m, const struct iso_code *c
     }
 }
 
+/* What the contribution a d of a shape adds to |y|^2, given d y and |d|^2. A shape with a negative
+ * coefficient differs from the mean in the opposite direction: it only makes the distance longer.
+ */
+static double contribution(double a, double product, double square)
+{
+    const double along = a < 0.0 ? fabs(product) : product;
+    return a * a * square - 2.0 * a * along;
+}
+
 void iso_code_distances(const struct iso_collaborative *m, const struct iso_code *code,
                         double *distance)
 {
@@ -210,9 +219,9 @@ void iso_code_distances(const struct iso_collaborative *m, const struct iso_code
     for (int32_t i = 0; i < m->gallery.n; i++) {
         double square = 0.0;
         for (int32_t k = 0; i != code->left && k < m->n_parts; k++) {
-            const double a = fmax(code->alpha[k][i], 0.0);
             square += code->weight[k] / weight *
-                      (length[k] - 2.0 * a * code->product[k][i] + a * a * m->part[k].square[i]);
+                      (length[k] +
+                       contribution(code->alpha[k][i], code->product[k][i], m->part[k].square[i]));
         }
         distance[i] = sqrt(fmax(0.0, square));
     }

@@ -53,8 +53,9 @@ double iso_code_residual(const struct iso_collaborative *model, const struct iso
 /* The operations of isotherm/classifier.h; the model is an iso_collaborative. The ranking treats
  * each shape as a class of its own. The distance of a shape is the residual of y after the
  * contribution of that shape is subtracted, averaged over the parts by their weights. It is not
- * divided by |alpha_i|, which is near 0 for most shapes, so that their order would be arbitrary. A
- * negative coefficient counts as 0: the shape deviates from the mean in the opposite way. */
+ * divided by |alpha_i|, which is near 0 for most shapes, so that their order would be arbitrary.
+ * The contribution of a negative coefficient always makes the residual longer, because such a shape
+ * differs from the mean in the opposite direction: |y|^2 + 2 |alpha_i d_i y| + |alpha_i d_i|^2. */
 int iso_collaborative_train(const struct iso_collaborative_kind *kind,
                             const struct iso_labelled *training, void **model)
     __attribute__((warn_unused_result));
@@ -64,6 +65,17 @@ void iso_collaborative_free(void *model);
 int iso_collaborative_score(const void *model, const float *feature, double *score)
     __attribute__((warn_unused_result));
 int iso_collaborative_rank(const void *model, const float *feature, int32_t left, double *distance)
+    __attribute__((warn_unused_result));
+
+/* At most so many shapes are left out in turn while lambda is chosen, which bounds the time. */
+enum { ISO_COLLABORATIVE_SAMPLE_MAX = 60 };
+
+/* The shapes that are left out: the first of every class in turn, then the second of every class,
+ * and so on, so that every class counts whatever the order of the shapes is. A shape that is alone
+ * in its class is not among them. Of more than ISO_COLLABORATIVE_SAMPLE_MAX classes the first ones
+ * are taken. *n receives how many there are. -ENOMEM. */
+int iso_collaborative_sample(const struct iso_training_set *gallery,
+                             int32_t sample[ISO_COLLABORATIVE_SAMPLE_MAX], int32_t *n)
     __attribute__((warn_unused_result));
 
 /* Chooses model->lambda for the model's dictionaries (collaborative_choice.c). *quality receives

@@ -1,5 +1,6 @@
 /* The choice of lambda by leave-one-out (collaborative.h). */
 #include <errno.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 #include "core/shape/classify/collaborative.h"
@@ -9,17 +10,51 @@
 static const double lambdas[] = {2.0, 8.0, 0.5, 0.1};
 enum { LAMBDAS = sizeof lambdas / sizeof *lambdas };
 
-/* At most so many shapes are left out in turn, which bounds the time: every k-th of the training
- * set. */
-enum { LEFT_OUT_MAX = 60 };
-
 /* The working memory. */
 struct trial {
-    double *score;    /* [n_classes] */
-    double *distance; /* [n] */
+    int32_t sample[ISO_COLLABORATIVE_SAMPLE_MAX], n_sample; /* shapes that are left out in turn */
+    double *score;                                          /* [n_classes] */
+    double *distance;                                       /* [n] */
     struct iso_code_work work;
     struct iso_code code;
 };
+
+/* The first shape of a class at or after shape `from`; n if there is none. */
+static int32_t next_of_class(const struct iso_training_set *gallery, int32_t class, int32_t from)
+{
+    while (from < gallery->n && gallery->label[from] != class) {
+        from++;
+    }
+    return from;
+}
+
+int iso_collaborative_sample(const struct iso_training_set *gallery,
+                             int32_t sample[ISO_COLLABORATIVE_SAMPLE_MAX], int32_t *n)
+{
+    int32_t *next = calloc((size_t)gallery->n_classes, sizeof *next);
+    if (!next) {
+        return -ENOMEM;
+    }
+    int32_t found = 0;
+    for (int32_t c = 0; c < gallery->n_classes; c++) {
+        const int32_t first = next_of_class(gallery, c, 0);
+        const bool alone = next_of_class(gallery, c, first + 1) >= gallery->n;
+        next[c] = alone ? gallery->n : first;
+    }
+    for (bool more = true; more;) { /* a shape of every class that has one left */
+        more = false;
+        for (int32_t c = 0; c < gallery->n_classes && found < ISO_COLLABORATIVE_SAMPLE_MAX; c++) {
+            if (next[c] < gallery->n) {
+                sample[found++] = next[c];
+                next[c] = next_of_class(gallery, c, next[c] + 1);
+                more = true;
+            }
+        }
+    }
+    free(next);
+    *n = found;
+    return 0;
+}
 
 /* Shapes of the class of shape i besides it. */
 static int32_t company_of(const struct iso_training_set *gallery, int32_t i)
@@ -69,18 +104,12 @@ static double leave_out(const struct iso_collaborative *m, int32_t left, int32_t
 
 static double try_lambda(const struct iso_collaborative *m, struct trial *trial)
 {
-    const struct iso_training_set *g = &m->gallery;
-    const int32_t step = (g->n + LEFT_OUT_MAX - 1) / LEFT_OUT_MAX;
     double sum = 0.0;
-    int32_t n = 0;
-    for (int32_t i = 0; i < g->n; i += step) {
-        const int32_t company = company_of(g, i);
-        if (company > 0) {
-            sum += leave_out(m, i, company, trial);
-            n++;
-        }
+    for (int32_t s = 0; s < trial->n_sample; s++) {
+        const int32_t left = trial->sample[s];
+        sum += leave_out(m, left, company_of(&m->gallery, left), trial);
     }
-    return n > 0 ? sum / n : 0.0;
+    return trial->n_sample > 0 ? sum / trial->n_sample : 0.0;
 }
 
 int iso_collaborative_choose(struct iso_collaborative *m, double *quality)
@@ -88,6 +117,9 @@ int iso_collaborative_choose(struct iso_collaborative *m, double *quality)
     struct trial trial = {.score = calloc((size_t)m->gallery.n_classes, sizeof(double)),
                           .distance = calloc((size_t)m->gallery.n, sizeof(double))};
     int error = trial.score && trial.distance ? 0 : -ENOMEM;
+    if (!error) {
+        error = iso_collaborative_sample(&m->gallery, trial.sample, &trial.n_sample);
+    }
     if (!error) {
         error = iso_code_init(m, &trial.work, &trial.code);
     }

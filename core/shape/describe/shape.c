@@ -10,21 +10,28 @@
 /* The relative residual of the eigenpairs; the error of the eigenvalues is about its square. */
 static const double pairs_tolerance = 1e-8;
 
+/* Whether a triangle belongs to the part whose vertices are 1 in `inside`. */
+static bool is_inside(const struct iso_mesh *mesh, int32_t t, const double *inside, bool keep_flat)
+{
+    const int32_t *v = mesh->triangles[t];
+    return inside[v[0]] > 0.0 && inside[v[1]] > 0.0 && inside[v[2]] > 0.0 &&
+           (keep_flat || iso_triangle_has_area(mesh, t));
+}
+
 /* Copies the largest part with its colours. `parent`, and later `number`, use the same memory. */
-static int copy_part(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t *number,
-                     double *area, struct iso_shape *shape)
+static int copy_part(const struct iso_mesh *mesh, const struct iso_colour *colour, bool keep_flat,
+                     int32_t *number, double *area, struct iso_shape *shape)
 {
     int32_t best = iso_largest_part(mesh, number, area), n = 0, triangles = 0;
     if (best < 0) {
         return -ENODATA;
     }
-    for (int32_t t = 0; t < mesh->n_triangles; t++) {
-        triangles += iso_triangle_has_area(mesh, t) &&
-                     iso_part_root(number, mesh->triangles[t][0]) == best;
-    }
     for (int32_t v = 0; v < mesh->n_vertices; v++) {
         area[v] = iso_part_root(number, v) == best ? 1.0 : 0.0;
         n += area[v] > 0.0;
+    }
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        triangles += is_inside(mesh, t, area, keep_flat);
     }
     if (n < ISO_SHAPE_VERTICES_MIN) {
         return -ENODATA;
@@ -47,10 +54,9 @@ static int copy_part(const struct iso_mesh *mesh, const struct iso_colour *colou
         }
     }
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
-        const int32_t *v = mesh->triangles[t];
-        if (number[v[0]] >= 0 && iso_triangle_has_area(mesh, t)) {
+        if (is_inside(mesh, t, area, keep_flat)) {
             for (int k = 0; k < 3; k++) {
-                part->triangles[part->n_triangles][k] = number[v[k]];
+                part->triangles[part->n_triangles][k] = number[mesh->triangles[t][k]];
             }
             part->n_triangles++;
         }
@@ -58,13 +64,14 @@ static int copy_part(const struct iso_mesh *mesh, const struct iso_colour *colou
     return 0;
 }
 
-static int take_part(const struct iso_mesh *mesh, const struct iso_colour *colour,
+static int take_part(const struct iso_mesh *mesh, const struct iso_colour *colour, bool keep_flat,
                      struct iso_shape *shape)
 {
     const size_t n = (size_t)mesh->n_vertices + 1;
     int32_t *number = calloc(n, sizeof *number);
     double *area = calloc(n, sizeof *area);
-    const int error = number && area ? copy_part(mesh, colour, number, area, shape) : -ENOMEM;
+    const int error = number && area ? copy_part(mesh, colour, keep_flat, number, area, shape)
+                                     : -ENOMEM;
     free(number);
     free(area);
     return error;
@@ -183,7 +190,7 @@ static int solve_pairs(const struct iso_shape *shape, const struct iso_symmetric
 }
 
 /* Computes the spectra of the manifolds whose densities are the channels. */
-static int solve_weighted(struct iso_shape *shape)
+static int solve_weighted(struct iso_shape *shape, bool robust)
 {
     struct iso_symmetric *stiffness = NULL, *mass = NULL;
     int32_t n = shape->mesh->n_vertices, room = shape->stiffness->nnz_capacity;
@@ -199,8 +206,10 @@ static int solve_weighted(struct iso_shape *shape)
         for (int32_t v = 0; v < n; v++) {
             density[v] = fmax(ISO_SHAPE_DENSITY_MIN, (double)shape->colour[v].channel[c]);
         }
-        error = iso_stiffness_mass_weighted(shape->mesh, ISO_MASS_CONSISTENT, density, stiffness,
-                                            mass);
+        error = robust ? iso_stiffness_mass_robust(shape->mesh, ISO_MASS_CONSISTENT, density,
+                                                   stiffness, mass)
+                       : iso_stiffness_mass_weighted(shape->mesh, ISO_MASS_CONSISTENT, density,
+                                                     stiffness, mass);
         if (!error) {
             error = solve_pairs(shape, stiffness, mass, ISO_SHAPE_WEIGHTED_PAIRS,
                                 &shape->weighted[c]);
@@ -212,8 +221,8 @@ static int solve_weighted(struct iso_shape *shape)
     return error;
 }
 
-int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t n_pairs,
-                  struct iso_shape **out)
+static int make_shape(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t n_pairs,
+                      bool robust, struct iso_shape **out)
 {
     if (n_pairs < 0 || iso_mesh_check(mesh, NULL) || !valid_colours(colour, mesh->n_vertices)) {
         return -EINVAL;
@@ -222,7 +231,7 @@ int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, 
     if (!shape) {
         return -ENOMEM;
     }
-    int error = take_part(mesh, colour, shape);
+    int error = take_part(mesh, colour, robust, shape);
     if (!error) {
         error = measure_area(shape);
     }
@@ -235,12 +244,16 @@ int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, 
     if (!error) {
         error = find_boundary(shape);
     }
+    if (!error && robust) { /* after the neighbours were found, which are those of the mesh */
+        error = iso_stiffness_mass_robust(shape->mesh, ISO_MASS_CONSISTENT, NULL, shape->stiffness,
+                                          shape->mass);
+    }
     if (!error) {
         error = solve_pairs(shape, shape->stiffness, shape->mass,
                             n_pairs ? n_pairs : ISO_SHAPE_PAIRS, &shape->pairs);
     }
     if (!error && colour) {
-        error = solve_weighted(shape);
+        error = solve_weighted(shape, robust);
     }
     if (error) {
         iso_shape_free(shape);
@@ -248,6 +261,18 @@ int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, 
     }
     *out = shape;
     return 0;
+}
+
+int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t n_pairs,
+                  struct iso_shape **out)
+{
+    return make_shape(mesh, colour, n_pairs, false, out);
+}
+
+int iso_shape_new_robust(const struct iso_mesh *mesh, const struct iso_colour *colour,
+                         int32_t n_pairs, struct iso_shape **out)
+{
+    return make_shape(mesh, colour, n_pairs, true, out);
 }
 
 void iso_shape_free(struct iso_shape *shape)

@@ -84,6 +84,7 @@ struct work {
     const struct sim_describe_options *options;
     struct sim_describe_choice choice;
     enum sim_array_format format;
+    enum sim_laplacian laplacian;
     FILE *out;
     pthread_mutex_t lock; /* protects the output and the members below */
     struct iso_fault *fault;
@@ -177,7 +178,8 @@ static int describe_mesh(struct work *work, const char *path, struct iso_fault *
     if (!error) {
         const bool colours = work->choice.colours &&
                              (mesh.colour || !work->choice.as_colours_allow);
-        error = sim_source_shape(path, &mesh, colours, options->pairs, &shape, fault);
+        error = sim_source_shape(path, &mesh, work->laplacian, colours, options->pairs, &shape,
+                                 fault);
     }
     if (!error) {
         subject.shape = shape;
@@ -252,6 +254,15 @@ static int find_format(const char *name, enum sim_array_format *out, struct iso_
     return iso_fault_set(fault, -EINVAL, "--format: '%s' is none of npy, csv, mat5", name);
 }
 
+static int find_laplacian(const char *name, enum sim_laplacian *out, struct iso_fault *fault)
+{
+    const bool robust = strcmp(name, "robust") == 0;
+    *out = robust ? SIM_LAPLACIAN_ROBUST : SIM_LAPLACIAN_PLAIN;
+    return robust || strcmp(name, "plain") == 0
+               ? 0
+               : iso_fault_set(fault, -EINVAL, "--laplacian: '%s' is none of plain, robust", name);
+}
+
 int sim_shapes_describe(const struct sim_describe_options *options, FILE *out,
                         struct iso_fault *fault)
 {
@@ -262,6 +273,9 @@ int sim_shapes_describe(const struct sim_describe_options *options, FILE *out,
         return iso_fault_set(fault, -EINVAL, "no mesh is given");
     }
     int error = find_format(options->format, &work.format, fault);
+    if (!error) {
+        error = find_laplacian(options->laplacian, &work.laplacian, fault);
+    }
     if (!error) {
         error = choose_names(options->what, &work.choice, fault);
     }

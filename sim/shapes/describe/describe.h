@@ -11,6 +11,7 @@ struct sim_describe_options {
     const char *out;                /* directory, created if it is missing */
     const char *what;               /* names of quantities and methods, or "all", with commas */
     const char *format;             /* npy, csv or mat5 */
+    const char *laplacian;          /* plain or robust */
     struct sim_quantity_options quantity;
     int pairs; /* eigenpairs; 0: ISO_SHAPE_PAIRS */
     int vertices, smooth;

@@ -54,12 +54,13 @@ static json_t *describe_shape(const struct sim_describe_options *o,
                               const struct sim_describe_subject *subject)
 {
     const struct iso_shape *shape = subject->shape;
-    return json_pack("{s:i, s:i, s:f, s:i, s:i, s:s, s:s, s:s, s:o, s:o}", "vertices",
+    return json_pack("{s:i, s:i, s:f, s:i, s:i, s:s, s:s, s:s, s:s, s:o, s:o}", "vertices",
                      shape->mesh->n_vertices, "triangles", shape->mesh->n_triangles, "total_area",
                      shape->total_area, "eigenpairs", shape->pairs->k, "eigenpairs_wanted",
-                     o->pairs ? o->pairs : ISO_SHAPE_PAIRS, "mass", "consistent finite elements",
-                     "boundary", "Neumann", "heat", "dU/dt = -Delta U: decay exp(-lambda t)",
-                     "hks_times", describe_steps(subject->arrays, "hks_time"), "wks_energies",
+                     o->pairs ? o->pairs : ISO_SHAPE_PAIRS, "laplacian", o->laplacian, "mass",
+                     "consistent finite elements", "boundary", "Neumann", "heat",
+                     "dU/dt = -Delta U: decay exp(-lambda t)", "hks_times",
+                     describe_steps(subject->arrays, "hks_time"), "wks_energies",
                      describe_steps(subject->arrays, "wks_energy"));
 }
 

@@ -160,14 +160,18 @@ int sim_source_read(const char *path, const char *name, const struct sim_source_
     return 0;
 }
 
-int sim_source_shape(const char *path, const struct iso_coloured_mesh *mesh, bool colours,
-                     int32_t n_pairs, struct iso_shape **out, struct iso_fault *fault)
+int sim_source_shape(const char *path, const struct iso_coloured_mesh *mesh,
+                     enum sim_laplacian laplacian, bool colours, int32_t n_pairs,
+                     struct iso_shape **out, struct iso_fault *fault)
 {
     if (colours && !mesh->colour) {
         return iso_fault_set(fault, -ENODATA, "%s: a method needs colours, and the file has none",
                              path);
     }
-    const int error = iso_shape_new(mesh->mesh, colours ? mesh->colour : NULL, n_pairs, out);
+    const struct iso_colour *colour = colours ? mesh->colour : NULL;
+    const int error = laplacian == SIM_LAPLACIAN_ROBUST
+                          ? iso_shape_new_robust(mesh->mesh, colour, n_pairs, out)
+                          : iso_shape_new(mesh->mesh, colour, n_pairs, out);
     switch (error) {
     case 0:
         return 0;

@@ -16,6 +16,10 @@ struct sim_source_options {
     int smooth;                              /* double steps of the smoothing filter, at the end */
 };
 
+/* Which finite elements a shape has: those of its mesh (isotherm/shape.h, iso_shape_new()), or
+ * those for bad meshes (iso_shape_new_robust()). */
+enum sim_laplacian { SIM_LAPLACIAN_PLAIN, SIM_LAPLACIAN_ROBUST };
+
 /* What was found in a file. */
 struct sim_source_look {
     struct iso_mesh_mended mended;
@@ -45,8 +49,9 @@ int sim_source_read(const char *path, const char *name, const struct sim_source_
 
 /* Makes a shape of a mesh; n_pairs as in iso_shape_new(). `path` stands for it in faults. -ENODATA
  * if colours are wanted and there are none; errors of iso_shape_new; each with a fault. */
-int sim_source_shape(const char *path, const struct iso_coloured_mesh *mesh, bool colours,
-                     int32_t n_pairs, struct iso_shape **out, struct iso_fault *fault)
+int sim_source_shape(const char *path, const struct iso_coloured_mesh *mesh,
+                     enum sim_laplacian laplacian, bool colours, int32_t n_pairs,
+                     struct iso_shape **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 #endif

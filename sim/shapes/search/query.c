@@ -44,7 +44,8 @@ static int describe(const struct sim_index *index, const char *path,
     struct iso_shape *shape = NULL;
     int error = sim_source_read(path, path, &index->source, NULL, &mesh, fault);
     if (!error) {
-        error = sim_source_shape(path, &mesh, index->method->colour, index->n_pairs, &shape, fault);
+        error = sim_source_shape(path, &mesh, SIM_LAPLACIAN_PLAIN, index->method->colour,
+                                 index->n_pairs, &shape, fault);
     }
     if (!error) {
         error = iso_shape_describe(index->method, shape, out);

@@ -130,8 +130,8 @@ static int make_shape(struct item *item, int32_t row, struct iso_shape **shape)
     int error = sim_bank_read(options, row, &mesh, item->fault);
     if (!error) {
         item->n_vertices = mesh.mesh->n_vertices;
-        error = sim_source_shape(item->path, &mesh, need_colours(options), options->n_pairs, shape,
-                                 item->fault);
+        error = sim_source_shape(item->path, &mesh, SIM_LAPLACIAN_PLAIN, need_colours(options),
+                                 options->n_pairs, shape, item->fault);
     }
     iso_coloured_mesh_done(&mesh);
     return error;

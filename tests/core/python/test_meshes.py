@@ -182,6 +182,25 @@ class Spectrum(TestCase):
         self.near(twice[0].data, 2 * stiffness.data, 1e-12)
         self.near(twice[1].data, 2 * mass.data, 1e-12)
 
+    def test_robust_finite_elements(self):
+        mesh = isotherm.Mesh.load(DOG)
+        plain, robust = shape_of(DOG, pairs=20), shape_of(DOG, pairs=20, robust=True)
+        below = [scipy.sparse.tril(shape.stiffness.to_scipy(), -1) for shape in (plain, robust)]
+        self.assertGreater(below[0].max(), 0.01)
+        self.assertLess(below[1].max(), 1e-8)
+        mass = robust.mass.to_scipy()
+        self.near(mass.sum(), plain.total_area, 1e-9)
+        self.assertLess(abs(robust.stiffness @ np.ones(robust.n)).max(), 1e-9)
+        expected = scipy.sparse.linalg.eigsh(robust.stiffness.to_scipy(), 20, mass, sigma=-1e-4, which='LM',
+                                             return_eigenvectors=False)
+        self.near(robust.eigenvalues, np.sort(expected), 1e-9)
+        self.near(robust.eigenvalues, plain.eigenvalues, 0.05)
+        stiffness, _ = isotherm.finite_elements(mesh, robust=True)
+        self.same(stiffness.data, robust.stiffness.data)
+        twice, heavy = isotherm.finite_elements(mesh, density=np.full(robust.n, 2.0), robust=True)
+        self.near(twice.data, 2 * stiffness.data, 1e-12)
+        self.near(heavy.to_scipy().sum(), 2 * plain.total_area, 1e-9)
+
     def test_refusals(self):
         mesh = isotherm.Mesh.load(DOG)
         stiffness, mass = isotherm.finite_elements(mesh)

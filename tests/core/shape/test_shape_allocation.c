@@ -44,6 +44,16 @@ static int prepare(void *context, struct iso_fault *fault)
     return said(error, fault);
 }
 
+static int prepare_robust(void *context, struct iso_fault *fault)
+{
+    struct corpus *c = context;
+    struct iso_shape *shape = NULL;
+    int error = iso_shape_new_robust(c->mesh, c->colour, 12, &shape);
+    assert_true(!error == !!shape);
+    iso_shape_free(shape);
+    return said(error, fault);
+}
+
 static int describe(void *context, struct iso_fault *fault)
 {
     struct corpus *c = context;
@@ -108,6 +118,7 @@ static void nothing_leaks_when_memory_runs_out(void **state)
         c.colour[v] = (struct iso_colour){{0.3f, 0.6f, 0.9f}};
     }
     print_message("shape: %d allocations\n", scarce_memory_exhaust(prepare, &c, 400));
+    print_message("robust: %d allocations\n", scarce_memory_exhaust(prepare_robust, &c, 600));
     assert_int_equal(iso_shape_new(c.mesh, c.colour, 12, &c.shape), 0);
     for (const struct iso_shape_method *const *m = iso_shape_methods; *m; m++) {
         struct iso_shape_description *made = NULL;

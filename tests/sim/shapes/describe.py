@@ -1,7 +1,8 @@
 """Reads what `shapes describe` has written and computes the same from the mesh alone.
 
-usage: describe.py MESH.off DIRECTORY COLOURED
-DIRECTORY has npy/NAME, csv/NAME and mat5/NAME of the same mesh; COLOURED one of a coloured mesh.
+usage: describe.py MESH.off DIRECTORY COLOURED ROBUST
+DIRECTORY has npy/NAME, csv/NAME and mat5/NAME of the same mesh; COLOURED has one of a
+coloured mesh, ROBUST one of MESH.off with --laplacian robust.
 """
 import glob
 import json
@@ -118,6 +119,21 @@ def check_shape(arrays, lam, phi):
     assert (np.diff(heights) <= 0).all() and len(heights) >= 4
 
 
+def check_robust(directory, plain, mass):
+    """Finite elements for bad meshes: no conductance is negative, while the plain ones have such."""
+    names = ('lambda', 'phi') + tuple(m + s for m in ('stiffness', 'mass') for s in ('_row', '_column', '_value'))
+    arrays = {name: np.load(os.path.join(directory, name + '.npy')) for name in names}
+    lam, phi = arrays['lambda'], arrays['phi']
+    n, k = phi.shape
+    robust, heavy = symmetric(arrays, 'stiffness', n), symmetric(arrays, 'mass', n)
+    assert sparse.tril(plain, -1).max() > 0.01 and sparse.tril(robust, -1).max() < 1e-8
+    assert abs(robust.sum(axis=1)).max() < 1e-9
+    near('area', heavy.sum(), mass.sum(), 1e-9)
+    expected = scipy.sparse.linalg.eigsh(robust, k, heavy, sigma=-1e-4, which='LM', return_eigenvectors=False)
+    near('robust eigenvalues', lam, np.sort(expected), 1e-9)
+    assert json.load(open(os.path.join(directory, 'parameters.json')))['shape']['laplacian'] == 'robust'
+
+
 def check_coloured(directory):
     path = glob.glob(os.path.join(directory, '*'))[0]
     for channel in range(3):
@@ -139,6 +155,8 @@ def main():
     check_signatures(arrays, described, lam, phi)
     check_shape(arrays, lam, phi)
     check_coloured(sys.argv[3])
+    assert described['shape']['laplacian'] == 'plain'
+    check_robust(os.path.join(sys.argv[4], 'dog-01'), stiffness, mass)
 
 
 main()

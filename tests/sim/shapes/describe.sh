@@ -41,12 +41,15 @@ for format in npy csv mat5; do
 done
 [ -s "$work/deep/below/npy/dog-01/functions.png" ] || fail 'no picture'
 "$simulator" shapes describe "$coat" --what w-hks2 --no-pictures --out "$work/coloured" >/dev/null 2>&1 || fail 'describe of a coloured mesh'
-"$python" "$source/tests/sim/shapes/describe.py" "$mesh" "$work/deep/below" "$work/coloured" || fail 'the arrays are not what NumPy computes'
+"$simulator" shapes describe "$mesh" --laplacian robust --what eigen,stiffness,mass --pairs 40 --no-pictures --out "$work/robust" \
+    >/dev/null 2>&1 || fail 'describe --laplacian robust'
+"$python" "$source/tests/sim/shapes/describe.py" "$mesh" "$work/deep/below" "$work/coloured" "$work/robust" || fail 'the arrays are not what NumPy computes'
 
 refuse 2 'no mesh is given' describe --out "$work/o"
 refuse 2 '--out is needed' describe "$mesh"
 refuse 2 "--what: 'hat' is unknown" describe "$mesh" --out "$work/o" --what hks,hat
 refuse 2 "--format: 'xls' is none of npy, csv, mat5" describe "$mesh" --out "$work/o" --format xls
+refuse 2 "--laplacian: 'best' is none of plain, robust" describe "$mesh" --out "$work/o" --laplacian best
 refuse 2 'would both be described in' describe "$mesh" "$mesh" --out "$work/o"
 refuse 2 '--times, --time-first' describe "$mesh" --out "$work/o" --time-first 5 --time-last 4
 refuse 3 'nowhere.off' describe "$work/nowhere.off" --out "$work/o"

@@ -1,8 +1,9 @@
-/* Corpora of shapes: manifest, generator, study and tables, on a few small creatures. */
+/* Corpora of shapes: manifest, generator and study, on a few small creatures. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -16,30 +17,9 @@
 #include "sim/shapes/mesh/mesh_file.h"
 #include "sim/shapes/mesh/mesh_writer.h"
 #include "sim/shapes/study/study.h"
-#include "sim/shapes/study/tables.h"
+#include "tests/sim/shapes/creatures.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
-
-static void generate(const char *out, const char *preset, const char *format, size_t classes,
-                     int threads)
-{
-    const struct sim_shapes_options options = {
-        .preset = preset,
-        .out = out,
-        .format = format,
-        .seed = 2,
-        .classes = classes,
-        .shapes = 9,
-        .vertices = 400,
-        .threads = threads,
-    };
-    struct iso_fault fault = {.text = ""};
-    int32_t n = 0;
-    if (sim_shapes_generate(&options, &n, &fault)) {
-        fail_msg("%s", fault.text);
-    }
-    assert_int_equal(n, strcmp(preset, "plain") == 0 ? 9 : 24 * (int)classes);
-}
 
 static int run_study(const struct sim_shapes_study_options *options, char **printed,
                      struct iso_fault *fault)
@@ -121,8 +101,8 @@ static void generates_the_same_whatever_the_threads(void **state)
 {
     const char *one = scratch_path(*state, "one"), *two = scratch_path(*state, "two");
     static const char *const files[] = {"manifest.csv", "man-01.off", "dog-03.off"};
-    generate(one, "plain", NULL, 3, 1);
-    generate(two, "plain", NULL, 3, 3);
+    make_creatures(one, "plain", NULL, 3, 1);
+    make_creatures(two, "plain", NULL, 3, 3);
     for (size_t i = 0; i < 3; i++) {
         char *a = scratch_read_text(scratch_path(one, files[i])),
              *b = scratch_read_text(scratch_path(two, files[i]));
@@ -164,7 +144,7 @@ static void retrieves_from_tosca_files(void **state)
     const char *corpus = scratch_path(*state, "tosca"), *out = scratch_path(*state, "out");
     struct iso_fault fault = {.text = ""};
     char *printed = NULL;
-    generate(corpus, "plain", "vert", 3, 2);
+    make_creatures(corpus, "plain", "vert", 3, 2);
     char *tri = scratch_read_text(scratch_path(corpus, "dog-01.tri")),
          *vert = scratch_read_text(scratch_path(corpus, "dog-01.vert"));
     char *longer = NULL, *hole = strchr(strchr(tri, '\n') + 1, '\n') + 1;
@@ -213,7 +193,7 @@ static void distances_leave_nothing_out(void **state)
     const struct sim_shapes_study_options options = cp_hk_options(corpus, out);
     struct iso_fault fault = {.text = ""};
     char *printed = NULL;
-    generate(corpus, "plain", NULL, 3, 2);
+    make_creatures(corpus, "plain", NULL, 3, 2);
     assert_int_equal(run_study(&options, &printed, &fault), 0);
     free(printed);
     char *text = scratch_read_text(scratch_path(scratch_path(out, "cp-hk-nn-l2"), "distances.csv")),
@@ -240,35 +220,76 @@ static void distances_leave_nothing_out(void **state)
     free(text);
 }
 
-/* Some shapes are looked for among all: the first of every class in turn. */
-static void some_shapes_are_looked_for_among_all(void **state)
+/* A study of the nearest neighbours by CP-HK with so many queries: its distances, to be freed, and
+ * the share of queries whose nearest shape is of their class. */
+static char *distances_of(const char *corpus, const char *out, size_t queries, double *nearest)
 {
-    const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
     struct sim_shapes_study_options options = cp_hk_options(corpus, out);
     struct iso_fault fault = {.text = ""};
-    char *printed = NULL, method[32], classifier[32];
-    int queries = 0;
+    char *printed = NULL;
+    size_t counted = 0;
     options.distortion.level = 0;
-    options.queries = 4;
-    generate(corpus, "plain", NULL, 3, 2);
-    assert_int_equal(run_study(&options, &printed, &fault), 0);
+    options.queries = queries;
+    if (run_study(&options, &printed, &fault)) {
+        fail_msg("%s", fault.text);
+    }
     free(printed);
     char *text = scratch_read_text(scratch_path(out, "measures.csv"));
-    assert_int_equal(
-        sscanf(strchr(text, '\n') + 1, "%31[^,],%31[^,],%d", method, classifier, &queries), 3);
-    assert_int_equal(queries, 4);
+    assert_int_equal(sscanf(strchr(text, '\n') + 1, "cp-hk,nn-l2,%zu,%lf", &counted, nearest), 2);
+    assert_int_equal(counted, queries ? queries : 9);
     free(text);
-    text = scratch_read_text(scratch_path(scratch_path(out, "cp-hk-nn-l2"), "distances.csv"));
-    char *rest = text;
-    int lines = 0, commas = 0;
-    for (char *line = strsep(&rest, "\n"); line && *line; line = strsep(&rest, "\n"), lines++) {
-        for (const char *c = line; *c; c++) {
-            commas += *c == ',';
+    return scratch_read_text(scratch_path(scratch_path(out, "cp-hk-nn-l2"), "distances.csv"));
+}
+
+/* Whether the nearest shape besides the query itself is of its class, which file names begin with.
+ * Both lines are of one distances.csv; the header names the shapes. */
+static bool nearest_is_right(const char *header, const char *line)
+{
+    char query[32], name[32], best[32] = "";
+    double distance = 0.0, least = INFINITY;
+    assert_int_equal(sscanf(line, "%31[^,]", query), 1);
+    while ((header = strchr(header, ',')) && (line = strchr(line, ','))) {
+        header++;
+        line++;
+        assert_int_equal(sscanf(header, "%31[^,\n]", name), 1);
+        assert_int_equal(sscanf(line, "%lf", &distance), 1);
+        if (strcmp(name, query) != 0 && distance < least) {
+            least = distance;
+            memcpy(best, name, sizeof best);
         }
     }
-    assert_int_equal(lines, 1 + 4);
-    assert_int_equal(commas, 9 * (1 + 4));
-    free(text);
+    return strncmp(best, query, strcspn(query, "-")) == 0;
+}
+
+/* Some shapes are looked for among all: the first of every class in turn. Their distances to all
+ * shapes are those of a study that looks for every shape. */
+static void some_shapes_are_looked_for_among_all(void **state)
+{
+    const char *corpus = scratch_path(*state, "c");
+    static const char *const expected[] = {"man-01.off,", "gorilla-01.off,", "dog-01.off,",
+                                           "man-02.off,"};
+    enum { QUERIES = sizeof expected / sizeof *expected };
+    double nearest = 0.0, of_all = 0.0;
+    int right = 0, n = 0;
+    make_creatures(corpus, "plain", NULL, 3, 2);
+    char *all = distances_of(corpus, scratch_path(*state, "all"), 0, &of_all);
+    char *some = distances_of(corpus, scratch_path(*state, "some"), QUERIES, &nearest),
+         *rest = some;
+    const char *header = strsep(&rest, "\n");
+    assert_memory_equal(all, header, strlen(header));
+    for (char *line = strsep(&rest, "\n"); line && *line; line = strsep(&rest, "\n"), n++) {
+        assert_true(n < QUERIES);
+        assert_memory_equal(line, expected[n], strlen(expected[n]));
+        char *same = NULL;
+        assert_true(asprintf(&same, "\n%s\n", line) > 0);
+        assert_non_null(strstr(all, same));
+        free(same);
+        right += nearest_is_right(header, line);
+    }
+    assert_int_equal(n, QUERIES);
+    assert_near(nearest, (double)right / QUERIES, 1e-6);
+    free(some);
+    free(all);
 }
 
 static void the_reason_of_a_failed_study_is_named(void **state)
@@ -277,7 +298,7 @@ static void the_reason_of_a_failed_study_is_named(void **state)
     struct sim_shapes_study_options options = cp_hk_options(corpus, out);
     struct iso_fault fault = {.text = ""};
     char *printed = NULL;
-    generate(corpus, "plain", NULL, 3, 2);
+    make_creatures(corpus, "plain", NULL, 3, 2);
     options.methods.text[0] = "w-hks2"; /* this method needs colours */
     assert_int_equal(run_study(&options, &printed, &fault), -ENODATA);
     assert_non_null(strstr(fault.text, ".off: a method needs colours, and the file has none"));
@@ -300,79 +321,6 @@ static void the_reason_of_a_failed_study_is_named(void **state)
     free(printed);
 }
 
-static void tables_have_both_sides(void **state)
-{
-    const char *plain = scratch_path(*state, "p"), *textured = scratch_path(*state, "t");
-    const char *out = scratch_path(*state, "tables");
-    const struct sim_tables_options options = {
-        .corpus = plain, .textured = textured, .out = out, .queries = 3, .seed = 1, .threads = 2};
-    struct iso_fault fault = {.text = ""};
-    char *printed = NULL;
-    size_t size;
-    generate(plain, "plain", NULL, 3, 2);
-    generate(textured, "textured", NULL, 1, 2);
-    FILE *stream = open_memstream(&printed, &size);
-    if (sim_shapes_tables(&options, stream, &fault)) {
-        fail_msg("%s", fault.text);
-    }
-    (void)fclose(stream);
-    assert_non_null(strstr(printed, "/p: 9 shapes of 3 classes"));
-    static const char *const numbers[] = {"4.1.", "4.5.", "4.8.", "4.10.", "4.13.", "5.1.", "5.2."};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        char title[32];
-        (void)snprintf(title, sizeof title, "Table %s ", numbers[i]);
-        assert_non_null(strstr(printed, title));
-    }
-    free(printed);
-    char *csv = scratch_read_text(scratch_path(out, "tables.csv"));
-    assert_non_null(strstr(csv, "\n4.8,shape-dna,nn-l2,0,white,3,3,NN,"));
-    assert_non_null(strstr(csv, "\n5.2,PHOG,,0,,0,0,NN,,0.951\n"));
-    free(csv);
-}
-
-/* Runs the tables of one corpus. The caller frees what was printed. */
-static int run_tables(const struct sim_tables_options *options, char **printed,
-                      struct iso_fault *fault)
-{
-    size_t size;
-    FILE *out = open_memstream(printed, &size);
-    const int error = sim_shapes_tables(options, out, fault);
-    (void)fclose(out);
-    return error;
-}
-
-static void tables_leave_a_bad_mesh_out_and_are_cached(void **state)
-{
-    const char *plain = scratch_path(*state, "p"), *out = scratch_path(*state, "tables");
-    struct sim_tables_options options = {
-        .corpus = plain, .out = out, .queries = 2, .seed = 1, .threads = 2};
-    struct iso_fault fault = {.text = ""};
-    char *printed = NULL, *csv = NULL;
-    generate(plain, "plain", NULL, 3, 2);
-    scratch_write_text(scratch_path(plain, "dog-01.off"), "OFF\n5 1 0\n0 0 0\n");
-    for (int run = 0; run < 2; run++) {
-        int known = 0, all = 0;
-        if (run_tables(&options, &printed, &fault)) {
-            fail_msg("%s", fault.text);
-        }
-        assert_non_null(strstr(printed, "/p: 8 shapes of 3 classes"));
-        assert_int_equal(
-            sscanf(strstr(printed, " MB; "), " MB; %d of %d descriptions", &known, &all), 2);
-        assert_true(all >= 8);
-        assert_int_equal(known, run == 0 ? 0 : all);
-        free(printed);
-        char *now = scratch_read_text(scratch_path(out, "tables.csv"));
-        assert_true(run == 0 || strcmp(csv, now) == 0);
-        free(csv);
-        csv = now;
-    }
-    free(csv);
-    options.strict = true;
-    assert_int_equal(run_tables(&options, &printed, &fault), -EBADMSG);
-    assert_non_null(strstr(fault.text, "dog-01.off: ends within the vertices"));
-    free(printed);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -388,9 +336,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(some_shapes_are_looked_for_among_all, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(the_reason_of_a_failed_study_is_named, scratch_setup,
-                                        scratch_teardown),
-        cmocka_unit_test_setup_teardown(tables_have_both_sides, scratch_setup, scratch_teardown),
-        cmocka_unit_test_setup_teardown(tables_leave_a_bad_mesh_out_and_are_cached, scratch_setup,
                                         scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

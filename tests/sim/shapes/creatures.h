@@ -1,0 +1,12 @@
+/* Small corpora of creatures for tests. */
+#ifndef TESTS_SIM_SHAPES_CREATURES_H
+#define TESTS_SIM_SHAPES_CREATURES_H
+
+#include <stddef.h>
+
+/* Generates creatures of 400 vertices in a directory: 9 of a preset `plain`, 24 of each class of
+ * `textured`. format: NULL for that of the preset. A failure ends the test. */
+void make_creatures(const char *out, const char *preset, const char *format, size_t classes,
+                    int threads);
+
+#endif
