@@ -16,6 +16,11 @@ static inline iso_gram_lanes iso_gram_lanes_at(const float *aligned)
     return *(const iso_gram_lanes *)aligned;
 }
 
+/* Writes four values to an address that need not be such a multiple. */
+typedef float iso_gram_lanes_in_memory
+    __attribute__((vector_size(ISO_GRAM_LANES * sizeof(float)), aligned(4), may_alias));
+#define ISO_GRAM_LANES_STORE(p, value) (*(iso_gram_lanes_in_memory *)(p) = (value))
+
 static inline double iso_gram_lanes_sum(iso_gram_lanes v)
 {
     return (double)(v[0] + v[1] + v[2] + v[3]);

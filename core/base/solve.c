@@ -3,17 +3,14 @@
 #include <errno.h>
 #include <math.h>
 
+#include "core/base/lanes.h"
+
 /* Columns are eliminated in panels of PANEL columns. A panel is then subtracted from the rest of
  * the matrix, where no entry depends on another one, so a register computes several entries at
  * once. A dot product of two rows would have to wait for each sum before the next one. Each entry
  * goes through the same operations in the same order as in the plain loop, so both factors have the
  * same bits. */
 enum { PANEL = 4 };
-
-/* Two doubles at once, in one register of the plainest x86-64 and arm64. */
-typedef double pair __attribute__((vector_size(2 * sizeof(double))));
-typedef double pair_in_memory
-    __attribute__((vector_size(2 * sizeof(double)), aligned(8), may_alias));
 
 /* The rows before `end` of a column of the factor, from a matrix from which all panels before
  * `first` are subtracted. */
@@ -65,7 +62,7 @@ static void subtract_from_entry(double *a, int n, int first, int i, int j)
 }
 
 /* Entry k of this row of the factor and of the next one. */
-#define COLUMN_AT(row, n, k) ((pair){(row)[k], (row)[(n) + (k)]})
+#define COLUMN_AT(row, n, k) ((iso_pair){(row)[k], (row)[(n) + (k)]})
 
 /* Subtracts a panel from the columns j to j + PANEL - 1 of the lower triangle. The first rows end
  * within these columns: what is written behind their ends belongs to the upper triangle. */
@@ -73,14 +70,14 @@ static void subtract_panel(double *a, int n, int first, int j)
 {
     /* They have names, because compilers keep an array of them in memory. */
     const double *const rows = &a[j * n + first], *const next = rows + 2 * n;
-    const pair k0 = COLUMN_AT(rows, n, 0), k1 = COLUMN_AT(rows, n, 1);
-    const pair k2 = COLUMN_AT(rows, n, 2), k3 = COLUMN_AT(rows, n, 3);
-    const pair m0 = COLUMN_AT(next, n, 0), m1 = COLUMN_AT(next, n, 1);
-    const pair m2 = COLUMN_AT(next, n, 2), m3 = COLUMN_AT(next, n, 3);
+    const iso_pair k0 = COLUMN_AT(rows, n, 0), k1 = COLUMN_AT(rows, n, 1);
+    const iso_pair k2 = COLUMN_AT(rows, n, 2), k3 = COLUMN_AT(rows, n, 3);
+    const iso_pair m0 = COLUMN_AT(next, n, 0), m1 = COLUMN_AT(next, n, 1);
+    const iso_pair m2 = COLUMN_AT(next, n, 2), m3 = COLUMN_AT(next, n, 3);
     for (int i = j; i < n; i++) {
         const double *factor = &a[i * n + first];
         double *at = &a[i * n + j];
-        pair left = *(const pair_in_memory *)at, right = *(const pair_in_memory *)(at + 2);
+        iso_pair left = ISO_PAIR_LOAD(at), right = ISO_PAIR_LOAD(at + 2);
         left -= factor[0] * k0;
         right -= factor[0] * m0;
         left -= factor[1] * k1;
@@ -89,8 +86,8 @@ static void subtract_panel(double *a, int n, int first, int j)
         right -= factor[2] * m2;
         left -= factor[3] * k3;
         right -= factor[3] * m3;
-        *(pair_in_memory *)at = left;
-        *(pair_in_memory *)(at + 2) = right;
+        ISO_PAIR_STORE(at, left);
+        ISO_PAIR_STORE(at + 2, right);
     }
 }
 

@@ -3,8 +3,9 @@
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
-#include <stdint.h>
 #include <string.h>
+
+#include "core/base/lanes.h"
 
 /* A position relative to the landmark, seen from the front, mm. */
 struct place {
@@ -26,34 +27,28 @@ static int check(struct iso_curve curve, int n_points)
     return n_points >= 4 && n_points <= ISO_ISOTHERM_POINTS_MAX && curve.n >= 3 ? 0 : -EINVAL;
 }
 
-/* Two doubles at once, in one register of the plainest x86-64 and arm64: compilers make single
- * comparisons of wider vectors. */
-enum { PAIR = 2 };
-typedef double pair __attribute__((vector_size(PAIR * sizeof(double))));
-typedef int64_t pair_bits __attribute__((vector_size(PAIR * sizeof(double))));
-
 /* Rays from the landmark, in pairs; the last one may be empty. */
-enum { PAIRS = (ISO_ISOTHERM_POINTS_MAX + PAIR - 1) / PAIR };
+enum { PAIRS = (ISO_ISOTHERM_POINTS_MAX + ISO_PAIR - 1) / ISO_PAIR };
 
 struct rays {
     int pairs;
-    pair x[PAIRS], y[PAIRS]; /* unit directions */
+    iso_pair x[PAIRS], y[PAIRS]; /* unit directions */
 };
 
 /* How far a place lies to the left of the line of each ray. */
 struct sides {
-    pair off[PAIRS];
+    iso_pair off[PAIRS];
 };
 
 static void point_rays(struct rays *rays, int n_points)
 {
-    rays->pairs = (n_points + PAIR - 1) / PAIR;
+    rays->pairs = (n_points + ISO_PAIR - 1) / ISO_PAIR;
     memset(rays->x, 0, sizeof rays->x);
     memset(rays->y, 0, sizeof rays->y);
     for (int i = 0; i < n_points; i++) { /* +y, then -x: counter-clockwise from +z */
         const double angle = 2.0 * M_PI * i / n_points;
-        rays->x[i / PAIR][i % PAIR] = -sin(angle);
-        rays->y[i / PAIR][i % PAIR] = cos(angle);
+        rays->x[i / ISO_PAIR][i % ISO_PAIR] = -sin(angle);
+        rays->y[i / ISO_PAIR][i % ISO_PAIR] = cos(angle);
     }
 }
 
@@ -61,7 +56,7 @@ static void point_rays(struct rays *rays, int n_points)
 static bool compare_sides(const struct rays *rays, struct place p, const struct sides *from,
                           struct sides *to)
 {
-    pair_bits changed = {0};
+    iso_pair_bits changed = {0};
     for (int i = 0; i < rays->pairs; i++) {
         to->off[i] = rays->x[i] * p.y - rays->y[i] * p.x;
         changed |= (from->off[i] < 0.0) ^ (to->off[i] < 0.0);
@@ -82,14 +77,14 @@ static void keep_crossings(const struct rays *rays, const struct segment *segmen
 {
     struct place a = segment->a, b = segment->b;
     for (int i = 0; i < out->n; i++) {
-        const double off_a = segment->sides_a->off[i / PAIR][i % PAIR];
-        const double off_b = segment->sides_b->off[i / PAIR][i % PAIR];
+        const double off_a = segment->sides_a->off[i / ISO_PAIR][i % ISO_PAIR];
+        const double off_b = segment->sides_b->off[i / ISO_PAIR][i % ISO_PAIR];
         if ((off_a < 0.0) == (off_b < 0.0)) {
             continue;
         }
         const double s = off_a / (off_a - off_b);
-        const double x = rays->x[i / PAIR][i % PAIR];
-        const double y = rays->y[i / PAIR][i % PAIR];
+        const double x = rays->x[i / ISO_PAIR][i % ISO_PAIR];
+        const double y = rays->y[i / ISO_PAIR][i % ISO_PAIR];
         const double reach = x * (a.x + s * (b.x - a.x)) + y * (a.y + s * (b.y - a.y));
         if (reach > farthest[i]) {
             farthest[i] = reach;

@@ -4,27 +4,26 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/base/lanes.h"
 #include "core/base/solve.h"
 #include "core/landmark/pose_tally.h"
 
 enum { DOF = 6, VERTICES_MIN = 30 };
 
-/* Two doubles at once. */
-typedef double pair __attribute__((vector_size(2 * sizeof(double))));
-enum { PAIRS = DOF / 2 };
+enum { PAIRS = DOF / ISO_PAIR };
 
 /* The normal equations of a step: h of the left side, of which only the lower triangle is set, and
  * g of the right side. */
 struct equations {
-    pair h[DOF][PAIRS], g[PAIRS];
+    iso_pair h[DOF][PAIRS], g[PAIRS];
 };
 
 /* Adds the equation of a vertex: the row j of the Jacobian, the residual r, the weight w. The rows
  * are written out, because compilers do not unroll a loop over them. */
-static void add_equation(struct equations *equations, const pair j[PAIRS], double r, double w)
+static void add_equation(struct equations *equations, const iso_pair j[PAIRS], double r, double w)
 {
-    const pair a = w * j[0], b = w * j[1], c = w * j[2];
-    pair(*h)[PAIRS] = equations->h, *g = equations->g;
+    const iso_pair a = w * j[0], b = w * j[1], c = w * j[2];
+    iso_pair(*h)[PAIRS] = equations->h, *g = equations->g;
     h[0][0] += a[0] * j[0];
     h[1][0] += a[1] * j[0];
     h[2][0] += b[0] * j[0];
@@ -60,7 +59,7 @@ static int accumulate(const struct iso_pose_vertices *vertices, int n,
         const double w = vertices->weight[i] * iso_tukey(r, cutoff_mm);
         if (w > 0.0) {
             const struct iso_vec3 turn = iso_cross(arm, normal);
-            const pair j[PAIRS] = {{turn.x, turn.y}, {turn.z, normal.x}, {normal.y, normal.z}};
+            const iso_pair j[PAIRS] = {{turn.x, turn.y}, {turn.z, normal.x}, {normal.y, normal.z}};
             add_equation(equations, j, r, w);
         }
     }

@@ -17,12 +17,14 @@ enum { TRIAL_VERTICES = 320 };
 static const double unmeasured_cost_mm2 = 15.0;
 static const int chin_ibug = 8;
 
-/* After LAG_STEPS steps a start is compared with the best of the earlier starts, which have made
- * all trial steps. The start is given up if its cost is higher by lag_mm2, and if the cost of the
- * best one is at most lag_best_mm2. Both bounds were measured with ten iterations, on 2,025 fits of
- * rendered faces, real faces and attacks: 1,248 of the 4,050 later starts were given up. The start
- * that became the best of its fit was never given up; its cost was higher by 1.95 mm2 at most. */
-enum { LAG_STEPS = 3 };
+/* After LAG_STEPS of LAG_TRIALS steps a start is compared with the best of the earlier starts,
+ * which have made all of them. The start is given up if its cost is higher by lag_mm2, and if the
+ * cost of the best one is at most lag_best_mm2. Both bounds were measured with ten iterations, that
+ * is with LAG_TRIALS steps of each start, on 2,025 fits of rendered faces, real faces and attacks:
+ * 1,248 of the 4,050 later starts were given up. The start that became the best of its fit was
+ * never given up; its cost was higher by 1.95 mm2 at most. With another number of steps the bounds
+ * mean nothing, and no start is given up. */
+enum { LAG_STEPS = 3, LAG_TRIALS = 5 };
 static const double lag_mm2 = 2.25, lag_best_mm2 = 3.5;
 
 /* How far the jaw is open at the starts of a fit, in standard deviations of the first expression
@@ -272,12 +274,13 @@ static int try_jaw(struct iso_shape_fitter *f, const struct iso_frame *frame,
                    const struct iso_rigid *pose, int jaw, double best_mm2,
                    struct iso__shape_state *state, double *cost_mm2)
 {
-    const int steps = trial_steps(&f->options), first = steps < LAG_STEPS ? steps : LAG_STEPS;
+    const int steps = trial_steps(&f->options), first = steps == LAG_TRIALS ? LAG_STEPS : steps;
     start_at(f, jaw, pose, state);
     int error = take_steps(f, frame, 0, first, TRIAL_VERTICES, state);
     if (!error && first < steps && best_mm2 <= lag_best_mm2 &&
         cost_of(f, frame, state) > best_mm2 + lag_mm2) {
         *cost_mm2 = INFINITY;
+        f->given_up++;
         return 0;
     }
     if (!error) {
@@ -319,6 +322,7 @@ static int choose_jaw(struct iso_shape_fitter *f, const struct iso_frame *frame,
 {
     const struct iso_rigid pose = state->pose;
     double best_mm2 = INFINITY;
+    f->given_up = 0;
     for (int k = 0; k < f->options.jaws; k++) {
         struct iso__shape_state trial;
         double cost_mm2;

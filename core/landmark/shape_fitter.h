@@ -28,6 +28,7 @@ struct iso_shape_fitter {
     struct iso_vec3 *normal; /* [n_vertices] its unit normals, outward, at the compared vertices */
     struct iso_vec3 *best_shape, *best_normal; /* the same of the best start so far */
     struct iso_vec3 *start_mm; /* [jaws][2][n_vertices] shape and normal where the fits begin */
+    int given_up;              /* starts of the last fit that were given up, because they lagged */
     struct iso_vec3 *fitted;   /* [n_vertices] the last fit, with its expression */
     float *residual_mm;        /* [n_vertices] of the last fit */
     uint8_t *meeting;          /* [n_vertices] */

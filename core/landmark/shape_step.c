@@ -60,10 +60,6 @@ void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *s
     }
 }
 
-/* Four floats in memory, aligned like one. */
-typedef float lanes_in_memory
-    __attribute__((vector_size(ISO_GRAM_LANES * sizeof(float)), aligned(4), may_alias));
-
 /* A row of the Jacobian, times a factor: the turn and the shift of the head, then its modes along
  * the normal. */
 static void fill_row(const struct iso_shape_fitter *f, const struct iso_rigid *pose,
@@ -83,9 +79,9 @@ static void fill_row(const struct iso_shape_fitter *f, const struct iso_rigid *p
     float *moved = row + ISO__SHAPE_POSE;
     const int n_modes = n - ISO__SHAPE_POSE, n_lanes = n_modes - n_modes % ISO_GRAM_LANES;
     for (int k = 0; k < n_lanes; k += ISO_GRAM_LANES) {
-        *(lanes_in_memory *)(moved + k) = ax * iso_gram_lanes_at(x + k) +
-                                          ay * iso_gram_lanes_at(y + k) +
-                                          az * iso_gram_lanes_at(z + k);
+        ISO_GRAM_LANES_STORE(moved + k, ax * iso_gram_lanes_at(x + k) +
+                                            ay * iso_gram_lanes_at(y + k) +
+                                            az * iso_gram_lanes_at(z + k));
     }
     for (int k = n_lanes; k < n_modes; k++) {
         moved[k] = ax * x[k] + ay * y[k] + az * z[k];

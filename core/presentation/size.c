@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/base/lanes.h"
 #include "core/base/solve.h"
 #include "core/landmark/normals.h"
 #include "core/landmark/pose_tally.h"
@@ -153,11 +154,9 @@ static void apply_step(const double *g, int n_modes, struct state *state)
     }
 }
 
-/* The normal equations of a step. Rows are padded, so that they are summed PAIR entries at a time;
- * of h only the lower triangle means anything. */
-enum { PAIR = 2, PADDED = (UNKNOWNS_MAX + 1) / PAIR * PAIR };
-typedef double pair_in_memory
-    __attribute__((vector_size(PAIR * sizeof(double)), aligned(8), may_alias));
+/* The normal equations of a step. Rows are padded, so that they are summed ISO_PAIR entries at a
+ * time; of h only the lower triangle means anything. */
+enum { PADDED = (UNKNOWNS_MAX + 1) / ISO_PAIR * ISO_PAIR };
 
 struct equations {
     double h[UNKNOWNS_MAX][PADDED], g[UNKNOWNS_MAX];
@@ -171,8 +170,8 @@ static void add_equation(struct equations *equations, const double j[PADDED], in
         const double wj = w * j[a];
         double *h = equations->h[a];
 #pragma GCC unroll 2
-        for (int b = 0; b <= a; b += PAIR) {
-            *(pair_in_memory *)(h + b) += wj * *(const pair_in_memory *)(j + b);
+        for (int b = 0; b <= a; b += ISO_PAIR) {
+            ISO_PAIR_STORE(h + b, ISO_PAIR_LOAD(h + b) + wj * ISO_PAIR_LOAD(j + b));
         }
         equations->g[a] -= wj * r;
     }

@@ -4,9 +4,8 @@
 #include <string.h>
 
 #include "core/frame/depth_lanes.h"
-#include "core/frame/distortion.h"
-#include "core/surface/cell.h"
 #include "core/surface/face_patch.h"
+#include "core/surface/frame_cell.h"
 
 /* The frame is worked on in columns of CELLS cells. A row of such a column has CELLS + 1 corners,
  * and is computed ISO_DEPTHS corners at a time. */
@@ -54,7 +53,8 @@ static float largest_depth(const struct iso_frame *frame)
 static double margin_of(const struct resampling *r)
 {
     const struct iso_camera *camera = &r->frame->camera;
-    double x = 0.0, y = 0.0; /* the largest slopes, or the largest coordinates */
+    const bool pinhole = camera->projection == ISO_PINHOLE;
+    double x = 0.0, y = 0.0; /* the largest slopes of a pinhole camera, else coordinates */
     for (int k = 0; k < 4; k++) {
         const struct iso_vec3 corner = iso_camera_back_project(camera, k & 1 ? camera->width_px : 0,
                                                                k & 2 ? camera->height_px : 0, 1.0);
@@ -62,7 +62,7 @@ static double margin_of(const struct resampling *r)
         y = fmax(y, fabs(corner.y));
     }
     const double depth_mm = (double)largest_depth(r->frame);
-    const double reach_mm = r->plain ? depth_mm * (x + y + 1.0) : x + y + depth_mm;
+    const double reach_mm = pinhole ? depth_mm * (x + y + 1.0) : x + y + depth_mm;
     const struct iso_vec3 offset = r->face_from_camera->translation_mm;
     const double terms_px = (reach_mm + fabs(offset.x) + fabs(offset.y)) /
                                 r->view->camera.pitch_mm +
@@ -157,34 +157,16 @@ static iso_depth_counts has_surface(const float *upper, const float *lower)
     return measured <= -3; /* a comparison that is true counts as -1 */
 }
 
-static double squared_distance(struct iso_vec3 a, struct iso_vec3 b)
-{
-    const struct iso_vec3 d = iso_sub(a, b);
-    return iso_dot(d, d);
-}
-
 /* Draws the triangles of the cell whose upper left corner is at (column, row). */
 static void draw_cell(const struct resampling *r, int column, int row)
 {
-    const struct iso_frame *frame = r->frame;
-    const float *at = &frame->depth_mm[(size_t)row * (size_t)frame->width_px + (size_t)column];
-    const float z[4] = {at[0], at[1], at[frame->width_px], at[frame->width_px + 1]};
-    const int measured = (z[0] > 0) + (z[1] > 0) + (z[2] > 0) + (z[3] > 0);
-    if (measured < 3) {
-        return;
-    }
+    const struct iso_frame_cell cell = iso_frame_cell(r->frame, column, row, r->jump_mm);
     struct iso_vec3 point[4];
-    for (int k = 0; k < 4; k++) {
-        point[k] = iso_frame_point_quick(frame, column + (k & 1), row + (k >> 1));
+    for (int k = 0; cell.triangles.count > 0 && k < 4; k++) {
+        point[k] = in_view(r, cell.point[k]);
     }
-    const bool rising = measured == 4 &&
-                        squared_distance(point[1], point[2]) < squared_distance(point[0], point[3]);
-    const struct iso_cell_list list = iso_cell_list(iso_cell_set(z, rising, r->jump_mm));
-    for (int k = 0; k < 4; k++) {
-        point[k] = in_view(r, point[k]);
-    }
-    for (int h = 0; h < list.count; h++) {
-        const uint8_t *corner = iso_cell_corners[list.left_out[h]];
+    for (int h = 0; h < cell.triangles.count; h++) {
+        const uint8_t *corner = iso_cell_corners[cell.triangles.left_out[h]];
         const struct iso_vec3 corners_mm[3] = {point[corner[0]], point[corner[1]],
                                                point[corner[2]]};
         iso_raster_triangle(r->view, corners_mm, 0, near_mm, 1);

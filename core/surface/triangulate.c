@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "core/surface/cell.h"
+#include "core/surface/frame_cell.h"
 
 /* The triangles of one cell (cell.h): the index of the first, and the corners of each. With a count
  * of 0 the cell is empty. */
@@ -71,29 +71,11 @@ static int corner_pixel(const struct iso_triangulator *t, int cell, int corner)
     return cell + (corner & 1) + (corner >> 1) * t->width_px;
 }
 
-/* Squared length of the diagonal between two corners of a cell. */
-static double diagonal_squared(const struct iso_frame *frame, int column, int row, int from, int to)
-{
-    const struct iso_vec3 a = iso_frame_point_at(frame, column + (from & 1), row + (from >> 1));
-    const struct iso_vec3 b = iso_frame_point_at(frame, column + (to & 1), row + (to >> 1));
-    const struct iso_vec3 d = iso_sub(a, b);
-    return iso_dot(d, d);
-}
-
 /* Chooses the triangles of one cell. */
 static struct cell make_cell(const struct iso_frame *frame, int column, int row, double jump_mm)
 {
-    const float *at = &frame->depth_mm[row * frame->width_px + column];
-    const float z[4] = {at[0], at[1], at[frame->width_px], at[frame->width_px + 1]};
-    const int measured = (z[0] > 0) + (z[1] > 0) + (z[2] > 0) + (z[3] > 0);
-    struct cell cell = {0};
-    if (measured < 3) {
-        return cell;
-    }
-    const bool rising = measured == 4 && diagonal_squared(frame, column, row, 1, 2) <
-                                             diagonal_squared(frame, column, row, 0, 3);
-    const struct iso_cell_list list = iso_cell_list(iso_cell_set(z, rising, jump_mm));
-    cell.count = list.count;
+    const struct iso_cell_list list = iso_frame_cell(frame, column, row, jump_mm).triangles;
+    struct cell cell = {.count = list.count};
     for (int h = 0; h < list.count; h++) {
         for (int k = 0; k < 3; k++) {
             cell.corner[h][k] = iso_cell_corners[list.left_out[h]][k];

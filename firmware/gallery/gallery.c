@@ -21,8 +21,7 @@ int iso_gallery_open(const struct iso_gallery_options *options, struct iso_galle
     gallery->capacity = (size_t)options->capacity;
     int error = iso_gallery_db_open(options, &gallery->db, fault);
     if (!error) {
-        error = iso_gallery_memory_load(gallery->db, options->algorithm, options->metric,
-                                        options->adapt, NULL, &gallery->memory, fault);
+        error = iso_gallery_memory_start(gallery->db, options, &gallery->memory, fault);
     }
     if (error) {
         iso_gallery_close(gallery);

@@ -16,6 +16,11 @@
  * (-EBADMSG). A whole database of an earlier time is detected, too (-ESTALE), as far as anchor.h
  * says.
  *
+ * With a metric, a start that has to make many vectors stores them beside the templates
+ * (gallery_db.h), because this takes most of the time of a start. They are sealed, are deleted with
+ * their templates, and are no change of the gallery. What is damaged is found with them as without
+ * them.
+ *
  * A name belongs to one person only, whatever its spelling (person_name.h), and every spelling
  * finds that person; the gallery keeps the spelling of the first enrolment. An old gallery may
  * have two people whose names differ in case only. They stay two: each is found by the exact name;

@@ -342,8 +342,10 @@ int iso_gallery_export(struct iso_gallery *gallery, const char *name,
     exporting->only = only;
     exporting->each = each;
     exporting->context = context;
-    const struct iso_gallery_visitor visitor = {export_person, export_template, export_access,
-                                                exporting};
+    const struct iso_gallery_visitor visitor = {.person = export_person,
+                                                .template = export_template,
+                                                .access = export_access,
+                                                .context = exporting};
     int error = only ? iso_gallery_db_templates(gallery->db, only->id, &visitor, fault)
                      : iso_gallery_db_load(gallery->db, &visitor, fault);
     if (!error && only && exporting->item.n != only->templates) {

@@ -189,6 +189,9 @@ static int check_database(struct iso_gallery_db *db, int *version, struct iso_fa
     if (!error) {
         error = iso__gallery_find_access(db, fault);
     }
+    if (!error) {
+        error = iso__gallery_find_vectors(db, fault);
+    }
     return error ? error : iso__gallery_execute(db, "COMMIT", fault);
 }
 
@@ -239,6 +242,7 @@ int iso_gallery_db_open(const struct iso_gallery_options *options, struct iso_ga
     }
     db->ring = options->ring;
     db->marks = options->metric && options->adapt;
+    iso__gallery_use_metric(db, options->metric, options->algorithm);
     int error = open_anchor(db, fault);
     if (!error) {
         error = iso__gallery_find_or_make(db, fault);
@@ -291,10 +295,7 @@ int iso_gallery_db_begin(struct iso_gallery_db *db, struct iso_fault *fault)
     return iso__gallery_execute(db, "BEGIN IMMEDIATE", fault);
 }
 
-/* Rolls the transaction back. Returns true if it is certainly undone, and the database is as before
- * it. If the transaction is no longer open, SQLite has ended it because of an error of the disk,
- * and the result is false. */
-static bool roll_back(struct iso_gallery_db *db)
+bool iso__gallery_roll_back(struct iso_gallery_db *db)
 {
     return !sqlite3_get_autocommit(db->sqlite) && iso__gallery_execute(db, "ROLLBACK", NULL) == 0;
 }
@@ -311,7 +312,7 @@ int iso_gallery_db_end(struct iso_gallery_db *db, int error, struct iso_fault *f
         tried = true;
         error = iso__gallery_execute(db, "COMMIT", fault);
     }
-    if (error && !tried && roll_back(db)) {
+    if (error && !tried && iso__gallery_roll_back(db)) {
         db->draft = db->head;
         return error;
     }

@@ -7,6 +7,9 @@
  *   access    id, person_id (0: the site), part (0, 1, ...), record (sealed: a part of the access
  *             record, because a record is at most as long as a template). The table exists since
  *             the first access record
+ *   vector    id -> template, record (sealed: the vector of the template by the metric). The table
+ *             exists since the first start that stored vectors. It only saves time: a vector that
+ *             is missing or does not open is made again
  *
  * gallery_seal.h says how records are sealed. PATH.anchor contains the number of changes
  * (anchor.h), and the gallery's id. */
@@ -18,6 +21,7 @@
 
 #include "core/base/fault.h"
 #include "firmware/gallery/gallery.h"
+#include "isotherm/metric.h"
 
 struct iso_gallery_db;
 struct iso_gallery_place;
@@ -30,6 +34,13 @@ int iso_gallery_db_open(const struct iso_gallery_options *options, struct iso_ga
 /* Closes, wipes and frees it. NULL is accepted. */
 void iso_gallery_db_close(struct iso_gallery_db *db);
 
+/* The vector of one template. Biometric. */
+struct iso_gallery_vector {
+    int64_t number;                       /* of the template */
+    char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* that made the template */
+    struct iso_metric_vector vector;      /* by the metric of the gallery's options */
+};
+
 /* Receives the contents. Functions return 0, or a negative errno with *fault set. */
 struct iso_gallery_visitor {
     /* The counts of the person are 0. */
@@ -39,6 +50,10 @@ struct iso_gallery_visitor {
     /* A part of an access record; place->algorithm is its number. */
     int (*access)(void *context, const struct iso_gallery_place *place, const void *bytes,
                   size_t size, struct iso_fault *fault);
+    /* If it is not NULL: called instead of `template` for a usable template whose vector is stored.
+     * The template is what it was when the vector was made, and is not opened. */
+    int (*vector)(void *context, const struct iso_gallery_place *place,
+                  const struct iso_gallery_vector *stored, struct iso_fault *fault);
     void *context;
 };
 
@@ -97,6 +112,12 @@ void iso_gallery_db_mark(struct iso_gallery_db *db);
 
 /* The number after the last one that was used. */
 uint64_t iso_gallery_db_next(const struct iso_gallery_db *db);
+
+/* Stores the vectors of n templates, in a transaction of its own, which is no change of the
+ * gallery: its number of changes stays. If the disk refuses, the vectors are not stored, and
+ * nothing else happens; but if the disk cannot be read either, the database is out of service. */
+void iso_gallery_db_store_vectors(struct iso_gallery_db *db,
+                                  const struct iso_gallery_vector *vectors, size_t n);
 
 /* ---- out of service ---- */
 

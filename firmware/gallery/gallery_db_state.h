@@ -16,8 +16,12 @@ struct iso_gallery_db {
     struct iso_key_ring *ring;
     struct iso_anchor *anchor;
     struct iso_gallery_seal seal;
-    struct iso_gallery_head head, draft; /* on the disk; with the changes of a transaction */
-    bool marks;                          /* enrolments are marked, because the metric adapts */
+    struct iso_gallery_head head, draft;  /* on the disk; with the changes of a transaction */
+    const struct iso_metric *metric;      /* of the stored vectors; NULL: none are used */
+    uint32_t algorithm;                   /* of the templates that have vectors */
+    uint8_t print[ISO_SEAL_DIGEST_BYTES]; /* digest of that metric */
+    bool has_vectors;                     /* the table of vectors exists */
+    bool marks;                           /* enrolments are marked, because the metric adapts */
     bool lost;                   /* the contents of the disk are not known (gallery_truth.c) */
     struct iso_fault lost_fault; /* the reason for `lost` */
     /* Room for one record. */
@@ -105,6 +109,13 @@ int iso__gallery_migrate(struct iso_gallery_db *db, struct iso_fault *fault);
 
 /* ---- rows (gallery_rows.c) ---- */
 
+/* The place of a record, from the first columns of its row: id, person_id, algorithm. */
+struct iso_gallery_place iso__gallery_place_of(sqlite3_stmt *row, enum iso_gallery_kind kind);
+
+/* The fault of a record that is not what was stored. Returns -EBADMSG. */
+int iso__gallery_changed(const struct iso_gallery_db *db, const char *kind, int64_t number,
+                         struct iso_fault *fault);
+
 /* Inserts a template with its number, or a person. The digest of the draft is updated. */
 int iso__gallery_insert_person(struct iso_gallery_db *db, int64_t id,
                                const struct iso_person *person, struct iso_fault *fault);
@@ -121,6 +132,26 @@ int iso__gallery_write_record(struct iso_gallery_db *db, const char *sql,
  * from the draft's digest. */
 int iso__gallery_take_out(struct iso_gallery_db *db, const char *sql, enum iso_gallery_kind kind,
                           int64_t id, struct iso_fault *fault);
+
+/* Takes a metric into use for stored vectors; NULL: none. Looks whether their table exists. */
+void iso__gallery_use_metric(struct iso_gallery_db *db, const struct iso_metric *metric,
+                             uint32_t algorithm);
+int iso__gallery_find_vectors(struct iso_gallery_db *db, struct iso_fault *fault);
+
+/* Opens the stored vector of a row (the columns of a template's row, then the sealed vector).
+ * Returns false if there is none for the metric in use and for this very record of the template;
+ * otherwise the record is sound, and is added to the digest. (rows/gallery_vector_rows.c) */
+bool iso__gallery_stored_vector(const struct iso_gallery_db *db, sqlite3_stmt *row,
+                                const struct iso_gallery_place *place, uint8_t *digest,
+                                struct iso_gallery_vector *out);
+
+/* Deletes all stored vectors; within a transaction. */
+int iso__gallery_drop_vectors(struct iso_gallery_db *db, struct iso_fault *fault);
+
+/* Rolls the transaction back. Returns true if it is certainly undone, and the database is as before
+ * it. If the transaction is no longer open, SQLite has ended it because of an error of the disk,
+ * and the result is false. (gallery_db.c) */
+bool iso__gallery_roll_back(struct iso_gallery_db *db);
 
 /* Looks whether the table of access records exists. (gallery_access_rows.c) */
 int iso__gallery_find_access(struct iso_gallery_db *db, struct iso_fault *fault);

@@ -120,7 +120,7 @@ int iso_gallery_templates(struct iso_gallery *gallery, int64_t person, struct is
 {
     const struct iso_person *own = iso_gallery_find_id(gallery, person);
     struct fetching fetching = {gallery, out, 0, capacity, 0};
-    const struct iso_gallery_visitor visitor = {NULL, fetch_template, NULL, &fetching};
+    const struct iso_gallery_visitor visitor = {.template = fetch_template, .context = &fetching};
     if (!own) {
         return iso_fault_set(fault, -ENOENT, "nobody has the number %lld", (long long)person);
     }

@@ -8,8 +8,6 @@
 #include <string.h>
 
 #include "firmware/gallery/gallery.h"
-#include "firmware/gallery/gallery_seal.h"
-#include "firmware/site/site_batch.h"
 
 _Static_assert((int)ISO_GALLERY_TEMPLATES_MAX <= (int)ISO_INDEX_TEMPLATES_MAX,
                "the index takes all templates of a person");
@@ -101,10 +99,8 @@ static int read_template(const struct iso_gallery_memory *memory, const void *by
     return error;
 }
 
-/* Prepares a template in the form in which it is kept, and room for it. The people stay at their
- * addresses. */
-static int prepare_template(struct iso_gallery_memory *memory, const void *bytes, size_t size,
-                            struct iso_gallery_kept *out)
+int iso__gallery_memory_read(struct iso_gallery_memory *memory, const void *bytes, size_t size,
+                             struct iso_gallery_kept *out)
 {
     struct iso_gallery_kept kept = {.tmpl = NULL};
     int error = read_template(memory, bytes, size, &kept);
@@ -123,7 +119,7 @@ static int prepare_template(struct iso_gallery_memory *memory, const void *bytes
 int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *bytes, size_t size,
                                struct iso_gallery_kept *out)
 {
-    int error = prepare_template(memory, bytes, size, out);
+    int error = iso__gallery_memory_read(memory, bytes, size, out);
     if (!error && iso_gallery_memory_reserve_people(memory, 1)) {
         iso_gallery_memory_discard(out);
         error = -ENOMEM;
@@ -161,10 +157,8 @@ static void insert_entry(struct iso_gallery_memory *memory, int64_t person,
     memory->n_entries++;
 }
 
-/* Adds the template, or its vector, to the memory. The caller has made room, and nobody has more
- * templates than an index takes. */
-static int insert_vector(struct iso_gallery_memory *memory, int64_t person,
-                         struct iso_gallery_kept *kept)
+int iso__gallery_memory_insert(struct iso_gallery_memory *memory, int64_t person,
+                               struct iso_gallery_kept *kept)
 {
     int error = 0;
     if (!memory->site) {
@@ -189,7 +183,7 @@ void iso_gallery_memory_add(struct iso_gallery_memory *memory, const struct iso_
     own->valid_until_s = row->valid_until_s;
     own->templates++;
     own->usable++;
-    (void)!insert_vector(memory, row->id, kept);
+    (void)!iso__gallery_memory_insert(memory, row->id, kept);
 }
 
 /* ---- people ---- */
@@ -230,170 +224,4 @@ void iso_gallery_memory_remove(struct iso_gallery_memory *memory, int64_t person
         memory->n_people--;
         sodium_memzero(&memory->people[memory->n_people], sizeof *memory->people);
     }
-}
-
-/* ---- all of the database ---- */
-
-struct loading {
-    struct iso_gallery_db *db;
-    struct iso_site_batch *batch; /* with a metric: what adds the vectors */
-    const struct iso_work_listener *listener;
-    struct iso_gallery_memory memory;
-};
-
-static int load_person(void *context, const struct iso_person *person, struct iso_fault *fault)
-{
-    struct iso_gallery_memory *memory = &((struct loading *)context)->memory;
-    if (iso_gallery_memory_reserve_people(memory, 1)) {
-        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
-    }
-    struct iso_person *own = &memory->people[memory->n_people];
-    *own = *person;
-    if (iso_person_name_key(own->name, &own->key)) {
-        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
-    }
-    memory->n_people++;
-    return 0;
-}
-
-/* Loads a template that the running algorithm can use. */
-static int load_usable(struct loading *loading, struct iso_person *person, int64_t number,
-                       const void *bytes, size_t size)
-{
-    struct iso_gallery_kept kept;
-    int error = loading->batch ? iso_site_batch_add(loading->batch, person->id, number, bytes, size)
-                               : prepare_template(&loading->memory, bytes, size, &kept);
-    if (!error && !loading->batch) {
-        error = insert_vector(&loading->memory, person->id, &kept);
-    }
-    person->usable += !error;
-    return error;
-}
-
-/* Checks that the bytes are a template of this algorithm, which is not the running one. */
-static int check_unusable(const void *bytes, size_t size, uint32_t algorithm)
-{
-    struct iso_template_facts facts;
-    const int error = iso_template_check(bytes, size, &facts);
-    if (error) {
-        return error;
-    }
-    return facts.algorithm == algorithm ? 0 : -EBADMSG;
-}
-
-/* What the error of a template means for loading. */
-static int template_result(const struct loading *loading, int error, struct iso_fault *fault)
-{
-    if (error == -ENOMEM) {
-        return iso_fault_set(fault, error, "gallery: out of memory");
-    }
-    const bool damaged = error && error != -EPROTONOSUPPORT;
-    return damaged ? iso_gallery_db_damaged(loading->db, "a template cannot be read", fault) : 0;
-}
-
-static int load_template(void *context, const struct iso_gallery_place *place, const void *bytes,
-                         size_t size, struct iso_fault *fault)
-{
-    struct loading *loading = context;
-    struct iso_person *person = iso_gallery_memory_find(&loading->memory, place->person);
-    if (!person) {
-        return iso_gallery_db_damaged(loading->db, "a template belongs to nobody", fault);
-    }
-    person->templates++;
-    iso_work_step(loading->listener, (uint64_t)(person - loading->memory.people) + 1,
-                  loading->memory.n_people);
-    const int error = place->algorithm == loading->memory.algorithm
-                          ? load_usable(loading, person, place->number, bytes, size)
-                          : check_unusable(bytes, size, place->algorithm);
-    return template_result(loading, error, fault);
-}
-
-static int load_access(void *context, const struct iso_gallery_place *place, const void *bytes,
-                       size_t size, struct iso_fault *fault)
-{
-    struct loading *loading = context;
-    if (place->person != ISO_GALLERY_SITE && place->person != ISO_GALLERY_FLEET &&
-        !iso_gallery_memory_find(&loading->memory, place->person)) {
-        return iso_gallery_db_damaged(loading->db, "an access record belongs to nobody", fault);
-    }
-    const int error = iso_gallery_access_load(&loading->memory.access, place->person,
-                                              place->algorithm, bytes, size);
-    if (error == -ENOMEM) {
-        return iso_fault_set(fault, error, "gallery: out of memory");
-    }
-    return error ? iso_gallery_db_damaged(loading->db, "an access record is not whole", fault) : 0;
-}
-
-/* Sorts by key, and people with the same key by spelling. */
-static int by_name(const void *a, const void *b)
-{
-    const struct iso_person *one = *(const struct iso_person *const *)a;
-    const struct iso_person *other = *(const struct iso_person *const *)b;
-    const int order = memcmp(&one->key, &other->key, sizeof one->key);
-    return order ? order : strcmp(one->name, other->name);
-}
-
-/* Two people cannot have the same spelling. They can have two spellings of one name in a gallery
- * that was written when the case of letters made a difference. Such people stay, and are
- * counted. */
-static int check_names(struct loading *loading, struct iso_fault *fault)
-{
-    struct iso_gallery_memory *memory = &loading->memory;
-    const size_t n = memory->n_people;
-    int error = 0;
-    const struct iso_person **people = calloc(n ? n : 1, sizeof *people);
-    if (!people) {
-        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
-    }
-    for (size_t i = 0; i < n; i++) {
-        people[i] = &memory->people[i];
-    }
-    qsort(people, n, sizeof *people, by_name);
-    for (size_t i = 1; i < n && !error; i++) {
-        if (strcmp(people[i - 1]->name, people[i]->name) == 0) {
-            error = iso_gallery_db_damaged(loading->db, "two people of one name", fault);
-        }
-        memory->same_names += iso_person_name_key_is_same(&people[i - 1]->key, &people[i]->key);
-    }
-    free(people);
-    return error;
-}
-
-int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
-                            const struct iso_metric *metric, bool adapt,
-                            const struct iso_work_listener *listener,
-                            struct iso_gallery_memory *out, struct iso_fault *fault)
-{
-    struct loading loading = {
-        .db = db,
-        .listener = listener,
-        .memory = {.algorithm = algorithm, .metric = metric, .adapt = adapt},
-    };
-    const struct iso_gallery_visitor visitor = {load_person, load_template, load_access, &loading};
-    int error = 0;
-    if (metric && (iso_site_index_new(metric, adapt, &loading.memory.site) ||
-                   iso_site_batch_new(loading.memory.site, algorithm, metric, &loading.batch))) {
-        iso_gallery_memory_done(&loading.memory);
-        return iso_fault_set(fault, -ENOMEM, "gallery: out of memory");
-    }
-    error = iso_gallery_db_load(db, &visitor, fault);
-    if (!error && metric) {
-        error = template_result(&loading, iso_site_batch_end(loading.batch), fault);
-    }
-    iso_site_batch_free(loading.batch);
-    if (!error) {
-        error = check_names(&loading, fault);
-    }
-    if (!error && metric) {
-        iso_site_index_set_record(loading.memory.site, iso_gallery_db_site(db));
-        error = iso_site_index_start(loading.memory.site)
-                    ? iso_fault_set(fault, -ENOMEM, "gallery: no memory for a thread")
-                    : 0;
-    }
-    if (error) {
-        iso_gallery_memory_done(&loading.memory);
-        return error;
-    }
-    *out = loading.memory;
-    return 0;
 }

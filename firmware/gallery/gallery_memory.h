@@ -28,11 +28,17 @@ struct iso_gallery_memory {
 };
 
 /* Loads the whole database, within a transaction or not. `out` is written on success; done frees
- * it. The listener counts people. */
+ * it. The listener counts people. (gallery_load.c) */
 int iso_gallery_memory_load(struct iso_gallery_db *db, uint32_t algorithm,
                             const struct iso_metric *metric, bool adapt,
                             const struct iso_work_listener *listener,
                             struct iso_gallery_memory *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* The same when the gallery is opened, and not within a transaction. Stores the vectors that had to
+ * be made (iso_gallery_db_store_vectors), if there are many of them. (gallery_load.c) */
+int iso_gallery_memory_start(struct iso_gallery_db *db, const struct iso_gallery_options *options,
+                             struct iso_gallery_memory *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 /* Sets the class of the running sensor (iso_site_index_set_sensor).
@@ -54,6 +60,15 @@ struct iso_gallery_kept {
  * of iso_template_parse; -EINVAL of another algorithm or not fit for the metric, -ENOMEM. */
 int iso_gallery_memory_prepare(struct iso_gallery_memory *memory, const void *bytes, size_t size,
                                struct iso_gallery_kept *out) __attribute__((warn_unused_result));
+
+/* The two halves of that for a gallery that is being loaded: makes the form and room for the
+ * template, so that the people stay at their addresses, and adds it to the memory. Nobody has more
+ * templates than an index takes. Errors of iso_gallery_memory_prepare, and of
+ * iso_site_index_add. */
+int iso__gallery_memory_read(struct iso_gallery_memory *memory, const void *bytes, size_t size,
+                             struct iso_gallery_kept *out) __attribute__((warn_unused_result));
+int iso__gallery_memory_insert(struct iso_gallery_memory *memory, int64_t person,
+                               struct iso_gallery_kept *kept) __attribute__((warn_unused_result));
 
 /* Wipes and frees what is still in it. */
 void iso_gallery_memory_discard(struct iso_gallery_kept *kept);

@@ -3,15 +3,14 @@
 #include <errno.h>
 #include <sodium.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "firmware/gallery/gallery_db_state.h"
 
 /* ---- reading ---- */
 
-static int is_not_what_it_was(const struct iso_gallery_db *db, const char *kind, int64_t number,
-                              struct iso_fault *fault)
+int iso__gallery_changed(const struct iso_gallery_db *db, const char *kind, int64_t number,
+                         struct iso_fault *fault)
 {
     char what[80];
     (void)snprintf(what, sizeof what, "the record of %s %lld is not what was stored", kind,
@@ -34,7 +33,7 @@ static int open_column(struct iso_gallery_db *db, sqlite3_stmt *row, int column,
     return (int)(size - ISO_SEAL_OVERHEAD);
 }
 
-static struct iso_gallery_place place_of(sqlite3_stmt *row, enum iso_gallery_kind kind)
+struct iso_gallery_place iso__gallery_place_of(sqlite3_stmt *row, enum iso_gallery_kind kind)
 {
     return (struct iso_gallery_place){.kind = kind,
                                       .number = sqlite3_column_int64(row, 0),
@@ -50,7 +49,7 @@ static int visit_person(struct iso_gallery_db *db, sqlite3_stmt *row,
     struct iso_person person;
     const int size = open_column(db, row, 1, &place, digest);
     if (size < 0) {
-        return is_not_what_it_was(db, "person", place.number, fault);
+        return iso__gallery_changed(db, "person", place.number, fault);
     }
     if (iso_gallery_person_get(db->plain, (size_t)size, &person)) {
         return iso_gallery_db_damaged(db, "a person has no valid name", fault);
@@ -63,10 +62,16 @@ static int visit_template(struct iso_gallery_db *db, sqlite3_stmt *row,
                           const struct iso_gallery_visitor *visitor, uint8_t *digest,
                           struct iso_fault *fault)
 {
-    const struct iso_gallery_place place = place_of(row, ISO_GALLERY_TEMPLATE);
+    const struct iso_gallery_place place = iso__gallery_place_of(row, ISO_GALLERY_TEMPLATE);
+    struct iso_gallery_vector stored;
+    if (visitor->vector && iso__gallery_stored_vector(db, row, &place, digest, &stored)) {
+        const int error = visitor->vector(visitor->context, &place, &stored, fault);
+        sodium_memzero(&stored, sizeof stored);
+        return error;
+    }
     const int size = place.person > 0 ? open_column(db, row, 3, &place, digest) : -EBADMSG;
     if (size < 0) {
-        return is_not_what_it_was(db, "template", place.number, fault);
+        return iso__gallery_changed(db, "template", place.number, fault);
     }
     return visitor->template(visitor->context, &place, db->plain, (size_t)size, fault);
 }
@@ -75,10 +80,10 @@ static int visit_access(struct iso_gallery_db *db, sqlite3_stmt *row,
                         const struct iso_gallery_visitor *visitor, uint8_t *digest,
                         struct iso_fault *fault)
 {
-    const struct iso_gallery_place place = place_of(row, ISO_GALLERY_ACCESS);
+    const struct iso_gallery_place place = iso__gallery_place_of(row, ISO_GALLERY_ACCESS);
     const int size = open_column(db, row, 3, &place, digest);
     if (size < 0) {
-        return is_not_what_it_was(db, "access", place.number, fault);
+        return iso__gallery_changed(db, "access", place.number, fault);
     }
     return visitor->access(visitor->context, &place, db->plain, (size_t)size, fault);
 }
@@ -112,6 +117,12 @@ static int each_row(struct iso_gallery_db *db, const char *sql, int64_t paramete
     return error;
 }
 
+static const char all_templates[] =
+    "SELECT id, person_id, algorithm, record FROM template ORDER BY person_id, id";
+static const char with_vectors[] =
+    "SELECT template.id, person_id, algorithm, template.record, vector.record "
+    "FROM template LEFT JOIN vector ON vector.id = template.id ORDER BY person_id, template.id";
+
 int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visitor *visitor,
                         struct iso_fault *fault)
 {
@@ -119,10 +130,8 @@ int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visi
     int error = each_row(db, "SELECT id, record FROM person ORDER BY id", 0, visit_person, visitor,
                          digest, fault);
     if (!error) {
-        error = each_row(db,
-                         "SELECT id, person_id, algorithm, record FROM template "
-                         "ORDER BY person_id, id",
-                         0, visit_template, visitor, digest, fault);
+        error = each_row(db, visitor->vector && db->has_vectors ? with_vectors : all_templates, 0,
+                         visit_template, visitor, digest, fault);
     }
     if (!error && db->draft.has_access) {
         error = each_row(db,
@@ -201,7 +210,7 @@ int iso__gallery_take_out(struct iso_gallery_db *db, const char *sql, enum iso_g
     }
     (void)sqlite3_bind_int64(query, 1, id);
     while ((step = sqlite3_step(query)) == SQLITE_ROW) {
-        const struct iso_gallery_place place = place_of(query, kind);
+        const struct iso_gallery_place place = iso__gallery_place_of(query, kind);
         const void *record = sqlite3_column_blob(query, 3);
         iso_gallery_record_toggle(&db->seal, &place, record ? record : "",
                                   (size_t)sqlite3_column_bytes(query, 3), db->draft.digest);
@@ -276,123 +285,4 @@ int iso_gallery_db_drop_person(struct iso_gallery_db *db, int64_t id, struct iso
     }
     (void)sqlite3_bind_int64(statement, 1, id);
     return iso__gallery_finish(db, statement, fault);
-}
-
-/* ---- another key ---- */
-
-/* How the rows of a table are sealed again. */
-struct reseal_table {
-    enum iso_gallery_kind kind;
-    const char *name; /* in a fault */
-    const char *select, *update;
-};
-
-/* Seals one row again: the first whose number is above *after. It was sealed with `old`, and is
- * then sealed with db->seal. *after becomes its number. Returns 1, 0 if there is no such row, or a
- * negative errno. */
-static int reseal_next(struct iso_gallery_db *db, const struct iso_gallery_seal *old,
-                       const struct reseal_table *table, int64_t *after, struct iso_fault *fault)
-{
-    sqlite3_stmt *query = NULL;
-    int error = iso__gallery_prepare(db, table->select, &query, fault);
-    if (error) {
-        return error;
-    }
-    (void)sqlite3_bind_int64(query, 1, *after);
-    const int step = sqlite3_step(query);
-    if (step != SQLITE_ROW) {
-        error = step == SQLITE_DONE ? 0 : iso__gallery_fail(db, fault);
-        (void)sqlite3_finalize(query);
-        return error;
-    }
-    const struct iso_gallery_place place = place_of(query, table->kind);
-    const size_t size = (size_t)sqlite3_column_bytes(query, 3);
-    const void *sealed = sqlite3_column_blob(query, 3);
-    const bool sound = sealed && size >= ISO_SEAL_OVERHEAD && size <= sizeof db->sealed &&
-                       iso_gallery_record_open(old, &place, sealed, size, db->plain) == 0;
-    (void)sqlite3_finalize(query);
-    if (!sound) {
-        return is_not_what_it_was(db, table->name, place.number, fault);
-    }
-    *after = place.number;
-    error = iso__gallery_write_record(db, table->update, &place, db->plain,
-                                      size - ISO_SEAL_OVERHEAD, fault);
-    return error ? error : 1;
-}
-
-/* Counts the records to be sealed. */
-static int count_records(const struct iso_gallery_db *db, uint64_t *n, struct iso_fault *fault)
-{
-    char answer[32];
-    const int error = iso__gallery_ask(
-        db,
-        db->draft.has_access
-            ? "SELECT (SELECT count(*) FROM person) + (SELECT count(*) FROM template) "
-              "+ (SELECT count(*) FROM access)"
-            : "SELECT (SELECT count(*) FROM person) + (SELECT count(*) FROM template)",
-        answer, sizeof answer, fault);
-    *n = error ? 0 : strtoull(answer, NULL, 10);
-    return error;
-}
-
-static int reseal_rows(struct iso_gallery_db *db, const struct iso_gallery_seal *old,
-                       const struct iso_work_listener *listener, struct iso_fault *fault)
-{
-    static const struct reseal_table tables[] = {
-        {ISO_GALLERY_PERSON, "person",
-         "SELECT id, 0, 0, record FROM person WHERE id > ?1 ORDER BY id LIMIT 1",
-         "UPDATE person SET record = ?4 WHERE id = ?1"},
-        {ISO_GALLERY_TEMPLATE, "template",
-         "SELECT id, person_id, algorithm, record FROM template WHERE id > ?1 ORDER BY id LIMIT 1",
-         "UPDATE template SET record = ?4 WHERE id = ?1 AND person_id = ?2 AND algorithm = ?3"},
-        {ISO_GALLERY_ACCESS, "access",
-         "SELECT id, person_id, part, record FROM access WHERE id > ?1 ORDER BY id LIMIT 1",
-         "UPDATE access SET record = ?4 WHERE id = ?1 AND person_id = ?2 AND part = ?3"},
-    };
-    const size_t n = sizeof tables / sizeof *tables - (db->draft.has_access ? 0 : 1);
-    uint64_t done = 0, total = 0;
-    int more = count_records(db, &total, fault);
-    for (size_t i = 0; more >= 0 && i < n; i++) {
-        int64_t after = 0;
-        do {
-            more = reseal_next(db, old, &tables[i], &after, fault);
-            if (more > 0) {
-                iso_work_step(listener, ++done, total);
-            }
-        } while (more > 0);
-    }
-    sodium_memzero(db->plain, sizeof db->plain);
-    return more;
-}
-
-int iso_gallery_db_rotate(struct iso_gallery_db *db, const struct iso_work_listener *listener,
-                          struct iso_fault *fault)
-{
-    uint32_t number = 0;
-    int error = iso_key_ring_add(db->ring, ISO_KEY_GALLERY, &number, fault);
-    if (!error) {
-        error = iso_gallery_db_begin(db, fault);
-    }
-    if (error) {
-        return error;
-    }
-    struct iso_gallery_seal old = db->seal;
-    db->seal = iso_gallery_seal_of(old.gallery, number,
-                                   iso_key_ring_find(db->ring, ISO_KEY_GALLERY, number));
-    memset(db->draft.digest, 0, sizeof db->draft.digest);
-    error = iso_gallery_db_end(db, reseal_rows(db, &old, listener, fault), fault);
-    if (error) {
-        iso_gallery_seal_wipe(&db->seal);
-        db->seal = old;
-    } else if (iso__gallery_execute(db, "VACUUM", NULL)) {
-        /* VACUUM removes the free pages. After a failure they stay in the file; their contents are
-         * overwritten already (secure_delete). The connection cannot be trusted after the error, so
-         * the head is read from the disk again. */
-        error = iso__gallery_settle(db, 0, fault);
-    }
-    if (!error) {
-        error = iso_key_ring_drop(db->ring, ISO_KEY_GALLERY, number, fault);
-    }
-    iso_gallery_seal_wipe(&old);
-    return error;
 }

@@ -74,6 +74,35 @@ void iso_gallery_record_toggle(const struct iso_gallery_seal *seal,
     }
 }
 
+/* The number at the end of the kind counts the ways in which programs have made vectors. */
+static struct iso_seal_label vector_label(const struct iso_gallery_seal *seal,
+                                          const uint8_t record[ISO_SEAL_DIGEST_BYTES],
+                                          const uint8_t metric[ISO_SEAL_DIGEST_BYTES])
+{
+    struct iso_seal_label label = label_of(seal, "isotherm gallery vector 1");
+    iso_seal_label_bytes(&label, record, ISO_SEAL_DIGEST_BYTES);
+    iso_seal_label_bytes(&label, metric, ISO_SEAL_DIGEST_BYTES);
+    return label;
+}
+
+void iso_gallery_vector_close(const struct iso_gallery_seal *seal,
+                              const uint8_t record[ISO_SEAL_DIGEST_BYTES],
+                              const uint8_t metric[ISO_SEAL_DIGEST_BYTES], const void *plain,
+                              size_t size, uint8_t *sealed)
+{
+    const struct iso_seal_label label = vector_label(seal, record, metric);
+    iso_seal_close(&seal->key, &label, plain, size, sealed);
+}
+
+int iso_gallery_vector_open(const struct iso_gallery_seal *seal,
+                            const uint8_t record[ISO_SEAL_DIGEST_BYTES],
+                            const uint8_t metric[ISO_SEAL_DIGEST_BYTES], const void *sealed,
+                            size_t size, void *plain)
+{
+    const struct iso_seal_label label = vector_label(seal, record, metric);
+    return iso_seal_open(&seal->key, &label, sealed, size, plain);
+}
+
 void iso_gallery_person_put(const struct iso_person *person,
                             uint8_t plain[ISO_GALLERY_PERSON_BYTES])
 {

@@ -81,6 +81,18 @@ void iso_gallery_record_toggle(const struct iso_gallery_seal *seal,
                                const struct iso_gallery_place *place, const void *sealed,
                                size_t size, uint8_t digest[ISO_SEAL_DIGEST_BYTES]);
 
+/* Seals or opens the vector of a template (rows/gallery_vector_rows.c): `record` is the digest of
+ * the sealed template, and `metric` a digest of the metric. Sizes as for a record. open: -EBADMSG.
+ */
+void iso_gallery_vector_close(const struct iso_gallery_seal *seal,
+                              const uint8_t record[ISO_SEAL_DIGEST_BYTES],
+                              const uint8_t metric[ISO_SEAL_DIGEST_BYTES], const void *plain,
+                              size_t size, uint8_t *sealed);
+int iso_gallery_vector_open(const struct iso_gallery_seal *seal,
+                            const uint8_t record[ISO_SEAL_DIGEST_BYTES],
+                            const uint8_t metric[ISO_SEAL_DIGEST_BYTES], const void *sealed,
+                            size_t size, void *plain) __attribute__((warn_unused_result));
+
 /* A person's record: dates and name, without id and counts. get: -EBADMSG a size or a name that is
  * not possible. */
 void iso_gallery_person_put(const struct iso_person *person,

@@ -49,6 +49,9 @@ static int read_again(struct iso_gallery_db *db, struct iso_fault *fault)
         error = iso__gallery_find_access(db, fault);
     }
     if (!error) {
+        error = iso__gallery_find_vectors(db, fault);
+    }
+    if (!error) {
         error = iso__gallery_execute(db, "COMMIT", fault);
     }
     return error ? error : delete_journal(db, fault);

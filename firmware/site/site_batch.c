@@ -18,9 +18,11 @@ struct iso_site_batch {
     uint32_t algorithm;
     const struct iso_metric *metric;
     struct iso_metric_steps steps;
-    struct iso_template tmpl; /* the one that is being added */
-    float *residual_mm;       /* [ISO_METRIC_ROWS][metric->n_values] */
-    int n;                    /* templates that wait */
+    struct iso_template tmpl;  /* the one that is being added */
+    float *residual_mm;        /* [ISO_METRIC_ROWS][metric->n_values] */
+    iso_site_batch_made *made; /* NULL: nobody wants to know */
+    void *made_context;
+    int n; /* templates that wait */
     struct kept kept[ISO_METRIC_ROWS];
     struct iso_metric_vector vector[ISO_METRIC_ROWS];
 };
@@ -67,8 +69,29 @@ int iso_site_batch_end(struct iso_site_batch *batch)
         const struct kept *kept = &batch->kept[i];
         error = iso_site_index_add(batch->site, kept->person, (uint64_t)kept->number, kept->sensor,
                                    &batch->vector[i]);
+        if (!error && batch->made) {
+            batch->made(batch->made_context, kept->number, kept->sensor, &batch->vector[i]);
+        }
     }
     return error;
+}
+
+void iso_site_batch_tell(struct iso_site_batch *batch, iso_site_batch_made *made, void *context)
+{
+    batch->made = made;
+    batch->made_context = context;
+}
+
+/* What waits comes first, because the mean of a person's vectors depends on their order. */
+int iso_site_batch_add_vector(struct iso_site_batch *batch, int64_t person, int64_t number,
+                              const char *sensor, const struct iso_metric_vector *vector)
+{
+    int error = iso_site_batch_end(batch);
+    if (!error) {
+        error = iso_site_index_reserve(batch->site, 1);
+    }
+    return error ? error
+                 : iso_site_index_add(batch->site, person, (uint64_t)number, sensor, vector);
 }
 
 /* Keeps the residuals of batch->tmpl. */

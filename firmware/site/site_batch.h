@@ -24,6 +24,20 @@ void iso_site_batch_free(struct iso_site_batch *batch);
 int iso_site_batch_add(struct iso_site_batch *batch, int64_t person, int64_t number,
                        const void *bytes, size_t size) __attribute__((warn_unused_result));
 
+/* Adds a vector that an earlier batch has made of a template, behind the templates that wait.
+ * -ENOMEM, and errors of iso_site_index_add(), also those of earlier templates. */
+int iso_site_batch_add_vector(struct iso_site_batch *batch, int64_t person, int64_t number,
+                              const char *sensor, const struct iso_metric_vector *vector)
+    __attribute__((warn_unused_result));
+
+/* Receives a vector that a batch has made of template `number`. sensor: [ISO_TEMPLATE_SENSOR_MAX].
+ * Both are valid during the call. */
+typedef void iso_site_batch_made(void *context, int64_t number, const char *sensor,
+                                 const struct iso_metric_vector *vector);
+
+/* Calls `made` from now on for each vector that is made and added. */
+void iso_site_batch_tell(struct iso_site_batch *batch, iso_site_batch_made *made, void *context);
+
 /* Adds the templates that wait. -ENOMEM, and errors of iso_site_index_add(). */
 int iso_site_batch_end(struct iso_site_batch *batch) __attribute__((warn_unused_result));
 

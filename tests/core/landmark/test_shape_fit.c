@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "core/landmark/shape_fit.h"
+#include "core/landmark/shape_fitter.h"
 #include "tests/core/surfaces/rendered_head.h"
 #include "tests/core/surfaces/shipped_model.h"
 
@@ -184,6 +184,34 @@ static void a_fit_does_not_depend_on_the_one_before(void **state)
     iso_frame_free(mean);
 }
 
+/* How many starts of a fit of the person are given up with this number of iterations. */
+static int given_up(struct fixture *f, int iterations)
+{
+    struct iso_shape_fit fit;
+    struct iso_shape_fit_options options = usual;
+    options.iterations = iterations;
+    options.jaws = ISO_SHAPE_FIT_JAWS_MAX;
+    assert_int_equal(iso_shape_fitter_new(f->model, &options, &f->fitter), 0);
+    assert_int_equal(iso_shape_fit(f->fitter, f->frame, &f->start, &fit), 0);
+    const int n = f->fitter->given_up;
+    iso_shape_fitter_free(f->fitter);
+    f->fitter = NULL;
+    return n;
+}
+
+/* The bounds by which a start is given up hold for nine and ten iterations alone. */
+static void starts_are_given_up_only_where_the_bounds_hold(void **state)
+{
+    static const int others[] = {1, 4, 6, 7, 8, 11, 12, 24};
+    struct fixture *f = *state;
+    draw_person(f);
+    assert_true(given_up(f, 9) > 0);
+    assert_true(given_up(f, 10) > 0);
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        assert_int_equal(given_up(f, others[i]), 0);
+    }
+}
+
 static void too_little_of_a_face_is_no_data(void **state)
 {
     struct fixture *f = *state;
@@ -324,6 +352,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(known_coefficients_are_recovered, set_up, tear_down),
         cmocka_unit_test_setup_teardown(landmarks_are_those_of_the_neutral_head, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_fit_does_not_depend_on_the_one_before, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(starts_are_given_up_only_where_the_bounds_hold, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(too_little_of_a_face_is_no_data, set_up, tear_down),
         cmocka_unit_test_setup_teardown(bad_fitters_are_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_rigid_fit_finds_the_mean_head, set_up, tear_down),
