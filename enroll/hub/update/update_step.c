@@ -14,7 +14,7 @@ enum {
 struct step {
     struct hub_store *store;
     const struct iso_fleet_id *door;
-    struct hub__update_report report;
+    struct iso_fleet_update_report report;
     /* Of the database. */
     struct iso_fleet_id rollout;
     char version[ISO_FLEET_UPDATE_WORD_SIZE], zone[HUB_NAME_SIZE];
@@ -94,14 +94,14 @@ static enum hub__door_state state_of_report(enum iso_fleet_update_state state,
 /* The state of the door by what it says, and why it is unable or has failed. */
 static enum hub__door_state new_state(const struct step *s, const char **why)
 {
-    const struct hub__update_report *report = &s->report;
+    const struct iso_fleet_update_report *report = &s->report;
     const bool is_this = iso_fleet_id_is_same(&report->rollout, &s->rollout);
     *why = "";
     /* A door that was told restarts, and its first question may come before it knows its state. */
-    if (s->counts && (!report->is_given || report->state == ISO_FLEET_UPDATE_NONE)) {
+    if (s->counts && (!report->is_known || report->state == ISO_FLEET_UPDATE_NONE)) {
         return s->state;
     }
-    if (!report->is_given) {
+    if (!report->is_known) {
         *why = "its release does not know updates by the hub";
         return HUB__DOOR_UNABLE;
     }

@@ -70,6 +70,9 @@ struct link_door {
     struct link_http *http;
     struct link_broker broker; /* its texts belong to the link */
     char *hub_url, *folder;
+    void *update_context;
+    void (*ordered)(void *context, const struct iso_fleet_update *order);
+    void (*answered)(void *context);
     void *note_context;
     void (*note)(void *context, const char *line);
 

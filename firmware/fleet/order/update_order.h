@@ -64,6 +64,15 @@ const char *iso_fleet_update_state_word(enum iso_fleet_update_state state);
 int iso_fleet_update_state_read(const char *word, enum iso_fleet_update_state *out)
     __attribute__((warn_unused_result));
 
+/* What a door says about its image. All zero: nothing is known yet. */
+struct iso_fleet_update_report {
+    bool is_known; /* its members count */
+    enum iso_fleet_update_state state;
+    struct iso_fleet_id rollout;                                                 /* zeros: none */
+    char version[ISO_FLEET_UPDATE_WORD_SIZE], board[ISO_FLEET_UPDATE_WORD_SIZE]; /* "": no image */
+    char fault[ISO_FLEET_UPDATE_FAULT_SIZE]; /* one line for people; "": none */
+};
+
 /* The members of the health. */
 #define ISO_FLEET_UPDATE_STATE   "update-state"   /* a word */
 #define ISO_FLEET_UPDATE_ROLLOUT "update-rollout" /* the id of the rollout; "": none */

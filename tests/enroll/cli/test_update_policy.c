@@ -29,22 +29,24 @@
 
 enum { NOBODY_UID = 65534 };
 
-/* Who calls: "floppy" takes the place of the group isotherm, "daemon" that of the user. */
-enum caller { ROOT, ADMINISTRATOR, DAEMON, NOBODY, CALLERS };
+/* Who calls: "floppy" takes the place of the group isotherm, "daemon" that of the user,
+ * and "games" that of the connection to the hub. */
+enum caller { ROOT, ADMINISTRATOR, LINK, DAEMON, NOBODY, CALLERS };
 
-static const char *const callers[CALLERS] = {"root", "an administrator", "the daemon", "nobody"};
+static const char *const callers[CALLERS] = {"root", "an administrator", "the link", "the daemon",
+                                             "nobody"};
 
 static const struct {
     const char *interface, *method;
     bool may[CALLERS];
 } rules[] = {
-    {PROPERTIES, "GetAll", {true, true, false, false}},
-    {INSTALLER, "Info", {true, true, false, false}},
-    {INSTALLER, "InstallBundle", {true, true, false, false}},
-    {INSTALLER, "GetSlotStatus", {true, true, false, false}},
-    {INSTALLER, "GetPrimary", {true, true, false, false}},
-    {INSTALLER, "Mark", {true, false, false, false}},
-    {INSTALLER, "Install", {true, false, false, false}},
+    {PROPERTIES, "GetAll", {true, true, true, false, false}},
+    {INSTALLER, "Info", {true, true, true, false, false}},
+    {INSTALLER, "InstallBundle", {true, true, true, false, false}},
+    {INSTALLER, "GetSlotStatus", {true, true, true, false, false}},
+    {INSTALLER, "GetPrimary", {true, true, true, false, false}},
+    {INSTALLER, "Mark", {true, false, false, false, false}},
+    {INSTALLER, "Install", {true, false, false, false, false}},
 };
 
 static struct private_bus bus;
@@ -67,6 +69,7 @@ static void include_policy(void)
 
     text = replace(text, "<policy group=\"isotherm\">", "<policy group=\"floppy\">");
     text = replace(text, "<policy user=\"isotherm\">", "<policy user=\"daemon\">");
+    text = replace(text, "<policy user=\"isotherm-link\">", "<policy user=\"games\">");
     (void)snprintf(path, sizeof path, "%s/policy.conf", bus.directory);
     private_bus_kill(&bus);
     scratch_write_text(path, text);
@@ -81,16 +84,17 @@ static void include_policy(void)
 static bool become(enum caller caller)
 {
     const struct group *administrators = getgrnam("floppy");
-    const struct passwd *daemon = getpwnam("daemon");
+    const struct passwd *user = getpwnam(caller == LINK ? "games" : "daemon");
     const bool member = caller == ADMINISTRATOR || caller == DAEMON;
 
     if (caller == ROOT) {
         return true;
     }
-    if (!administrators || !daemon || setgroups(member, &administrators->gr_gid) < 0) {
+    if (!administrators || !user || setgroups(member, &administrators->gr_gid) < 0) {
         return false;
     }
-    return !setgid(NOBODY_UID) && !setuid(caller == DAEMON ? daemon->pw_uid : NOBODY_UID);
+    return !setgid(NOBODY_UID) &&
+           !setuid(caller == DAEMON || caller == LINK ? user->pw_uid : NOBODY_UID);
 }
 
 static sd_bus *connect_bus(void)
