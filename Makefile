@@ -180,7 +180,7 @@ image-check: packages
 web-check:
 	cmake/install_packages.sh build test web
 	cmake --preset dev
-	cmake --build --preset dev --target isothermd isotherm isotherm-web isotherm-web-pages bench_gallery test_screen_picture
+	cmake --build --preset dev --target isothermd isotherm isotherm-web isotherm-web-pages bench_gallery play_rauc test_screen_picture
 	tests/web/run.sh build/dev out/web-check
 
 hub-web-check:

@@ -53,11 +53,11 @@ top_is_ours() {
     [ -n "$hashes" ] || return 1
     salt=$(veritysetup dump "$hashes" 2>/dev/null | sed -n 's/^Salt:[[:space:]]*//p')
     [ -n "$salt" ] || return 1
-    found=$({
+    top=$({
         printf "$(echo "$salt" | sed 's/../\\x&/g')"
         dd if="$hashes" bs=4096 skip=1 count=1 2>/dev/null
     } | sha256sum | cut -d ' ' -f 1)
-    [ "$found" = "$roothash" ]
+    [ "$top" = "$roothash" ]
 }
 
 # The identifier of the machine is that of its partition of /var; without one, this is the first start, and it is random.

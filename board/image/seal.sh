@@ -22,7 +22,8 @@ salt=$(sha256sum "$out/root.squashfs" | cut -c 1-64)
 veritysetup format "$out/root.squashfs" "$out/root.verity" --salt "$salt" --uuid "$(echo "$salt" | sed 's/^\(.\{8\}\)\(.\{4\}\)\(.\{4\}\)\(.\{4\}\)\(.\{12\}\).*/\1-\2-\3-\4-\5/')" |
     sed -n 's/^Root hash:[[:space:]]*//p' >"$out/root.hash"
 "$here/initrd.sh" "$root" "$cache" "$out/initrd"
-echo "isotherm.roothash=$(cat "$out/root.hash") ro panic=10 systemd.gpt_auto=0 systemd.import_credentials=0 ${ISOTHERM_CMDLINE:-console=tty0 module.sig_enforce=1}" >"$out/cmdline"
+# gpt: if the first copy of the partition table is not whole, as after a power cut while it was written, the kernel reads the second one.
+echo "isotherm.roothash=$(cat "$out/root.hash") ro gpt panic=10 systemd.gpt_auto=0 systemd.import_credentials=0 ${ISOTHERM_CMDLINE:-console=tty0 module.sig_enforce=1}" >"$out/cmdline"
 
 # The sections of the stub (systemd-stub(7)), one behind the other.
 rm -f "$out/isotherm.efi"

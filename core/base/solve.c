@@ -3,17 +3,21 @@
 #include <errno.h>
 #include <math.h>
 
-#include "core/base/lanes.h"
-
 /* Columns are eliminated in panels of PANEL columns. A panel is then subtracted from the rest of
  * the matrix, where no entry depends on another one, so a register computes several entries at
  * once. A dot product of two rows would have to wait for each sum before the next one. Each entry
  * goes through the same operations in the same order as in the plain loop, so both factors have the
  * same bits. */
-enum { PANEL = ISO_DOUBLES };
+enum { PANEL = 4 };
 
-/* A column of the factor, from a matrix from which all panels before `first` are subtracted. */
-static int finish_column(double *a, int n, int first, int j)
+/* Two doubles at once, in one register of the plainest x86-64 and arm64. */
+typedef double pair __attribute__((vector_size(2 * sizeof(double))));
+typedef double pair_in_memory
+    __attribute__((vector_size(2 * sizeof(double)), aligned(8), may_alias));
+
+/* The rows before `end` of a column of the factor, from a matrix from which all panels before
+ * `first` are subtracted. */
+static int finish_column(double *a, int n, int first, int end, int j)
 {
     double pivot = a[j * n + j], diagonal = 0.0;
     for (int k = first; k < j; k++) {
@@ -28,7 +32,7 @@ static int finish_column(double *a, int n, int first, int j)
     }
     const double root = sqrt(pivot);
     a[j * n + j] = root;
-    for (int i = j + 1; i < n; i++) {
+    for (int i = j + 1; i < end; i++) {
         double sum = a[i * n + j];
         for (int k = first; k < j; k++) {
             sum -= a[i * n + k] * a[j * n + k];
@@ -36,6 +40,20 @@ static int finish_column(double *a, int n, int first, int j)
         a[i * n + j] = sum / root;
     }
     return 0;
+}
+
+/* The rows below a whole panel whose own rows are finished. */
+static void finish_rows_below(double *a, int n, int first)
+{
+    const double *const r0 = &a[first * n + first], *const r1 = r0 + n, *const r2 = r1 + n,
+                        *const r3 = r2 + n;
+    for (int i = first + PANEL; i < n; i++) {
+        double *x = &a[i * n + first];
+        x[0] = x[0] / r0[0];
+        x[1] = (x[1] - x[0] * r1[0]) / r1[1];
+        x[2] = (x[2] - x[0] * r2[0] - x[1] * r2[1]) / r2[2];
+        x[3] = (x[3] - x[0] * r3[0] - x[1] * r3[1] - x[2] * r3[2]) / r3[3];
+    }
 }
 
 /* Subtracts a panel from one entry. */
@@ -46,30 +64,33 @@ static void subtract_from_entry(double *a, int n, int first, int i, int j)
     }
 }
 
-/* Entry k of this row of the factor and of the next three. */
-#define COLUMN_AT(row, n, k) \
-    ((iso_doubles){(row)[k], (row)[(n) + (k)], (row)[2 * (n) + (k)], (row)[3 * (n) + (k)]})
+/* Entry k of this row of the factor and of the next one. */
+#define COLUMN_AT(row, n, k) ((pair){(row)[k], (row)[(n) + (k)]})
 
-/* Subtracts a panel from the columns j to j + ISO_DOUBLES - 1 of the lower triangle. */
+/* Subtracts a panel from the columns j to j + PANEL - 1 of the lower triangle. The first rows end
+ * within these columns: what is written behind their ends belongs to the upper triangle. */
 static void subtract_panel(double *a, int n, int first, int j)
 {
-    for (int i = j; i < j + ISO_DOUBLES - 1; i++) { /* the rows that end within these columns */
-        for (int c = j; c <= i; c++) {
-            subtract_from_entry(a, n, first, i, c);
-        }
-    }
     /* They have names, because compilers keep an array of them in memory. */
-    const double *const rows = &a[j * n + first];
-    const iso_doubles k0 = COLUMN_AT(rows, n, 0), k1 = COLUMN_AT(rows, n, 1);
-    const iso_doubles k2 = COLUMN_AT(rows, n, 2), k3 = COLUMN_AT(rows, n, 3);
-    for (int i = j + ISO_DOUBLES - 1; i < n; i++) {
+    const double *const rows = &a[j * n + first], *const next = rows + 2 * n;
+    const pair k0 = COLUMN_AT(rows, n, 0), k1 = COLUMN_AT(rows, n, 1);
+    const pair k2 = COLUMN_AT(rows, n, 2), k3 = COLUMN_AT(rows, n, 3);
+    const pair m0 = COLUMN_AT(next, n, 0), m1 = COLUMN_AT(next, n, 1);
+    const pair m2 = COLUMN_AT(next, n, 2), m3 = COLUMN_AT(next, n, 3);
+    for (int i = j; i < n; i++) {
         const double *factor = &a[i * n + first];
-        iso_doubles left = ISO_DOUBLES_LOAD(&a[i * n + j]);
+        double *at = &a[i * n + j];
+        pair left = *(const pair_in_memory *)at, right = *(const pair_in_memory *)(at + 2);
         left -= factor[0] * k0;
+        right -= factor[0] * m0;
         left -= factor[1] * k1;
+        right -= factor[1] * m1;
         left -= factor[2] * k2;
+        right -= factor[2] * m2;
         left -= factor[3] * k3;
-        ISO_DOUBLES_STORE(&a[i * n + j], left);
+        right -= factor[3] * m3;
+        *(pair_in_memory *)at = left;
+        *(pair_in_memory *)(at + 2) = right;
     }
 }
 
@@ -78,13 +99,16 @@ int iso_cholesky_factorise(double *a, int n)
     for (int first = 0; first < n; first += PANEL) {
         const int end = first + PANEL < n ? first + PANEL : n;
         for (int j = first; j < end; j++) {
-            const int error = finish_column(a, n, first, j);
+            const int error = finish_column(a, n, first, end, j);
             if (error) {
                 return error;
             }
         }
+        if (end - first == PANEL) {
+            finish_rows_below(a, n, first);
+        }
         int j = end;
-        for (; j + ISO_DOUBLES <= n; j += ISO_DOUBLES) {
+        for (; j + PANEL <= n; j += PANEL) {
             subtract_panel(a, n, first, j);
         }
         for (; j < n; j++) {

@@ -15,6 +15,9 @@ static const double search_coverage_min = 0.5;
 /* The least share of the face patch that must be measured. */
 static const double patch_coverage_min = 0.45;
 
+/* Triangles of the measured surface that span more depth than this join different surfaces. */
+static const double patch_jump_mm = 10.0;
+
 /* People are also found a little outside the range in which they are recognised, so that they can
  * be told to come closer or to step back. */
 static const double too_near_share = 0.6, too_far_share = 1.4;
@@ -149,18 +152,14 @@ static int fit_head(struct iso_extractor *x, const struct iso_frame *frame,
 }
 
 /* Resamples the surface in the face frame and fills its holes. */
-static int make_patch(struct iso_extractor *x, const struct iso_frame *cleaned,
-                      struct iso_extraction *out)
+static void make_patch(struct iso_extractor *x, const struct iso_frame *cleaned,
+                       struct iso_extraction *out)
 {
-    const int error = iso_triangulate(x->triangulator, cleaned, x->surface);
-    if (error) {
-        return error;
-    }
-    out->coverage = iso_face_patch_build(x->patch, x->surface, &out->camera_from_face);
+    out->coverage = iso_face_patch_resample(x->patch, cleaned, patch_jump_mm,
+                                            &out->camera_from_face);
     if (out->coverage < patch_coverage_min) {
         out->outcome = ISO_CAPTURE_TOO_FEW_POINTS;
     }
-    return 0;
 }
 
 static bool same_camera(const struct iso_camera *a, const struct iso_camera *b)
@@ -257,7 +256,10 @@ static int run_stages(struct iso_extractor *x, const struct iso_frame *frame, en
                                            ISO_EXTRACT_CLEAN_PITCH_MM, &cleaned));
     usable = usable && end_stage(&p, ISO_STAGE_FIT, fit_head(x, frame, cleaned, &fit, out));
     usable = usable && stands_well(&p, &fit);
-    usable = usable && end_stage(&p, ISO_STAGE_PATCH, make_patch(x, cleaned, out));
+    if (usable) {
+        make_patch(x, cleaned, out);
+        usable = end_stage(&p, ISO_STAGE_PATCH, 0);
+    }
     usable = usable && last > ISO_STAGE_PATCH;
     usable = usable && end_stage(&p, ISO_STAGE_MESH, iso__extract_surface(x, out));
     usable = usable && end_stage(&p, ISO_STAGE_HEAT, iso__extract_heat(x));

@@ -126,19 +126,6 @@ static int new_find(struct iso_extractor *x)
     return error;
 }
 
-static int new_surface(struct iso_extractor *x)
-{
-    const struct iso_triangulate_options measured = {.jump_mm = 10.0};
-    int error = iso_cleaner_new(ISO_EXTRACT_CLEAN_PX_MAX, &x->cleaner);
-    if (!error) {
-        error = iso_triangulator_new(ISO_EXTRACT_CLEAN_PX_MAX, &measured, &x->triangulator);
-    }
-    if (!error) {
-        error = iso_mesh_new(ISO_EXTRACT_CLEAN_PX_MAX, 2 * ISO_EXTRACT_CLEAN_PX_MAX, &x->surface);
-    }
-    return error;
-}
-
 static int new_patch(struct iso_extractor *x, int32_t *n_px)
 {
     const struct iso_face_patch_options options = {
@@ -212,7 +199,7 @@ int iso_extractor_new(const struct iso_head_model *model, const struct iso_extra
     int32_t n_px = 0;
     int error = new_find(x);
     if (!error) {
-        error = new_surface(x);
+        error = iso_cleaner_new(ISO_EXTRACT_CLEAN_PX_MAX, &x->cleaner);
     }
     if (!error) {
         error = new_patch(x, &n_px);
@@ -235,12 +222,9 @@ static void wipe_face(struct iso_extractor *x)
     if (x->coarse.depth_mm) {
         explicit_bzero(x->coarse.depth_mm, ISO_EXTRACT_COARSE_PX_MAX * sizeof *x->coarse.depth_mm);
     }
-    struct iso_mesh *const meshes[] = {x->surface, x->mesh};
-    for (size_t i = 0; i < sizeof meshes / sizeof *meshes; i++) {
-        if (meshes[i]) {
-            explicit_bzero(meshes[i]->vertices_mm,
-                           (size_t)meshes[i]->vertex_capacity * sizeof *meshes[i]->vertices_mm);
-        }
+    if (x->mesh) {
+        explicit_bzero(x->mesh->vertices_mm,
+                       (size_t)x->mesh->vertex_capacity * sizeof *x->mesh->vertices_mm);
     }
     if (x->heat) {
         explicit_bzero(x->heat, ISO_LANDMARKS * (size_t)x->mesh->vertex_capacity * sizeof *x->heat);
@@ -264,8 +248,6 @@ void iso_extractor_free(struct iso_extractor *extractor)
     iso_shape_fitter_free(x->fitter);
     iso_presentation_free(x->presentation);
     iso_cleaner_free(x->cleaner);
-    iso_triangulator_free(x->triangulator);
-    iso_mesh_free(x->surface);
     iso_face_patch_free(x->patch);
     iso_triangulator_free(x->patch_triangulator);
     iso_mesh_free(x->mesh);

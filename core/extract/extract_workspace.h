@@ -56,14 +56,12 @@ struct iso_extractor {
     struct iso_shape_fitter *search_fitter;
     struct iso_presentation *presentation;
 
-    /* surface of the cleaned frame, the head model fitted to it */
+    /* the cleaned frame, the head model fitted to it */
     struct iso_cleaner *cleaner;
     struct iso_shape_fitter *fitter;
     struct iso_shape_fit head;
     uint8_t *parts; /* [model->n_vertices] bits of enum iso_face_part */
     struct iso_extract_track track;
-    struct iso_triangulator *triangulator;
-    struct iso_mesh *surface;
 
     /* patch in the face frame, as planes or as a mesh */
     struct iso_face_patch *patch;

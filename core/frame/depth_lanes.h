@@ -25,14 +25,18 @@ static inline iso_depths iso_depths_choose(iso_depth_counts is, iso_depths a, is
     return (iso_depths)(((iso_depth_counts)a & is) | ((iso_depth_counts)b & ~is));
 }
 
-/* The smaller and the larger depth of each lane. Compilers do not make the one instruction of the
- * processor from a comparison and a choice. */
+/* The smaller and the larger depth of each lane; b where they are equal, or one is not a number. */
+#define ISO_DEPTHS_MIN_PLAIN(a, b) iso_depths_choose((a) < (b), a, b)
+#define ISO_DEPTHS_MAX_PLAIN(a, b) iso_depths_choose((a) > (b), a, b)
+
+/* The same, to the bit. Compilers do not make the one instruction of the processor from a
+ * comparison and a choice. */
 #if defined __SSE__
 #define ISO_DEPTHS_MIN(a, b) ((iso_depths)_mm_min_ps(a, b))
 #define ISO_DEPTHS_MAX(a, b) ((iso_depths)_mm_max_ps(a, b))
 #else
-#define ISO_DEPTHS_MIN(a, b) iso_depths_choose((a) < (b), a, b)
-#define ISO_DEPTHS_MAX(a, b) iso_depths_choose((a) < (b), b, a)
+#define ISO_DEPTHS_MIN(a, b) ISO_DEPTHS_MIN_PLAIN(a, b)
+#define ISO_DEPTHS_MAX(a, b) ISO_DEPTHS_MAX_PLAIN(a, b)
 #endif
 
 #endif

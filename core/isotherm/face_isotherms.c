@@ -33,16 +33,6 @@ static int trace_on_mesh(struct iso_tracer *tracer, const struct iso_heated_face
     return 0;
 }
 
-static void trace_on_grid(struct iso_grid_tracer *tracer, const struct iso_heated_grid *face,
-                          int landmark, double radius_mm, int n_points, struct iso_isotherm *out)
-{
-    out->n = 0;
-    double level;
-    if (iso_grid_tracer_run(tracer, face->grid, &face->heat[landmark], radius_mm, &level) > 0) {
-        sample(iso_grid_tracer_curves(tracer), face->landmark_mm[landmark], n_points, out);
-    }
-}
-
 /* Writes a curve to the template. Returns the sum of its weights. */
 static double keep(const struct iso_isotherm *curve, const struct iso_face_patch *patch, int radius,
                    int landmark, struct iso_template *tmpl)
@@ -92,16 +82,34 @@ int iso_face_isotherms(struct iso_tracer *tracer, const struct iso_heated_face *
     return 0;
 }
 
+/* The isotherms of one landmark. The sums of their weights go to weight[radius][landmark]. */
+static void trace_on_grid(struct iso_grid_tracer *tracer, const struct iso_heated_grid *face,
+                          int landmark, struct iso_template *tmpl, double weight[][ISO_LANDMARKS])
+{
+    iso_grid_tracer_begin(tracer, face->grid, &face->heat[landmark]);
+    for (int r = tmpl->n_radii - 1; r >= 0; r--) { /* usually from the largest down */
+        struct iso_isotherm curve;
+        double level;
+        curve.n = 0;
+        if (iso_grid_tracer_run(tracer, (double)tmpl->radius_mm[r], &level) > 0) {
+            sample(iso_grid_tracer_curves(tracer), face->landmark_mm[landmark], tmpl->n_points,
+                   &curve);
+        }
+        weight[r][landmark] = keep(&curve, face->patch, r, landmark, tmpl);
+    }
+}
+
 void iso_face_isotherms_on_grid(struct iso_grid_tracer *tracer, const struct iso_heated_grid *face,
                                 struct iso_template *tmpl)
 {
+    double weight[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS], total = 0.0;
     begin(tmpl);
-    double total = 0.0;
-    for (int r = 0; r < tmpl->n_radii; r++) {
+    for (int l = 0; l < ISO_LANDMARKS; l++) {
+        trace_on_grid(tracer, face, l, tmpl, weight);
+    }
+    for (int r = 0; r < tmpl->n_radii; r++) { /* in the order of iso_face_isotherms */
         for (int l = 0; l < ISO_LANDMARKS; l++) {
-            struct iso_isotherm curve;
-            trace_on_grid(tracer, face, l, (double)tmpl->radius_mm[r], tmpl->n_points, &curve);
-            total += keep(&curve, face->patch, r, l, tmpl);
+            total += weight[r][l];
         }
     }
     end(tmpl, total);

@@ -3,6 +3,7 @@
 #ifndef ISO_CORE_ISOTHERM_GRID_BAND_H
 #define ISO_CORE_ISOTHERM_GRID_BAND_H
 
+#include "core/isotherm/level_search.h"
 #include "core/surface/grid.h"
 
 /* A triangle, named by the plane index of its cell and the corner that it leaves out (cell.h). */
@@ -10,19 +11,34 @@ struct iso__grid_triangle {
     int32_t cell;
     uint8_t left_out;
     float area_mm2;
-    float heat[3]; /* at its corners, in their order */
+    struct iso__corner_heat heat;
 };
 
 /* A key stands for a range of heat: it is the first 12 bits of a float, so that each octave is
  * divided into 8 ranges. Heat is not negative, so that there are 2048 keys. */
 enum { ISO__GRID_KEYS = 2048, ISO__GRID_KEY_SHIFT = 20 };
 
+/* Cells of a row: from `first` to the one before `end`, columns of the plane. */
+struct iso__grid_run {
+    int first, end;
+};
+
 struct iso__grid_band {
+    /* the field, and the area of its vertices by their key */
+    const struct iso_grid *grid;
+    const struct iso_grid_field *field;
+    uint32_t least, most;          /* keys; most is 0 if no vertex has heat */
+    float key_mm2[ISO__GRID_KEYS]; /* 0 below `least` and above `most` */
+
+    /* Cells outside of the run of their row are colder than run_heat at all corners. */
+    struct iso__grid_run *run; /* [grid->height] */
+    float run_heat;
+
+    /* the band of the last search */
     double low, high; /* `triangle` has every triangle that a level between these two cuts */
     int32_t n;        /* triangles in the band */
     struct iso__grid_triangle *triangle; /* [n], in the order of a mesh's triangles */
     double above_mm2;                    /* area of the triangles that lie wholly above `high` */
-    float key_mm2[ISO__GRID_KEYS];       /* area of each key; all zero except during a search */
 };
 
 /* Allocates room for all triangles of a grid. *band is all zero before. -ENOMEM, after which
@@ -33,10 +49,14 @@ int iso__grid_band_init(struct iso__grid_band *band, const struct iso_grid *grid
 /* Releases what it holds. */
 void iso__grid_band_done(struct iso__grid_band *band);
 
+/* Takes a field to search. Grid and field must last until the last search. */
+void iso__grid_band_begin(struct iso__grid_band *band, const struct iso_grid *grid,
+                          const struct iso_grid_field *field);
+
 /* Finds the level with the area pi radius^2 above it in the field's window, and collects the
- * triangles of the band about it. -ERANGE as for iso_grid_tracer_run. */
-int iso__grid_band_find(struct iso__grid_band *band, const struct iso_grid *grid,
-                        const struct iso_grid_field *field, double radius_mm, double *level)
+ * triangles of the band about it. Searches from the largest radius down take least time. -ERANGE as
+ * for iso_grid_tracer_run. */
+int iso__grid_band_find(struct iso__grid_band *band, double radius_mm, double *level)
     __attribute__((warn_unused_result));
 
 #endif

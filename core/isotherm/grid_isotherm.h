@@ -18,11 +18,15 @@ int iso_grid_tracer_new(const struct iso_grid *grid, struct iso_grid_tracer **ou
 /* Frees it and what it holds. NULL is accepted. */
 void iso_grid_tracer_free(struct iso_grid_tracer *tracer);
 
-/* Finds the level of a field that encloses the area pi radius^2, and traces all curves of that
- * level. Returns their number and sets *level. -ERANGE if the surface in the window is smaller than
- * that area, or if the field is 0 there. */
-int iso_grid_tracer_run(struct iso_grid_tracer *tracer, const struct iso_grid *grid,
-                        const struct iso_grid_field *field, double radius_mm, double *level)
+/* Takes a field whose isotherms are wanted. Grid and field must last until the last run. */
+void iso_grid_tracer_begin(struct iso_grid_tracer *tracer, const struct iso_grid *grid,
+                           const struct iso_grid_field *field);
+
+/* Finds the level of the field that encloses the area pi radius^2, and traces all curves of that
+ * level. Returns their number and sets *level. Runs of a field from the largest radius down take
+ * least time. -ERANGE if the surface in the window is smaller than that area, or if the field is 0
+ * there. */
+int iso_grid_tracer_run(struct iso_grid_tracer *tracer, double radius_mm, double *level)
     __attribute__((warn_unused_result));
 
 /* The curves, for iso_tracer_curve and iso_tracer_enclosing; valid until the next run. */

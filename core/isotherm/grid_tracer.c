@@ -59,23 +59,25 @@ const struct iso_tracer *iso_grid_tracer_curves(const struct iso_grid_tracer *tr
     return tracer->curves;
 }
 
-static bool is_hot(const struct scene *scene, struct place at, int corner)
-{
-    const int32_t vertex = iso_grid_corner(scene->grid, at.cell,
-                                           iso_cell_corners[at.left_out][corner % 3]);
-    return (double)scene->field->value[vertex] >= scene->level;
-}
+/* The two edges that a level cuts, each by the corner opposite to it: at one the triangle turns
+ * from hot to cold, at the other back, counter-clockwise (tracer_store.h). -1: the level does not
+ * cut the triangle. */
+struct turn {
+    int8_t enters, leaves;
+};
 
-/* As in tracer.c: the edge, by the corner opposite to it, at which the triangle turns from hot to
- * cold or back; -1 if the level does not cut it. */
-static int turning_edge(const struct scene *scene, struct place at, bool from_hot)
+static struct turn turn_of(const struct scene *scene, struct place at)
 {
+    /* By the set of the hot corners. */
+    static const struct turn turns[8] = {{-1, -1}, {2, 1}, {0, 2}, {0, 1},
+                                         {1, 0},   {2, 0}, {1, 2}, {-1, -1}};
+    unsigned hot = 0;
     for (int k = 0; k < 3; k++) {
-        if (is_hot(scene, at, k + 1) == from_hot && is_hot(scene, at, k + 2) != from_hot) {
-            return k;
-        }
+        const int32_t vertex = iso_grid_corner(scene->grid, at.cell,
+                                               iso_cell_corners[at.left_out][k]);
+        hot |= (unsigned)((double)scene->field->value[vertex] >= scene->level) << k;
     }
-    return -1;
+    return turns[hot];
 }
 
 static struct iso_vec3 cut(const struct scene *scene, struct place at, int edge)
@@ -146,11 +148,11 @@ static void walk(struct iso_grid_tracer *t, const struct scene *scene, struct pl
     bool open = false;
     while (!is_passed(t, at)) {
         t->passed[at.cell] |= (uint8_t)(1 << at.left_out);
-        curves->points[n++] = cut(scene, at, turning_edge(scene, at, true));
-        const int leaves = turning_edge(scene, at, false);
-        const struct place next = across(scene, at, leaves);
+        const struct turn turn = turn_of(scene, at);
+        curves->points[n++] = cut(scene, at, turn.enters);
+        const struct place next = across(scene, at, turn.leaves);
         if (next.left_out < 0) {
-            curves->points[n++] = cut(scene, at, leaves);
+            curves->points[n++] = cut(scene, at, turn.leaves);
             open = true;
             break;
         }
@@ -161,16 +163,21 @@ static void walk(struct iso_grid_tracer *t, const struct scene *scene, struct pl
     curves->start[++curves->n_curves] = n;
 }
 
-int iso_grid_tracer_run(struct iso_grid_tracer *tracer, const struct iso_grid *grid,
-                        const struct iso_grid_field *field, double radius_mm, double *level)
+void iso_grid_tracer_begin(struct iso_grid_tracer *tracer, const struct iso_grid *grid,
+                           const struct iso_grid_field *field)
+{
+    iso__grid_band_begin(&tracer->band, grid, field);
+}
+
+int iso_grid_tracer_run(struct iso_grid_tracer *tracer, double radius_mm, double *level)
 {
     const struct iso__grid_band *band = &tracer->band;
     double found;
-    const int error = iso__grid_band_find(&tracer->band, grid, field, radius_mm, &found);
+    const int error = iso__grid_band_find(&tracer->band, radius_mm, &found);
     if (error) {
         return error;
     }
-    const struct scene scene = {grid, field, found};
+    const struct scene scene = {band->grid, band->field, found};
     for (int32_t i = 0; i < band->n; i++) {
         tracer->passed[band->triangle[i].cell] = 0;
     }
@@ -180,9 +187,13 @@ int iso_grid_tracer_run(struct iso_grid_tracer *tracer, const struct iso_grid *g
      * traces the loops. */
     for (int loops = 0; loops < 2; loops++) {
         for (int32_t i = 0; i < band->n; i++) {
-            const struct place at = {band->triangle[i].cell, band->triangle[i].left_out};
-            const int enters = is_passed(tracer, at) ? -1 : turning_edge(&scene, at, true);
-            if (enters >= 0 && (loops || across(&scene, at, enters).left_out < 0)) {
+            const struct iso__grid_triangle *t = &band->triangle[i];
+            const struct place at = {t->cell, t->left_out};
+            const bool is_cut = t->heat.low < found && t->heat.high >= found;
+            if (!is_cut || is_passed(tracer, at)) {
+                continue;
+            }
+            if (loops || across(&scene, at, turn_of(&scene, at).enters).left_out < 0) {
                 walk(tracer, &scene, at);
             }
         }

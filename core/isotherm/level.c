@@ -10,7 +10,8 @@ double iso_isotherm_area_above(const struct iso_mesh *mesh, const double *heat, 
     double area = 0.0;
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         const int32_t *v = mesh->triangles[t];
-        const double share = iso__share_above(heat[v[0]], heat[v[1]], heat[v[2]], level);
+        const struct iso__corner_heat h = iso__corner_heat(heat[v[0]], heat[v[1]], heat[v[2]]);
+        const double share = iso__share_above(&h, level);
         if (share > 0.0) {
             area += share * iso_mesh_triangle_area(mesh, t);
         }

@@ -4,25 +4,33 @@
 
 #include <math.h>
 
-/* The share of a triangle, 0..1, in which a linear function with the corner values h0, h1 and h2 is
- * at or above a level. */
-static inline double iso__share_above(double h0, double h1, double h2, double level)
+/* The values of a linear function at the corners of a triangle, by size. */
+struct iso__corner_heat {
+    double low, middle, high;
+};
+
+/* Sorts three values by comparisons: fmin and fmax are calls. */
+static inline struct iso__corner_heat iso__corner_heat(double h0, double h1, double h2)
 {
-    /* Sort so that low <= middle <= high, by comparisons: fmin and fmax are calls. */
     double low = h0 < h1 ? h0 : h1, high = h0 < h1 ? h1 : h0;
     low = h2 < low ? h2 : low;
     high = h2 > high ? h2 : high;
-    double middle = h0 + h1 + h2 - low - high;
-    if (level <= low) {
+    return (struct iso__corner_heat){low, h0 + h1 + h2 - low - high, high};
+}
+
+/* The share of a triangle, 0..1, in which a linear function is at or above a level. */
+static inline double iso__share_above(const struct iso__corner_heat *h, double level)
+{
+    if (level <= h->low) {
         return 1.0;
     }
-    if (level > high) {
+    if (level > h->high) {
         return 0.0;
     }
-    if (level > middle) {
-        return (high - level) * (high - level) / ((high - low) * (high - middle));
+    if (level > h->middle) {
+        return (h->high - level) * (h->high - level) / ((h->high - h->low) * (h->high - h->middle));
     }
-    return 1.0 - (level - low) * (level - low) / ((high - low) * (middle - low));
+    return 1.0 - (level - h->low) * (level - h->low) / ((h->high - h->low) * (h->middle - h->low));
 }
 
 /* A search for a level. area_mm2 gives the area of the surface above a level, which falls as the

@@ -2,6 +2,9 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
 
 /* A position relative to the landmark, seen from the front, mm. */
 struct place {
@@ -11,19 +14,6 @@ struct place {
 static struct place about(struct iso_vec3 point, struct iso_vec3 landmark)
 {
     return (struct place){point.x - landmark.x, point.y - landmark.y};
-}
-
-/* Where the ray from the origin along the unit direction d meets the segment from a to b. Returns
- * the distance along the ray; negative if the ray does not meet the segment. *s is the share of the
- * segment that lies before the crossing. */
-static double meet_ray(struct place d, struct place a, struct place b, double *s)
-{
-    double across_a = d.x * a.y - d.y * a.x, across_b = d.x * b.y - d.y * b.x;
-    if ((across_a < 0.0) == (across_b < 0.0)) {
-        return -1.0;
-    }
-    *s = across_a / (across_a - across_b);
-    return d.x * (a.x + *s * (b.x - a.x)) + d.y * (a.y + *s * (b.y - a.y));
 }
 
 static struct iso_vec3 between(struct iso_vec3 a, struct iso_vec3 b, double s)
@@ -36,6 +26,78 @@ static int check(struct iso_curve curve, int n_points)
     return n_points >= 4 && n_points <= ISO_ISOTHERM_POINTS_MAX && curve.n >= 3 ? 0 : -EINVAL;
 }
 
+/* Two doubles at once, in one register of the plainest x86-64 and arm64: compilers make single
+ * comparisons of wider vectors. */
+enum { PAIR = 2 };
+typedef double pair __attribute__((vector_size(PAIR * sizeof(double))));
+typedef int64_t pair_bits __attribute__((vector_size(PAIR * sizeof(double))));
+
+/* Rays from the landmark, in pairs; the last one may be empty. */
+enum { PAIRS = (ISO_ISOTHERM_POINTS_MAX + PAIR - 1) / PAIR };
+
+struct rays {
+    int pairs;
+    pair x[PAIRS], y[PAIRS]; /* unit directions */
+};
+
+/* How far a place lies to the right of the line of each ray. */
+struct sides {
+    pair off[PAIRS];
+};
+
+static void point_rays(struct rays *rays, int n_points)
+{
+    rays->pairs = (n_points + PAIR - 1) / PAIR;
+    memset(rays->x, 0, sizeof rays->x);
+    memset(rays->y, 0, sizeof rays->y);
+    for (int i = 0; i < n_points; i++) { /* +y, then -x: counter-clockwise from +z */
+        const double angle = 2.0 * M_PI * i / n_points;
+        rays->x[i / PAIR][i % PAIR] = -sin(angle);
+        rays->y[i / PAIR][i % PAIR] = cos(angle);
+    }
+}
+
+/* Sets `to` to the sides of a place. Returns whether a line has it on another side than `from`. */
+static bool compare_sides(const struct rays *rays, struct place p, const struct sides *from,
+                          struct sides *to)
+{
+    pair_bits changed = {0};
+    for (int i = 0; i < rays->pairs; i++) {
+        to->off[i] = rays->x[i] * p.y - rays->y[i] * p.x;
+        changed |= (from->off[i] < 0.0) ^ (to->off[i] < 0.0);
+    }
+    return (changed[0] | changed[1]) != 0;
+}
+
+/* A segment of a curve. */
+struct segment {
+    const struct iso_vec3 *from_mm, *to_mm;
+    struct place a, b; /* the same from the landmark */
+    const struct sides *sides_a, *sides_b;
+};
+
+/* Keeps where a segment meets the rays, if this is farther than what the rays met before. */
+static void keep_crossings(const struct rays *rays, const struct segment *segment,
+                           double farthest[ISO_ISOTHERM_POINTS_MAX], struct iso_isotherm *out)
+{
+    struct place a = segment->a, b = segment->b;
+    for (int i = 0; i < out->n; i++) {
+        const double off_a = segment->sides_a->off[i / PAIR][i % PAIR];
+        const double off_b = segment->sides_b->off[i / PAIR][i % PAIR];
+        if ((off_a < 0.0) == (off_b < 0.0)) {
+            continue;
+        }
+        const double s = off_a / (off_a - off_b);
+        const double x = rays->x[i / PAIR][i % PAIR];
+        const double y = rays->y[i / PAIR][i % PAIR];
+        const double reach = x * (a.x + s * (b.x - a.x)) + y * (a.y + s * (b.y - a.y));
+        if (reach > farthest[i]) {
+            farthest[i] = reach;
+            out->points_mm[i] = between(*segment->from_mm, *segment->to_mm, s);
+        }
+    }
+}
+
 int iso_isotherm_sample_polar(struct iso_curve curve, struct iso_vec3 landmark_mm, int n_points,
                               struct iso_isotherm *out)
 {
@@ -45,24 +107,28 @@ int iso_isotherm_sample_polar(struct iso_curve curve, struct iso_vec3 landmark_m
     }
     out->n = n_points;
     out->closed = curve.closed;
-    const int32_t segments = curve.closed ? curve.n : curve.n - 1;
+    double farthest[ISO_ISOTHERM_POINTS_MAX];
     for (int i = 0; i < n_points; i++) {
-        const double angle = 2.0 * M_PI * i / n_points;
-        const struct place d = {-sin(angle),
-                                cos(angle)}; /* +y, then -x: counter-clockwise from +z */
-        double farthest = -1.0;
-        out->points_mm[i] = iso_vec3(0, 0, 0);
-        for (int32_t k = 0; k < segments; k++) {
-            struct iso_vec3 a = curve.points_mm[k], b = curve.points_mm[(k + 1) % curve.n];
-            double s = 0.0;
-            const double reach = meet_ray(d, about(a, landmark_mm), about(b, landmark_mm), &s);
-            if (reach > farthest) {
-                farthest = reach;
-                out->points_mm[i] = between(a, b, s);
-            }
+        farthest[i] = -1.0;
+    }
+    struct rays rays;
+    struct sides sides[2] = {{{{0}}}};
+    point_rays(&rays, n_points);
+    struct place a = about(curve.points_mm[0], landmark_mm);
+    (void)compare_sides(&rays, a, &sides[1], &sides[0]);
+    for (int32_t k = 1; k < curve.n + (curve.closed ? 1 : 0); k++) {
+        const struct iso_vec3 *to = &curve.points_mm[k < curve.n ? k : 0];
+        const struct place b = about(*to, landmark_mm);
+        const struct sides *from = &sides[(k - 1) % 2];
+        if (compare_sides(&rays, b, from, &sides[k % 2])) {
+            const struct segment segment = {&curve.points_mm[k - 1], to, a, b, from, &sides[k % 2]};
+            keep_crossings(&rays, &segment, farthest, out);
         }
-        out->weight[i] = farthest > 0.0 ? 1.0f : 0.0f;
-        if (!(farthest > 0.0)) {
+        a = b;
+    }
+    for (int i = 0; i < n_points; i++) {
+        out->weight[i] = farthest[i] > 0.0 ? 1.0f : 0.0f;
+        if (!(farthest[i] > 0.0)) {
             out->points_mm[i] = iso_vec3(0, 0, 0);
         }
     }

@@ -130,20 +130,26 @@ struct iso_curve iso_tracer_curve(const struct iso_tracer *tracer, int index)
                               &tracer->points[from]};
 }
 
-/* How many times a curve turns about a place seen from the front, and twice the area that it
- * encloses. */
-static double turns_about(struct iso_curve curve, struct iso_vec3 centre, double *area)
+/* How many times a curve, closed by a chord if it is open, turns about a place seen from the front:
+ * how often it crosses the ray along +x upwards, less how often downwards. *area: twice the area
+ * that it encloses. */
+static int turns_about(struct iso_curve curve, struct iso_vec3 centre, double *area)
 {
-    double angle = 0.0, sum = 0.0;
+    double sum = 0.0;
+    int turns = 0;
+    struct iso_vec3 a = iso_sub(curve.points_mm[curve.n - 1], centre);
     for (int32_t k = 0; k < curve.n; k++) {
-        const struct iso_vec3 a = iso_sub(curve.points_mm[k], centre);
-        const struct iso_vec3 b = iso_sub(curve.points_mm[(k + 1) % curve.n], centre);
+        const struct iso_vec3 b = iso_sub(curve.points_mm[k], centre);
         const double cross = a.x * b.y - a.y * b.x;
-        angle += atan2(cross, a.x * b.x + a.y * b.y);
+        if ((a.y >= 0.0) != (b.y >= 0.0)) {
+            turns += b.y >= 0.0 && cross > 0.0;
+            turns -= b.y < 0.0 && cross < 0.0;
+        }
         sum += cross;
+        a = b;
     }
     *area = fabs(sum);
-    return angle / (2.0 * M_PI);
+    return turns;
 }
 
 int iso_tracer_enclosing(const struct iso_tracer *tracer, struct iso_vec3 landmark_mm)
@@ -152,8 +158,7 @@ int iso_tracer_enclosing(const struct iso_tracer *tracer, struct iso_vec3 landma
     double best_area = 0.0;
     for (int i = 0; i < tracer->n_curves; i++) {
         double area;
-        const double turns = turns_about(iso_tracer_curve(tracer, i), landmark_mm, &area);
-        if (fabs(turns) > 0.5 && area > best_area) {
+        if (turns_about(iso_tracer_curve(tracer, i), landmark_mm, &area) && area > best_area) {
             best_area = area;
             best = i;
         }

@@ -19,11 +19,18 @@ struct iso_shape_fitter {
     float *modes; /* [n_vertices][3][mode_stride] the modes at each vertex, identity first */
     int n_face;
     uint32_t *face; /* [n_face] vertices that are compared; the first few are spread evenly */
-    struct iso_vec3 *shape;  /* [n_vertices] the head as fitted so far, face frame */
-    struct iso_vec3 *normal; /* [n_vertices] its unit normals, outward */
-    struct iso_vec3 *fitted; /* [n_vertices] the last fit, with its expression */
-    float *residual_mm;      /* [n_vertices] of the last fit */
-    uint8_t *meeting;        /* [n_vertices] */
+    /* The steps need the vertices that are near: those that are compared, and their neighbours. */
+    uint32_t *vertex; /* [n_vertices] those that are near, then the others */
+    int n_near, n_triangles;
+    uint32_t (*triangle)[3]; /* [n_triangles] the triangles at compared vertices */
+    struct iso_vec3 *shape;  /* [n_vertices] the head as fitted so far, face frame; between steps
+                                only the vertices that are near */
+    struct iso_vec3 *normal; /* [n_vertices] its unit normals, outward, at the compared vertices */
+    struct iso_vec3 *best_shape, *best_normal; /* the same of the best start so far */
+    struct iso_vec3 *start_mm; /* [jaws][2][n_vertices] shape and normal where the fits begin */
+    struct iso_vec3 *fitted;   /* [n_vertices] the last fit, with its expression */
+    float *residual_mm;        /* [n_vertices] of the last fit */
+    uint8_t *meeting;          /* [n_vertices] */
     float *rows;  /* [n_face][iso_gram_stride(ISO__SHAPE_UNKNOWNS_MAX + 1)] of the Jacobian, and
                      residuals */
     double *gram; /* [ISO__SHAPE_UNKNOWNS_MAX + 1][ISO__SHAPE_UNKNOWNS_MAX + 1] of the rows */
@@ -52,10 +59,12 @@ static inline float *iso__shape_modes_at(const struct iso_shape_fitter *f, uint3
     return &f->modes[3 * (size_t)f->mode_stride * vertex];
 }
 
-/* Sets f->shape to the head with the first n_modes coefficients; the others count as 0. */
-void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int n_modes);
+/* Sets n vertices of f->shape to those of the head with the first n_modes coefficients; the others
+ * count as 0. */
+void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int n_modes,
+                     const uint32_t *vertices, int n);
 
-/* Sets f->shape and f->normal to those of the state. */
+/* Sets f->shape and f->normal to those of the state, where the steps need them. */
 void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *state);
 
 /* One step of Gauss-Newton. -ENODATA if too few vertices are measured, or if they do not fix the
@@ -68,8 +77,8 @@ int iso__shape_step(struct iso_shape_fitter *f, const struct iso_frame *frame,
 void iso__shape_measure(struct iso_shape_fitter *f, const struct iso_frame *frame,
                         const struct iso_rigid *pose, struct iso_pose_fit *out);
 
-/* Fills in *out after a step with all unknowns. f->fitted becomes the fitted head, and f->shape the
- * head without its expression. */
+/* Fills in *out after a step with all unknowns. f->fitted becomes the fitted head, and f->shape at
+ * the landmarks the head without its expression. */
 void iso__shape_report(struct iso_shape_fitter *f, const struct iso_frame *frame,
                        const struct iso__shape_state *state, struct iso_shape_fit *out);
 

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/base/lanes.h"
 #include "core/landmark/pose_tally.h"
 #include "core/landmark/shape_fitter.h"
 
@@ -41,18 +42,19 @@ static double copy_coefficients(const double *from, uint32_t n, float *to)
     return n > 0 ? sqrt(sum / n) : 0.0;
 }
 
-/* A row of the Jacobian: how one coordinate of a point of the head, in the camera frame, changes
- * with the unknowns. */
+/* Rows of the Jacobian, one for each axis of the camera frame: how a point of the head changes with
+ * the unknowns. A lane is an axis; the last one is empty. */
 static void point_jacobian(const struct iso_shape_fitter *f, const struct iso_rigid *pose,
-                           struct iso_head_point point, int axis, int n,
-                           double j[ISO__SHAPE_UNKNOWNS_MAX])
+                           struct iso_head_point point, int n,
+                           iso_doubles j[ISO__SHAPE_UNKNOWNS_MAX])
 {
     const uint32_t *corner = f->model->triangles[point.triangle];
-    const struct iso_vec3 along = {axis == 0, axis == 1, axis == 2};
     const struct iso_vec3 arm = iso_mat3_apply(&pose->rotation,
                                                iso_head_point_on(f->model, f->fitted, point));
-    const struct iso_vec3 turn = iso_cross(arm, along);
-    const double rigid[ISO__SHAPE_POSE] = {turn.x, turn.y, turn.z, along.x, along.y, along.z};
+    const iso_doubles rigid[ISO__SHAPE_POSE] = {
+        {0.0, -arm.z, arm.y}, {arm.z, 0.0, -arm.x}, {-arm.y, arm.x, 0.0}, /* the turn */
+        {1.0, 0.0, 0.0},      {0.0, 1.0, 0.0},      {0.0, 0.0, 1.0},      /* the shift */
+    };
     memcpy(j, rigid, sizeof rigid);
     for (int k = ISO__SHAPE_POSE; k < n; k++) {
         const float *mode = iso__shape_mode(f->model, (uint32_t)(k - ISO__SHAPE_POSE));
@@ -64,7 +66,8 @@ static void point_jacobian(const struct iso_shape_fitter *f, const struct iso_ri
             moved.y += w * (double)m[1];
             moved.z += w * (double)m[2];
         }
-        j[k] = iso_dot(along, iso_mat3_apply(&pose->rotation, moved));
+        moved = iso_mat3_apply(&pose->rotation, moved);
+        j[k] = (iso_doubles){moved.x, moved.y, moved.z};
     }
 }
 
@@ -73,20 +76,17 @@ static void point_jacobian(const struct iso_shape_fitter *f, const struct iso_ri
 static double point_sigma_mm(const struct iso_shape_fitter *f, const struct iso_shape_fit *fit,
                              struct iso_head_point point, int n)
 {
-    double trace = 0.0;
-    for (int axis = 0; axis < 3; axis++) {
-        double j[ISO__SHAPE_UNKNOWNS_MAX];
-        point_jacobian(f, &fit->pose.camera_from_face, point, axis, n, j);
-        for (int a = 0; a < n; a++) { /* L y = j; j' H^-1 j = y' y */
-            double sum = j[a];
-            for (int b = 0; b < a; b++) {
-                sum -= f->h[a * n + b] * j[b];
-            }
-            j[a] = sum / f->h[a * n + a];
-            trace += j[a] * j[a];
+    iso_doubles trace = {0}, j[ISO__SHAPE_UNKNOWNS_MAX];
+    point_jacobian(f, &fit->pose.camera_from_face, point, n, j);
+    for (int a = 0; a < n; a++) { /* L y = j; j' H^-1 j = y' y */
+        iso_doubles sum = j[a];
+        for (int b = 0; b < a; b++) {
+            sum -= f->h[a * n + b] * j[b];
         }
+        j[a] = sum / f->h[a * n + a];
+        trace += j[a] * j[a];
     }
-    return sqrt(trace * fit->pose.cost_mm2 * correlated_vertices);
+    return sqrt((trace[0] + trace[1] + trace[2]) * fit->pose.cost_mm2 * correlated_vertices);
 }
 
 void iso__shape_report(struct iso_shape_fitter *f, const struct iso_frame *frame,
@@ -99,13 +99,16 @@ void iso__shape_report(struct iso_shape_fitter *f, const struct iso_frame *frame
     out->identity_norm = copy_coefficients(state->coefficient, model->n_identity, out->identity);
     out->expression_norm = copy_coefficients(state->coefficient + model->n_identity,
                                              model->n_expression, out->expression);
+    iso__shape_make(f, state->coefficient, f->n_modes, f->vertex + f->n_near,
+                    (int)model->n_vertices - f->n_near);
     memcpy(f->fitted, f->shape, model->n_vertices * sizeof *f->fitted);
     for (int i = 0; i < ISO_LANDMARKS_IBUG; i++) {
         out->ibug_mm[i] = iso_head_point_on(model, f->fitted, model->landmarks[i]);
     }
-    iso__shape_make(f, state->coefficient, (int)model->n_identity);
     for (int l = 0; l < ISO_LANDMARKS; l++) {
         const struct iso_head_point point = model->landmarks[iso_landmark_ibug[l]];
+        iso__shape_make(f, state->coefficient, (int)model->n_identity,
+                        model->triangles[point.triangle], 3);
         out->neutral_mm[l] = iso_head_point_on(model, f->shape, point);
         out->sigma_mm[l] = point_sigma_mm(f, out, point, n);
     }

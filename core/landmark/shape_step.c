@@ -16,33 +16,53 @@ const float *iso__shape_mode(const struct iso_head_model *model, uint32_t k)
                                  : &model->expression_mm[(k - model->n_identity) * stride];
 }
 
-void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int n_modes)
+/* A vertex of the head with the coefficients c, which are padded like the modes. */
+static struct iso_vec3 make_vertex(const struct iso_shape_fitter *f, const float *c,
+                                   uint32_t vertex)
+{
+    const float *x = iso__shape_modes_at(f, vertex), *y = x + f->mode_stride,
+                *z = y + f->mode_stride;
+    iso_gram_lanes along_x = {0}, along_y = {0}, along_z = {0};
+#pragma GCC unroll 6
+    for (int k = 0; k < f->mode_stride; k += ISO_GRAM_LANES) {
+        const iso_gram_lanes some = iso_gram_lanes_at(c + k);
+        along_x += some * iso_gram_lanes_at(x + k);
+        along_y += some * iso_gram_lanes_at(y + k);
+        along_z += some * iso_gram_lanes_at(z + k);
+    }
+    return iso_add(f->model->mean_mm[vertex],
+                   iso_vec3(iso_gram_lanes_sum(along_x), iso_gram_lanes_sum(along_y),
+                            iso_gram_lanes_sum(along_z)));
+}
+
+void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int n_modes,
+                     const uint32_t *vertices, int n)
 {
     _Alignas(ISO_GRAM_ALIGNMENT) float c[ISO_HEAD_IDENTITY_MAX + ISO_HEAD_EXPRESSION_MAX] = {0};
     for (int k = 0; k < n_modes; k++) {
         c[k] = (float)coefficient[k];
     }
-    for (uint32_t i = 0; i < f->model->n_vertices; i++) {
-        const float *x = iso__shape_modes_at(f, i), *y = x + f->mode_stride,
-                    *z = y + f->mode_stride;
-        iso_gram_lanes sum[3] = {{0}};
-        for (int k = 0; k < f->mode_stride; k += ISO_GRAM_LANES) {
-            iso_gram_lanes some = iso_gram_lanes_at(c + k);
-            sum[0] += some * iso_gram_lanes_at(x + k);
-            sum[1] += some * iso_gram_lanes_at(y + k);
-            sum[2] += some * iso_gram_lanes_at(z + k);
-        }
-        f->shape[i] = iso_add(f->model->mean_mm[i],
-                              iso_vec3(iso_gram_lanes_sum(sum[0]), iso_gram_lanes_sum(sum[1]),
-                                       iso_gram_lanes_sum(sum[2])));
+    for (int i = 0; i < n; i++) {
+        f->shape[vertices[i]] = make_vertex(f, c, vertices[i]);
     }
 }
 
 void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *state)
 {
-    iso__shape_make(f, state->coefficient, f->n_modes);
-    iso_head_normals(f->model, f->shape, f->normal);
+    iso__shape_make(f, state->coefficient, f->n_modes, f->vertex, f->n_near);
+    for (int i = 0; i < f->n_near; i++) {
+        f->normal[f->vertex[i]] = iso_vec3(0, 0, 0);
+    }
+    iso_triangle_normals((const uint32_t(*)[3])f->triangle, (uint32_t)f->n_triangles, f->shape,
+                         f->normal);
+    for (int i = 0; i < f->n_face; i++) {
+        f->normal[f->face[i]] = iso_unit(f->normal[f->face[i]]);
+    }
 }
+
+/* Four floats in memory, aligned like one. */
+typedef float lanes_in_memory
+    __attribute__((vector_size(ISO_GRAM_LANES * sizeof(float)), aligned(4), may_alias));
 
 /* A row of the Jacobian, times a factor: the turn and the shift of the head, then its modes along
  * the normal. */
@@ -60,8 +80,15 @@ static void fill_row(const struct iso_shape_fitter *f, const struct iso_rigid *p
     float ax = (float)along.x, ay = (float)along.y, az = (float)along.z;
     const float *x = iso__shape_modes_at(f, vertex), *y = x + f->mode_stride,
                 *z = y + f->mode_stride;
-    for (int k = 0; k < n - ISO__SHAPE_POSE; k++) {
-        row[ISO__SHAPE_POSE + k] = ax * x[k] + ay * y[k] + az * z[k];
+    float *moved = row + ISO__SHAPE_POSE;
+    const int n_modes = n - ISO__SHAPE_POSE, n_lanes = n_modes - n_modes % ISO_GRAM_LANES;
+    for (int k = 0; k < n_lanes; k += ISO_GRAM_LANES) {
+        *(lanes_in_memory *)(moved + k) = ax * iso_gram_lanes_at(x + k) +
+                                          ay * iso_gram_lanes_at(y + k) +
+                                          az * iso_gram_lanes_at(z + k);
+    }
+    for (int k = n_lanes; k < n_modes; k++) {
+        moved[k] = ax * x[k] + ay * y[k] + az * z[k];
     }
 }
 

@@ -2,6 +2,8 @@
 
 #include <errno.h>
 
+#include "core/frame/distortion.h"
+
 enum { SIDE = 17, CELLS = SIDE * SIDE, CELLS_MIN = 60, PER_CELL = 9 };
 
 static const double cell_mm = 6.0;
@@ -22,6 +24,13 @@ static int stride_of(const struct iso_frame *frame, double z_mm)
 {
     const double pixel = iso_camera_pixel_mm(&frame->camera, z_mm);
     return (int)fmin(fmax(cell_mm / (PER_CELL * pixel) + 0.5, 1.0), 16.0);
+}
+
+/* floor(x + 0.5), without a call. */
+static int nearest(double x)
+{
+    const int whole = (int)(x + 0.5);
+    return whole - (whole > x + 0.5);
 }
 
 static void collect(const struct iso_frame *frame, const struct iso_rigid *camera_from_face,
@@ -45,12 +54,11 @@ static void collect(const struct iso_frame *frame, const struct iso_rigid *camer
                 continue;
             }
             const struct iso_vec3 p = iso_rigid_apply(&face_from_camera,
-                                                      iso_frame_point_at(frame, column, row));
+                                                      iso_frame_point_quick(frame, column, row));
             if (p.x * p.x + p.y * p.y > radius_mm * radius_mm || fabs(p.z) > depth_mm) {
                 continue;
             }
-            const int i = (int)floor(p.x / cell_mm + 0.5) + SIDE / 2;
-            const int j = (int)floor(p.y / cell_mm + 0.5) + SIDE / 2;
+            const int i = nearest(p.x / cell_mm) + SIDE / 2, j = nearest(p.y / cell_mm) + SIDE / 2;
             const int cell = j * SIDE + i;
             cells->point_mm[cell] = iso_add(cells->point_mm[cell], p);
             cells->n[cell]++;

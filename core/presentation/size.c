@@ -41,6 +41,7 @@ struct iso_sizer {
     struct iso_vec3 *point_mm; /* [n], face frame */
     struct iso_vec3 *normal;   /* [n] */
     struct iso_vec3 *mode_mm;  /* [n][n_modes] */
+    double *along_mm;          /* [n][n_modes] the modes along the normal */
 };
 
 struct state {
@@ -77,7 +78,9 @@ static void fill_sizer(struct iso_sizer *s, const struct iso_head_model *model,
         s->normal[i] = normals[vertex[i]];
         for (int k = 0; k < s->n_modes; k++) {
             const float *m = &model->identity_mm[3 * ((size_t)k * model->n_vertices + vertex[i])];
-            s->mode_mm[i * s->n_modes + k] = iso_vec3((double)m[0], (double)m[1], (double)m[2]);
+            const struct iso_vec3 mode = iso_vec3((double)m[0], (double)m[1], (double)m[2]);
+            s->mode_mm[i * s->n_modes + k] = mode;
+            s->along_mm[i * s->n_modes + k] = iso_dot(s->normal[i], mode);
         }
     }
 }
@@ -97,8 +100,9 @@ int iso_sizer_new(const struct iso_head_model *model, struct iso_sizer **out)
         s->point_mm = calloc((size_t)n, sizeof *s->point_mm);
         s->normal = calloc((size_t)n, sizeof *s->normal);
         s->mode_mm = calloc((size_t)n * MODES_MAX, sizeof *s->mode_mm);
+        s->along_mm = calloc((size_t)n * MODES_MAX, sizeof *s->along_mm);
     }
-    if (!normals || !s || !s->point_mm || !s->normal || !s->mode_mm) {
+    if (!normals || !s || !s->point_mm || !s->normal || !s->mode_mm || !s->along_mm) {
         free(normals);
         iso_sizer_free(s);
         return -ENOMEM;
@@ -116,6 +120,7 @@ void iso_sizer_free(struct iso_sizer *sizer)
         free(sizer->point_mm);
         free(sizer->normal);
         free(sizer->mode_mm);
+        free(sizer->along_mm);
         free(sizer);
     }
 }
@@ -148,11 +153,38 @@ static void apply_step(const double *g, int n_modes, struct state *state)
     }
 }
 
-static int take_step(const struct iso_sizer *s, const struct iso_frame *frame, double cutoff_mm,
-                     int n_modes, struct state *state)
+/* The normal equations of a step. Rows are padded, so that they are summed PAIR entries at a time;
+ * of h only the lower triangle means anything. */
+enum { PAIR = 2, PADDED = (UNKNOWNS_MAX + 1) / PAIR * PAIR };
+typedef double pair_in_memory
+    __attribute__((vector_size(PAIR * sizeof(double)), aligned(8), may_alias));
+
+struct equations {
+    double h[UNKNOWNS_MAX][PADDED], g[UNKNOWNS_MAX];
+};
+
+/* Adds the equation of a vertex: the row j of the Jacobian, the residual r, the weight w. */
+static void add_equation(struct equations *equations, const double j[PADDED], int n, double r,
+                         double w)
 {
-    double h[UNKNOWNS_MAX * UNKNOWNS_MAX] = {0}, g[UNKNOWNS_MAX] = {0};
-    int measured = 0, n = SIMILARITY + n_modes;
+    for (int a = 0; a < n; a++) {
+        const double wj = w * j[a];
+        double *h = equations->h[a];
+#pragma GCC unroll 2
+        for (int b = 0; b <= a; b += PAIR) {
+            *(pair_in_memory *)(h + b) += wj * *(const pair_in_memory *)(j + b);
+        }
+        equations->g[a] -= wj * r;
+    }
+}
+
+/* Adds the equations of all vertices. Returns how many of them were measured. */
+static int build_equations(const struct iso_sizer *s, const struct iso_frame *frame,
+                           double cutoff_mm, int n_modes, const struct state *state,
+                           struct equations *equations)
+{
+    int measured = 0;
+    double j[PADDED] = {0};
     for (int i = 0; i < s->n; i++) {
         const struct iso_vec3 normal = iso_mat3_apply(&state->pose.rotation, s->normal[i]);
         const struct iso_vec3 arm = iso_mat3_apply(&state->pose.rotation,
@@ -169,25 +201,35 @@ static int take_step(const struct iso_sizer *s, const struct iso_frame *frame, d
         }
         const struct iso_vec3 turn = iso_cross(arm, normal);
         /* The scale by its logarithm: d(s p) = s p d(ln s). */
-        double j[UNKNOWNS_MAX] = {
+        const double similarity[SIMILARITY] = {
             turn.x, turn.y, turn.z, normal.x, normal.y, normal.z, iso_dot(arm, normal)};
+        memcpy(j, similarity, sizeof similarity);
         for (int k = 0; k < n_modes; k++) {
-            j[SIMILARITY + k] = state->scale *
-                                iso_dot(s->normal[i], s->mode_mm[i * s->n_modes + k]);
+            j[SIMILARITY + k] = state->scale * s->along_mm[i * s->n_modes + k];
         }
-        for (int a = 0; a < n; a++) {
-            const double wj = w * j[a];
-            for (int b = 0; b <= a; b++) {
-                h[a * n + b] += wj * j[b];
-            }
-            g[a] -= wj * r;
-        }
+        add_equation(equations, j, SIMILARITY + n_modes, r, w);
+    }
+    return measured;
+}
+
+static int take_step(const struct iso_sizer *s, const struct iso_frame *frame, double cutoff_mm,
+                     int n_modes, struct state *state)
+{
+    struct equations equations;
+    double h[UNKNOWNS_MAX * UNKNOWNS_MAX], *g = equations.g;
+    const int n = SIMILARITY + n_modes;
+    memset(&equations, 0, sizeof equations);
+    if (build_equations(s, frame, cutoff_mm, n_modes, state, &equations) < MEASURED_MIN) {
+        return -ENODATA;
+    }
+    for (int a = 0; a < n; a++) {
+        memcpy(&h[a * n], equations.h[a], (size_t)n * sizeof *h);
     }
     for (int k = 0; k < n_modes; k++) {
         h[(SIMILARITY + k) * (n + 1)] += stiffness_mm2;
         g[SIMILARITY + k] -= stiffness_mm2 * state->coefficient[k];
     }
-    if (measured < MEASURED_MIN || iso_cholesky_factorise(h, n)) {
+    if (iso_cholesky_factorise(h, n)) {
         return -ENODATA;
     }
     iso_cholesky_solve(h, n, g);

@@ -8,6 +8,7 @@
 #include "core/base/wipe.h"
 #include "core/surface/fill.h"
 #include "core/surface/raster.h"
+#include "core/surface/resample.h"
 
 /* Where the mean face is steeper than this (change of depth over distance), the patch ends: a view
  * from the front shows little of such places. */
@@ -167,10 +168,11 @@ int iso_face_patch_new(const struct iso_head_model *model,
     p->measured = calloc(count_pixels(p), 1);
     int error = -ENOMEM;
     if (p->frame.depth_mm && p->mean_depth && p->residual && p->domain && p->measured) {
-        error = iso_fill_new(p->side, p->side, &p->fill);
+        error = draw_mean(p, model);
     }
     if (!error) {
-        error = draw_mean(p, model);
+        error = iso_fill_new(p->side, p->side, p->domain,
+                             options->smoothing_mm / options->spacing_mm, &p->fill);
     }
     if (error) {
         iso_face_patch_free(p);
@@ -193,26 +195,10 @@ void iso_face_patch_free(struct iso_face_patch *patch)
     }
 }
 
-/* Draws the surface as seen from the front of the face. */
-static void draw_surface(struct iso_face_patch *patch, struct iso_mesh *surface,
-                         const struct iso_rigid *camera_from_face)
+/* Makes the patch of the surface that was drawn. Returns the share of the domain that was measured.
+ */
+static double build(struct iso_face_patch *patch)
 {
-    struct iso_rigid face_from_camera = iso_rigid_inverse(camera_from_face);
-    for (int32_t i = 0; i < surface->n_vertices; i++) {
-        const struct iso_vec3 face = iso_rigid_apply(&face_from_camera, surface->vertices_mm[i]);
-        surface->vertices_mm[i] = iso_patch_from_face(face);
-    }
-    struct iso_raster raster = raster_of(patch);
-    iso_raster_clear(&raster);
-    /* Indices are not negative, so that they read the same unsigned. */
-    iso_raster_triangles(&raster, surface->vertices_mm, (const uint32_t(*)[3])surface->triangles,
-                         surface->n_triangles, 0, 1.0, 1);
-}
-
-double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surface,
-                            const struct iso_rigid *camera_from_face)
-{
-    draw_surface(patch, surface, camera_from_face);
     float *depth = patch->frame.depth_mm;
     size_t inside = 0, measured = 0;
     for (size_t i = 0; i < count_pixels(patch); i++) {
@@ -224,14 +210,39 @@ double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surfa
         measured += patch->measured[i];
     }
     if (measured > 0) {
-        iso_fill_holes(patch->fill, patch->domain, patch->measured, patch->residual);
-        iso_fill_smooth(patch->fill, patch->domain,
-                        patch->options.smoothing_mm / patch->options.spacing_mm, patch->residual);
+        iso_fill_holes(patch->fill, patch->measured, patch->residual);
+        iso_fill_smooth(patch->fill, patch->residual);
     }
     for (size_t i = 0; i < count_pixels(patch); i++) {
         depth[i] = patch->domain[i] ? patch->mean_depth[i] + patch->residual[i] : 0.0f;
     }
     return inside > 0 ? (double)measured / (double)inside : 0.0;
+}
+
+double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surface,
+                            const struct iso_rigid *camera_from_face)
+{
+    const struct iso_rigid face_from_camera = iso_rigid_inverse(camera_from_face);
+    for (int32_t i = 0; i < surface->n_vertices; i++) {
+        const struct iso_vec3 face = iso_rigid_apply(&face_from_camera, surface->vertices_mm[i]);
+        surface->vertices_mm[i] = iso_patch_from_face(face);
+    }
+    const struct iso_raster raster = raster_of(patch);
+    iso_raster_clear(&raster);
+    /* Indices are not negative, so that they read the same unsigned. */
+    iso_raster_triangles(&raster, surface->vertices_mm, (const uint32_t(*)[3])surface->triangles,
+                         surface->n_triangles, 0, 1.0, 1);
+    return build(patch);
+}
+
+double iso_face_patch_resample(struct iso_face_patch *patch, const struct iso_frame *frame,
+                               double jump_mm, const struct iso_rigid *camera_from_face)
+{
+    const struct iso_rigid face_from_camera = iso_rigid_inverse(camera_from_face);
+    const struct iso_raster raster = raster_of(patch);
+    iso_raster_clear(&raster);
+    iso_resample(frame, jump_mm, &face_from_camera, &raster);
+    return build(patch);
 }
 
 const struct iso_frame *iso_face_patch_frame(const struct iso_face_patch *patch)

@@ -39,9 +39,15 @@ int iso_face_patch_new(const struct iso_head_model *model,
 /* Wipes the residual and the depth of the last face, and frees the patch. NULL is accepted. */
 void iso_face_patch_free(struct iso_face_patch *patch);
 
-/* Resamples a measured surface, given the pose of the face. The surface is a camera-frame mesh; its
- * vertices are moved in place to the frame of the patch. Returns the share of the domain that was
- * measured, 0..1. */
+/* Resamples the surface that a frame measured, given the pose of the face. Triangles of the surface
+ * that span more than jump_mm of the frame's depth are left out. Returns the share of the domain
+ * that was measured, 0..1. */
+double iso_face_patch_resample(struct iso_face_patch *patch, const struct iso_frame *frame,
+                               double jump_mm, const struct iso_rigid *camera_from_face);
+
+/* The same for any surface; the mesh that iso_triangulate() makes of a frame gives the same
+ * patch (resample.h). The surface is a camera-frame mesh; its vertices are moved in place to the
+ * frame of the patch. */
 double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surface,
                             const struct iso_rigid *camera_from_face);
 

@@ -42,20 +42,38 @@ static double edge(const struct corner *a, const struct corner *b, double u, dou
     return (a->u_px - u) * (b->v_px - v) - (b->u_px - u) * (a->v_px - v);
 }
 
+/* Conditional expressions, because fmin, fmax and ceil would be calls. */
+static double smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* The least whole number that is not less than x; x is not negative. */
+static int round_up(double x)
+{
+    const int down = (int)x;
+    return down + (down < x);
+}
+
 /* Pixels whose centres lie in the corners' bounding box, clipped to the plane; false if there are
  * none. */
 static bool span_of(const struct iso_raster *raster, const struct corner c[3], struct span *out)
 {
-    double u_min = fmin(c[0].u_px, fmin(c[1].u_px, c[2].u_px));
-    const double u_max = fmax(c[0].u_px, fmax(c[1].u_px, c[2].u_px));
-    double v_min = fmin(c[0].v_px, fmin(c[1].v_px, c[2].v_px));
-    double v_max = fmax(c[0].v_px, fmax(c[1].v_px, c[2].v_px));
+    const double u_min = smaller(c[0].u_px, smaller(c[1].u_px, c[2].u_px));
+    const double u_max = larger(c[0].u_px, larger(c[1].u_px, c[2].u_px));
+    const double v_min = smaller(c[0].v_px, smaller(c[1].v_px, c[2].v_px));
+    const double v_max = larger(c[0].v_px, larger(c[1].v_px, c[2].v_px));
     double right = raster->width_px - 1, bottom = raster->height_px - 1;
     if (!(u_max >= 0.0 && v_max >= 0.0 && u_min <= right && v_min <= bottom)) {
         return false;
     }
-    *out = (struct span){(int)ceil(fmax(u_min, 0.0)), (int)floor(fmin(u_max, right)),
-                         (int)ceil(fmax(v_min, 0.0)), (int)floor(fmin(v_max, bottom))};
+    *out = (struct span){round_up(larger(u_min, 0.0)), (int)smaller(u_max, right),
+                         round_up(larger(v_min, 0.0)), (int)smaller(v_max, bottom)};
     return true;
 }
 
@@ -106,22 +124,28 @@ static void draw_triangle(const struct iso_raster *raster, const struct corner c
     }
 }
 
+void iso_raster_triangle(const struct iso_raster *raster, const struct iso_vec3 corners_mm[3],
+                         int32_t index, double near_mm, int cull)
+{
+    struct corner corners[3];
+    for (int k = 0; k < 3; k++) {
+        const struct iso_vec3 p = corners_mm[k];
+        if (!(p.z >= near_mm && p.z > 0.0)) {
+            return;
+        }
+        corners[k] = corner_of(raster, p);
+    }
+    draw_triangle(raster, corners, index, cull);
+}
+
 void iso_raster_triangles(const struct iso_raster *raster, const struct iso_vec3 *vertices_mm,
                           const uint32_t (*triangles)[3], int32_t n_triangles, int32_t first_index,
                           double near_mm, int cull)
 {
     for (int32_t i = 0; i < n_triangles; i++) {
-        struct corner corners[3];
-        bool visible = true;
-        for (int k = 0; k < 3 && visible; k++) {
-            struct iso_vec3 p = vertices_mm[triangles[i][k]];
-            visible = p.z >= near_mm && p.z > 0.0;
-            if (visible) {
-                corners[k] = corner_of(raster, p);
-            }
-        }
-        if (visible) {
-            draw_triangle(raster, corners, first_index + i, cull);
-        }
+        const uint32_t *v = triangles[i];
+        const struct iso_vec3 corners_mm[3] = {vertices_mm[v[0]], vertices_mm[v[1]],
+                                               vertices_mm[v[2]]};
+        iso_raster_triangle(raster, corners_mm, first_index + i, near_mm, cull);
     }
 }

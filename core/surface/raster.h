@@ -20,10 +20,15 @@ struct iso_raster {
 /* Sets all depths to 0 and all triangles to -1. */
 void iso_raster_clear(const struct iso_raster *raster);
 
-/* Draws triangles given by camera-frame vertices. A triangle covers the pixels whose centres lie in
- * it; each pixel keeps the nearest triangle. Triangles with a corner at z < near_mm or z <= 0 are
- * left out. If `cull` is not 0, only triangles that face the camera are drawn (counter-clockwise
- * seen from the camera). Triangle i gets the index first_index + i. */
+/* Draws a triangle given by its camera-frame corners. It covers the pixels whose centres lie in it;
+ * each pixel keeps the nearest triangle. A triangle with a corner at z < near_mm or z <= 0 is left
+ * out. If `cull` is not 0, it is drawn only if it faces the camera (counter-clockwise seen from the
+ * camera). */
+void iso_raster_triangle(const struct iso_raster *raster, const struct iso_vec3 corners_mm[3],
+                         int32_t index, double near_mm, int cull);
+
+/* Draws triangles given by camera-frame vertices, each as iso_raster_triangle() does. Triangle i
+ * gets the index first_index + i. */
 void iso_raster_triangles(const struct iso_raster *raster, const struct iso_vec3 *vertices_mm,
                           const uint32_t (*triangles)[3], int32_t n_triangles, int32_t first_index,
                           double near_mm, int cull);

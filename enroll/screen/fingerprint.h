@@ -1,7 +1,8 @@
 /* The fingerprint of the web server's certificate (isotherm-web(8)), which the screen shows while
- * nobody is there: whoever opens the pages compares it with what the browser says. It comes from a
- * file that the web server writes, and that the screen trusts with nothing: only a text of the form
- * of a fingerprint is shown. */
+ * nobody is there: whoever opens the pages compares it with what the browser says. On an image the
+ * screen also shows the code for the first account, as long as there is none. Both come from files
+ * that the web server writes, and that the screen trusts with nothing: only a text of the form of a
+ * fingerprint, or of a code, is shown. */
 #ifndef ENROLL_SCREEN_FINGERPRINT_H
 #define ENROLL_SCREEN_FINGERPRINT_H
 
@@ -25,5 +26,9 @@ struct screen_fingerprint {
  * call. */
 const char *screen_fingerprint_look(struct screen_fingerprint *fingerprint, const char *path,
                                     int64_t now_ns);
+
+/* The same for a file with a code of 1 to 95 of the characters 0-9, A-Z and '-'. */
+const char *screen_setup_code_look(struct screen_fingerprint *code, const char *path,
+                                   int64_t now_ns);
 
 #endif

@@ -15,6 +15,7 @@ static const char usage[] =
     "  --show-names         greet people who are let in by their names\n"
     "  --rotate DEGREES     turn the picture clockwise: 0, 90, 180 or 270 (0)\n"
     "  --fingerprint FILE   show the fingerprint of the web server in FILE\n"
+    "  --setup-code FILE    show the code for the first account in FILE\n"
     "  --device FILE        graphics card (the first with a monitor)\n"
     "  --png DIR            write pictures to DIR, and use no monitor\n"
     "  --window             use a window on a desktop, and no monitor\n"
@@ -33,6 +34,7 @@ enum choice {
     SHOW_NAMES,
     ROTATE,
     FINGERPRINT,
+    SETUP_CODE,
     DEVICE,
     PNG,
     WINDOW,
@@ -52,6 +54,7 @@ static const struct option longs[] = {
     {"show-names", no_argument, NULL, SHOW_NAMES},
     {"rotate", required_argument, NULL, ROTATE},
     {"fingerprint", required_argument, NULL, FINGERPRINT},
+    {"setup-code", required_argument, NULL, SETUP_CODE},
     {"device", required_argument, NULL, DEVICE},
     {"png", required_argument, NULL, PNG},
     {"window", no_argument, NULL, WINDOW},
@@ -107,6 +110,8 @@ static const char **text_of(int option, struct screen_options *out)
         return &out->place;
     case FINGERPRINT:
         return &out->fingerprint;
+    case SETUP_CODE:
+        return &out->setup_code;
     case DEVICE:
         return &out->device;
     case PNG:
@@ -191,6 +196,7 @@ int screen_options_read(int argc, char **argv, struct screen_options *out)
         .place = "",
         .catalogues = ISOTHERM_LOCALE_DIR,
         .fingerprint = "",
+        .setup_code = "",
         .device = "",
         .png = "",
         .width_px = 800,

@@ -16,6 +16,7 @@ struct screen_options {
     int width_px, height_px; /* of the pictures or the window */
     int rotate;              /* 0, 90, 180, 270 degrees clockwise */
     const char *fingerprint; /* the file of the web server's fingerprint; "": none */
+    const char *setup_code;  /* the file of the code for its first account; "": none */
     bool verbose;            /* print what is shown, but no names */
     bool show_names;
     int seconds; /* end after this time; 0: never */

@@ -35,7 +35,7 @@ void screen_painter_paint(struct screen_painter *painter, const struct screen_st
 {
     char clock[sizeof painter->clock] = "";
     char date[sizeof painter->date] = "";
-    const char *fingerprint = "";
+    const char *fingerprint = "", *code = "";
     struct tm local;
     const struct screen_options *options = painter->options;
     const struct screen_scene scene = screen_scene_of(&painter->memory, state, now_ns);
@@ -43,9 +43,11 @@ void screen_painter_paint(struct screen_painter *painter, const struct screen_st
         (void)strftime(clock, sizeof clock, "%H:%M", &local);
         (void)strftime(date, sizeof date, "%Y-%m-%d", &local);
         fingerprint = screen_fingerprint_look(&painter->fingerprint, options->fingerprint, now_ns);
+        code = screen_setup_code_look(&painter->setup_code, options->setup_code, now_ns);
     }
     if (!anew && painter->drawn && is_same(&scene, &painter->shown) &&
-        strcmp(clock, painter->clock) == 0 && strcmp(fingerprint, painter->print) == 0) {
+        strcmp(clock, painter->clock) == 0 && strcmp(fingerprint, painter->print) == 0 &&
+        strcmp(code, painter->code) == 0) {
         return;
     }
     cairo_surface_t *surface = painter->display.ops->begin(painter->display.self);
@@ -57,6 +59,7 @@ void screen_painter_paint(struct screen_painter *painter, const struct screen_st
         .clock = clock,
         .date = date,
         .fingerprint = fingerprint,
+        .setup_code = code,
         .right_to_left = screen_language_is_right_to_left(options->language),
     };
     screen_paint_surface(surface, options->rotate, &scene, &look);
@@ -70,4 +73,5 @@ void screen_painter_paint(struct screen_painter *painter, const struct screen_st
     painter->shown = scene;
     memcpy(painter->clock, clock, sizeof clock);
     memmove(painter->print, fingerprint, strlen(fingerprint) + 1);
+    memmove(painter->code, code, strlen(code) + 1);
 }

@@ -20,7 +20,8 @@ struct screen_painter {
     struct screen_scene shown;           /* what is on the display */
     char clock[16], date[32];            /* the same */
     char print[SCREEN_FINGERPRINT_SIZE]; /* the same: the fingerprint of the web server */
-    struct screen_fingerprint fingerprint;
+    char code[SCREEN_FINGERPRINT_SIZE];  /* the same: the code for its first account */
+    struct screen_fingerprint fingerprint, setup_code;
     bool drawn;
     unsigned pictures; /* how many were shown */
 };

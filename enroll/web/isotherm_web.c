@@ -17,10 +17,12 @@
 #include "enroll/web/daemon/enrolment.h"
 #include "enroll/web/daemon/feed.h"
 #include "enroll/web/daemon/last_seen.h"
+#include "enroll/web/first_code.h"
 #include "enroll/web/listener.h"
 #include "enroll/web/login/turns.h"
 #include "enroll/web/options.h"
 #include "enroll/web/published.h"
+#include "enroll/web/update/update.h"
 
 /* As in enroll/cli/client/fault.h. */
 enum { EXIT_USAGE = 2, EXIT_NOT_FOUND = 3, EXIT_FAULT = 4 };
@@ -31,6 +33,7 @@ struct program {
     struct web_sessions sessions;
     struct web_guess guess;
     struct web_api api;
+    struct web_first_code *first_code;
     char accounts[PATH_MAX], setup_code[PATH_MAX];
 };
 
@@ -83,7 +86,7 @@ static int open_state(struct program *program, const struct web_options *options
     api->login.setup_code = program->setup_code;
     api->document = (const char *)web_api_document;
     api->certificate = &program->certificate;
-    if (web_accounts_count(api->login.accounts) == 0) {
+    if (web_accounts_count(api->login.accounts) == 0 && !options->first_code) {
         fprintf(stderr, "isotherm-web: there is no account yet; `isotherm-web setup-code` prints a "
                         "code for the first one\n");
     }
@@ -105,7 +108,27 @@ static int open_daemon(struct program *program, const struct web_options *option
                                                   .sessions = &program->sessions};
         r = web_enrolment_new(&setup, &api->enrolment);
     }
+    if (r >= 0) {
+        const struct web_update_setup setup = {.event = program->event,
+                                               .bus = options->bus,
+                                               .folder = options->updates,
+                                               .os_release = "/etc/os-release"};
+        r = web_update_new(&setup, &api->update);
+    }
     return r < 0 ? iso_fault_set(fault, r, "--bus %s: %s", options->bus, strerror(-r)) : 0;
+}
+
+static int open_first_code(struct program *program, const struct web_options *options,
+                           struct iso_fault *fault)
+{
+    const struct web_first_code_setup setup = {.event = program->event,
+                                               .accounts = program->api.login.accounts,
+                                               .accounts_path = program->accounts,
+                                               .code_path = program->setup_code,
+                                               .makes_codes = options->first_code};
+    const int r = web_first_code_new(&setup, &program->first_code);
+
+    return r < 0 ? iso_fault_set(fault, r, "the event loop: %s", strerror(-r)) : 0;
 }
 
 static int open_server(struct program *program, const struct web_options *options,
@@ -116,6 +139,7 @@ static int open_server(struct program *program, const struct web_options *option
                                      .pages = options->pages,
                                      .sessions = &program->sessions,
                                      .routes = web_api_routes,
+                                     .intakes = web_api_intakes,
                                      .context = &program->api};
     int r = web_turns_new(program->event, &program->api.login, &program->api.login.turns);
 
@@ -126,18 +150,24 @@ static int open_server(struct program *program, const struct web_options *option
     return r < 0 ? r : web_server_new(&setup, &program->api.login.server, fault);
 }
 
-/* First the calls of the daemon and the logins that still wait are answered, for exchanges that
- * have to end before the server does; then the streams end, and last those who send into them. */
+/* First the questions to RAUC, the calls of the daemon and the logins that still wait are answered,
+ * for exchanges that have to end before the server does; then the streams end, and last those who
+ * send into them. */
 static void close_all(struct program *program)
 {
     struct web_api *api = &program->api;
 
+    if (api->update) {
+        web_update_close(api->update);
+    }
     if (api->daemon) {
         web_daemon_close(api->daemon);
     }
+    web_first_code_free(program->first_code);
     web_turns_free(api->login.turns);
     web_server_free(api->login.server);
     api->login.server = NULL;
+    web_update_free(api->update);
     web_enrolment_free(api->enrolment);
     web_last_seen_free(api->last_seen);
     web_feed_free(api->feed);
@@ -156,6 +186,7 @@ static int serve(const struct web_options *options)
 
     r = r < 0 ? r : open_state(&program, options, &fault);
     r = r < 0 ? r : open_daemon(&program, options, &fault);
+    r = r < 0 ? r : open_first_code(&program, options, &fault);
     r = r < 0 ? r : open_server(&program, options, &fault);
     if (r == 0) {
         web_published_write(program.certificate.fingerprint);

@@ -15,16 +15,20 @@ static const char usage[] =
     "  --listen ADDRESS:PORT  unless systemd passes a socket (" DEFAULT_LISTEN ")\n"
     "  --state DIR            accounts, key and certificate (" ISOTHERM_WEB_STATE ")\n"
     "  --pages DIR            the pages (" ISOTHERM_WEB_PAGES ")\n"
+    "  --updates DIR          updates of an image of the appliance (" ISOTHERM_WEB_UPDATES ")\n"
+    "  --first-code           print a code while there is no account (for an image)\n"
     "  --bus ADDRESS          system, session or an address of D-Bus (system)\n"
     "  --help                 print this and end\n"
     "  --version              print the version and end\n";
 
-enum choice { LISTEN = 1, STATE, PAGES, BUS, HELP, VERSION };
+enum choice { LISTEN = 1, STATE, PAGES, UPDATES, FIRST_CODE, BUS, HELP, VERSION };
 
 static const struct option longs[] = {
     {"listen", required_argument, NULL, LISTEN},
     {"state", required_argument, NULL, STATE},
     {"pages", required_argument, NULL, PAGES},
+    {"updates", required_argument, NULL, UPDATES},
+    {"first-code", no_argument, NULL, FIRST_CODE},
     {"bus", required_argument, NULL, BUS},
     {"help", no_argument, NULL, HELP},
     {"version", no_argument, NULL, VERSION},
@@ -42,6 +46,12 @@ static int take(int option, const char *value, struct web_options *out)
         return 0;
     case PAGES:
         out->pages = value;
+        return 0;
+    case UPDATES:
+        out->updates = value;
+        return 0;
+    case FIRST_CODE:
+        out->first_code = true;
         return 0;
     case BUS:
         out->bus = value;
@@ -78,7 +88,8 @@ int web_options_read(int argc, char **argv, struct web_options *out)
                                 .bus = "system",
                                 .listen = DEFAULT_LISTEN,
                                 .state = ISOTHERM_WEB_STATE,
-                                .pages = ISOTHERM_WEB_PAGES};
+                                .pages = ISOTHERM_WEB_PAGES,
+                                .updates = ISOTHERM_WEB_UPDATES};
     while (result == 0 && (option = getopt_long(argc, argv, "", longs, NULL)) != -1) {
         result = take(option, optarg, out);
     }

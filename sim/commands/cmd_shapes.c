@@ -65,6 +65,8 @@ static const struct sim_option eval_options[] = {
     {"distort", "KIND:LEVEL",
      "distort the queries: white, shot, scale, missing, stretch or bulge, 1..3",
      sim_distortion_parse, FIELD(study.distortion)},
+    {"queries", "N", "look for N shapes only, the first of every class in turn (0: all)",
+     sim_option_count, FIELD(study.queries)},
     {"smooth", "N", "double steps of Taubin's filter before all else (0)", sim_option_int,
      FIELD(study.smooth)},
     {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
@@ -96,6 +98,10 @@ static const struct sim_option tables_options[] = {
     {"smooth", "N", "double steps of Taubin's filter before all else (10)", sim_option_int,
      FIELD(tables.smooth)},
     {"seed", "S", "seed of all random numbers (1)", sim_option_count, FIELD(tables.seed)},
+    {"strict", NULL, "end at the first mesh that cannot be used", sim_option_flag,
+     FIELD(tables.strict)},
+    {"cache", "DIR", "descriptions of earlier runs (cache in --out; an empty name: none)",
+     sim_option_text, FIELD(tables.cache)},
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
 };
 

@@ -13,7 +13,7 @@ root=$source_dir/build/aarch64-root
 usual='test_firmware_config test_firmware_gallery test_firmware_audit test_firmware_decision test_firmware_track
     test_firmware_sensor_supervisor test_firmware_pipeline test_sensor_contract test_sensor_replay
     test_recording test_png test_door_contract test_gpio_line test_stereo_calibration test_registration
-    test_template test_shape_fit'
+    test_template test_shape_fit test_depth_lanes test_resample'
 tests=${2:-$usual}
 
 skip() {

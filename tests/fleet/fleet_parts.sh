@@ -171,8 +171,12 @@ states() {
     done
 }
 
+# By itself: a killed runuser leaves its child, the server, behind.
+stop_postgres() { [ -z "$work" ] || as_postgres "$pg/pg_ctl" -D "$work/db/data" -m immediate stop >/dev/null 2>&1 || true; }
+
 clean_up() {
     local pid
+    stop_postgres
     for pid in $(jobs -p); do
         kill -9 "$pid" 2>/dev/null || true
     done

@@ -15,7 +15,7 @@ bundle() {
 }
 
 make_bundles() {
-    [ "${IMAGE_KEEP:-}" != yes ] || [ ! -e "$out/bundles/complete" ] || return 0
+    [ ! -e "$out/bundles/complete" ] || return 0
     rm -rf "$out/bundles" "$out/versions"
     mkdir -p "$out/bundles" "$out/versions"
     bundle update "$out/test" same.raucb

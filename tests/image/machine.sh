@@ -2,20 +2,27 @@
 #
 #   machine_start NAME PHASE DISK      starts a PC with UEFI (OVMF, systemd-boot) whose disk is DISK, and waits until it is off; the phase is for
 #                                      inside.sh. Returns the exit code that it gives; 124: too long, 125: the machine ended without
-# Set machine_reboots=reset for a machine that may restart, and machine_devices for further options of QEMU.
+# Set machine_reboots=reset for a machine that may restart, machine_firmware=secure for one with Secure Boot, and machine_devices for further
+# options of QEMU.
 #
-# The log of the serial line is machine_out/NAME.log. The processor is emulated, without AVX, which is slow so.
+# The log of the serial line is machine_out/NAME.log, and machine_out/NAME.pid has the number of QEMU's process. The processor is emulated,
+# without AVX, which is slow so.
 machine_source=$(cd "$(dirname "$0")/../.." && pwd)
 machine_seconds=${machine_seconds:-600}
 
 machine_start() {
     name=$1
-    rm -f "$machine_out/$name.status"
-    cp /usr/share/OVMF/OVMF_VARS_4M.fd "$machine_out/$name.vars"
+    rm -f "$machine_out/$name.status" "$machine_out/$name.pid"
+    case ${machine_firmware:-plain} in
+    plain) machine_code=OVMF_CODE_4M.fd machine_vars=OVMF_VARS_4M.fd machine_smm='' ;;
+    # Its variables can be written in the system management mode only.
+    secure) machine_code=OVMF_CODE_4M.secboot.fd machine_vars=OVMF_VARS_4M.snakeoil.fd machine_smm='-machine smm=on -global driver=cfi.pflash01,property=secure,value=on' ;;
+    esac
+    cp "/usr/share/OVMF/$machine_vars" "$machine_out/$name.vars"
     # The limit is processor time, so that other work of the host fails no test, and six times as much by the clock.
     (ulimit -t "$machine_seconds" && exec timeout $((6 * machine_seconds)) qemu-system-x86_64 -machine q35 -accel tcg -cpu Nehalem -smp 1 \
-        -m "${machine_memory:-512}" -nodefaults -no-user-config -display none -action "reboot=${machine_reboots:-shutdown}" \
-        -drive if=pflash,format=raw,unit=0,readonly=on,file=/usr/share/OVMF/OVMF_CODE_4M.fd \
+        -m "${machine_memory:-512}" -nodefaults -no-user-config -display none -pidfile "$machine_out/$name.pid" -action "reboot=${machine_reboots:-shutdown}" \
+        $machine_smm -drive "if=pflash,format=raw,unit=0,readonly=on,file=/usr/share/OVMF/$machine_code" \
         -drive "if=pflash,format=raw,unit=1,file=$machine_out/$name.vars" \
         -serial "file:$machine_out/$name.log" -serial "file:$machine_out/$name.status" \
         -smbios "type=1,serial=$2" -device virtio-rng-pci \

@@ -10,7 +10,9 @@ here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
 . "$here/../support/verdict.sh"
 . "$here/machine.sh"
+. "$here/watch.sh"
 . "$here/production.sh"
+. "$here/secure_boot.sh"
 packages=$(cd "$1" && pwd)
 mkdir -p "$2/vm"
 out=$(cd "$2" && pwd)
@@ -19,7 +21,7 @@ machine_out=$out/vm
 ISOTHERM_CACHE=$out/cache
 SOURCE_DATE_EPOCH=$(dpkg-parsechangelog -l "$source_dir/board/debian/changelog" -S Timestamp)
 export ISOTHERM_CACHE SOURCE_DATE_EPOCH
-checks=${*:-boot_slots production reproducible first_start later_start updates damaged_root wrong_root tpm}
+checks=${*:-boot_slots production reproducible first_start later_start updates damaged_root wrong_root tpm secure_boot}
 
 # The keys of this test: of updates, and of somebody else.
 make_keys() {
@@ -32,6 +34,7 @@ make_keys() {
 
 # The image for doors, and that of the test.
 build() {
+    rm -rf "$out/bundles"
     "$source_dir/board/image/build.sh" "$packages" "$out/production" qemu >"$out/production.log" 2>&1 || die "building: $(tail -n 5 "$out/production.log")"
     say "the root has $(($(stat -c %s "$out/production/root.squashfs") / 1000000)) MB compressed, at most 120"
     [ "$(stat -c %s "$out/production/root.squashfs")" -le 120000000 ] || die 'the root is too large'
@@ -71,7 +74,9 @@ first_start() {
     tell first
 }
 
+# The first copy of the partition table is not whole any more, as after a power cut while it was written.
 later_start() {
+    qemu-io -f qcow2 -c 'write -q -P 255 528 4' "$machine_out/disk.qcow2" || die 'the partition table of the disk cannot be written'
     machine_start second second "$machine_out/disk.qcow2" || die_with second $?
     tell second
 }
@@ -89,6 +94,22 @@ updates() {
     tell back
 }
 
+# On a machine of its own: its disk is new, and a USB stick is in it.
+bring() {
+    . "$here/bundles.sh"
+    make_bundles
+    cp --reflink=auto "$out/test/isotherm.img" "$machine_out/bring.img"
+    mcopy -i "$machine_out/bring.img@@$(start_of esp)" "$out/test/root/usr/lib/isotherm-image/test.conf" ::isotherm.conf
+    machine_disk "$machine_out/bring.img" "$machine_out/bring.qcow2"
+    rm -f "$machine_out/stick.img"
+    truncate -s 256M "$machine_out/stick.img"
+    mkfs.vfat -n UPDATES "$machine_out/stick.img" >/dev/null
+    mcopy -i "$machine_out/stick.img" "$out/bundles/v2.raucb" ::isotherm-2.raucb
+    machine_devices="-device qemu-xhci -drive if=none,id=stick,format=raw,file=$machine_out/stick.img -device usb-storage,drive=stick" \
+        machine_start brought brought "$machine_out/bring.qcow2" || die_with brought $?
+    tell brought
+}
+
 # A byte of the root that was changed on the disk: the machine does not start from it. Every 64th block is changed, so that one is read.
 damaged_root() {
     cp --reflink=auto "$out/test/isotherm.img" "$machine_out/damaged.img"
@@ -104,17 +125,22 @@ wrong_root() {
     refuses damaged 'no slot has the root of this kernel'
 }
 
-# With a TPM the key of /var is in the TPM only.
+# With a TPM the key of /var is in the TPM only. The configuration on this disk has a fault at first, which the console tells.
 tpm() {
     rm -rf "$machine_out/tpm"
     mkdir "$machine_out/tpm"
-    machine_disk "$out/test/isotherm.img" "$machine_out/tpm.qcow2"
+    cp --reflink=auto "$out/test/isotherm.img" "$machine_out/tpm.img"
+    sed 's/^unlock_ms = .*/unlock_ms = sometimes/' "$out/test/root/usr/lib/isotherm-image/test.conf" | mcopy -i "$machine_out/tpm.img@@$(start_of esp)" - ::isotherm.conf
+    machine_disk "$machine_out/tpm.img" "$machine_out/tpm.qcow2"
     for phase in tpm_first tpm_second; do
         swtpm socket --tpm2 --tpmstate "dir=$machine_out/tpm" --ctrl "type=unixio,path=$machine_out/tpm/socket" --terminate --daemon
         machine_devices="-chardev socket,id=tpm,path=$machine_out/tpm/socket -tpmdev emulator,id=tpm,chardev=tpm -device tpm-crb,tpmdev=tpm" \
             machine_start $phase $phase "$machine_out/tpm.qcow2" || die_with $phase $?
         tell $phase
     done
+    grep -q 'take-configuration: .* not taken: isotherm.conf:[0-9]*: .*sometimes' "$machine_out/tpm_first.log" || die 'the console does not say what is wrong with the configuration'
+    rm -f "$machine_out/tpm.img" "$machine_out/tpm.qcow2"
+    say 'the console says what is wrong with the configuration'
 }
 
 # ---- helpers ----
@@ -159,6 +185,12 @@ refuses() {
     say "the machine does not start: $(grep -oE "$2" "$machine_out/$1.log" | head -n 1)"
 }
 
+# Sets processor_seconds, the processor time of all programs that have ended: it says more than the clock if the host does other work, too.
+count_processor_seconds() {
+    times >"$machine_out/times" # a shell of its own would have used none
+    processor_seconds=$(awk 'NR == 2 { gsub("s", ""); for (i = 1; i <= 2; i++) { split($i, part, "m"); sum += 60 * part[1] + part[2] } printf "%.0f", sum }' "$machine_out/times")
+}
+
 PATH=$PATH:/usr/sbin:/sbin
 [ "$(id -u)" -eq 0 ] || die 'only root can make the image'
 "$source_dir/tests/vm/kernel.sh" "$source_dir/build/vm"
@@ -166,13 +198,23 @@ make_keys
 [ "${IMAGE_KEEP:-}" = yes ] || build
 passed=0 failed=0
 for check in $checks; do
-    began=$(date +%s)
-    if (set -e && "$check"); then
+    count_processor_seconds
+    began=$(date +%s) used=$processor_seconds
+    # Not as the condition of `if`: there a command that fails would not end the check.
+    set +e
+    (
+        set -e
+        "$check"
+    )
+    code=$?
+    set -e
+    if [ $code -eq 0 ]; then
         passed=$((passed + 1)) result=passed
     else
         failed=$((failed + 1)) result=FAILED
     fi
-    printf '%-14s %-6s %4d s\n' "$check" $result $(($(date +%s) - began))
+    count_processor_seconds
+    printf '%-14s %-6s %4d s, %4d s of processor time\n' "$check" $result $(($(date +%s) - began)) $((processor_seconds - used))
 done
 say_tally $passed $failed 0
 [ $failed -eq 0 ]

@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { Api } from './api.mjs';
 import { begin, end, eventually, expect, expectEqual, onFailure, say, step } from './check.mjs';
 import { Browser, slips } from './browser.mjs';
-import { Rig } from './rig.mjs';
+import { Rig, stop } from './rig.mjs';
 import { access } from './story_access.mjs';
 import { cockpit } from './story_cockpit.mjs';
 import { crowd } from './story_crowd.mjs';
@@ -18,6 +18,7 @@ import { people, removal } from './story_people.mjs';
 import { policies } from './story_policy.mjs';
 import { settingsInForce } from './story_settings.mjs';
 import { streams } from './story_streams.mjs';
+import { updates } from './story_update.mjs';
 
 const here = (name) => process.env[`WEB_CHECK_${name}`];
 
@@ -127,6 +128,7 @@ async function all(run) {
   await enrol(run);
   await door(run);
   await settingsInForce(run);
+  await updates(run);
   await people(run);
   await policies(run);
   await pages(run);
@@ -155,5 +157,6 @@ try {
 await run.browser?.stop().catch(() => undefined);
 await run.cockpitBrowser?.stop().catch(() => undefined);
 await run.cockpit?.stop();
+await stop(run.rauc);
 await run.rig.stop();
 process.exit(code);

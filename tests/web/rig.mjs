@@ -188,7 +188,8 @@ metric = ${join(this.source, 'core/data/face.metric')}
     this.port ??= await freePort();
     this.base = `https://127.0.0.1:${this.port}`;
     this.server = start(join(this.build, 'enroll/web/isotherm-web'),
-      this.webWords(['--bus', this.address, '--listen', `127.0.0.1:${this.port}`, '--pages', this.pages]), this.log('isotherm-web'));
+      this.webWords(['--bus', this.address, '--listen', `127.0.0.1:${this.port}`, '--pages', this.pages,
+        '--updates', join(this.scratch, 'root/var/lib/isotherm-update')]), this.log('isotherm-web'));
     const server = this.server;
     server.ended.then((code) => { server.code = code; });
     await eventually('isotherm-web answers', () => {

@@ -18,7 +18,7 @@ rm -rf "$2"
 mkdir -p "$2"
 out=$(cd "$2" && pwd)
 
-for program in firmware/isothermd enroll/isotherm enroll/web/isotherm-web tests/bench/bench_gallery; do
+for program in firmware/isothermd enroll/isotherm enroll/web/isotherm-web tests/bench/bench_gallery tests/enroll/play_rauc; do
     [ -x "$build/$program" ] || {
         echo "$0: $build/$program is missing: build it first" >&2
         exit 2

@@ -3,7 +3,8 @@
  *
  * Each learns from labelled features and gives a score for every class. Some also measure how far a
  * feature is from each training feature (nearest neighbour, CRC-RLS, RCR). These can rank a
- * gallery, and the ranking never uses labels. */
+ * gallery, and the ranking uses no labels, except that CRC-RLS and RCR choose their parameters with
+ * them. */
 #ifndef ISOTHERM_CLASSIFIER_H
 #define ISOTHERM_CLASSIFIER_H
 
@@ -35,8 +36,9 @@ struct iso_classifier_ops {
     int (*score)(const void *model, const float *feature, double *score);
 
     /** OPTIONAL. Sets distance[i] to the distance of the feature from training feature i; lower is
-     * more alike. `left` is the index of a training feature that is left out, as if the model had
-     * never learnt from it, or -1; its distance is 0. Thread-safe. -EDOM, -ENOMEM. */
+     * more alike. `left` is the index of a training feature that is left out, or -1; its distance
+     * is 0, and it takes no part in the distances of others. (What a model knows of all training
+     * features together, such as their mean, may include it.) Thread-safe. -EDOM, -ENOMEM. */
     int (*rank)(const void *model, const float *feature, int32_t left, double *distance);
 };
 
@@ -45,6 +47,9 @@ struct iso_classifier_ops {
  *     nn-l1, nn-l2   nearest neighbour
  *     crc-rls        collaborative representation, regularised least squares
  *     rcr            relaxed collaborative representation, weights of the parts optimised
+ *                    (both subtract the mean feature, give all parts the same size, and choose by
+ *                    leave-one-out whether parts without negative values are compressed by their
+ *                    root or logarithm, and the penalty of the codes among 0.1, 0.5, 2 and 8)
  *     naive-bayes    independent normal densities
  */
 extern const struct iso_classifier_ops *const iso_classifiers[];
@@ -81,8 +86,7 @@ int iso_classifier_score(const struct iso_classifier *classifier, const float *f
  *
  * @param classifier  The classifier.
  * @param feature     [layout->size]: the feature, finite.
- * @param left        Index of a training feature that is left out, as if the classifier had never
- *                    learnt from it; -1: none.
+ * @param left        Index of a training feature that is left out; -1: none.
  * @param distance    [n]: receives the distances; lower is more alike. It is 0 for the feature that
  *                    is left out.
  * @return 0; -ENOSYS for a kind that cannot rank; errors of the kind. */

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- learning ---- */
+
 /* The parts of a feature for which dictionaries are built: the whole feature as one part if the
  * method codes all parts together, otherwise the parts of the layout. */
 static struct iso_feature_layout parts_of(const struct iso_collaborative_kind *kind,
@@ -13,28 +15,71 @@ static struct iso_feature_layout parts_of(const struct iso_collaborative_kind *k
     return kind->joined ? (struct iso_feature_layout){layout->size, 1, {layout->size}} : *layout;
 }
 
-/* Scales each part of the feature to unit length. If the method codes all parts together, it then
- * scales the whole feature to unit length. */
-static void unit_length(const struct iso_collaborative_kind *kind,
-                        const struct iso_feature_layout *layout, float *feature)
+static void drop_dictionaries(struct iso_collaborative *m)
 {
-    iso_training_set_normalise(layout, feature);
-    if (kind->joined) {
-        const struct iso_feature_layout whole = parts_of(kind, layout);
-        iso_training_set_normalise(&whole, feature);
-    }
-}
-
-/* ---- learning ---- */
-
-void iso_collaborative_free(void *model)
-{
-    struct iso_collaborative *m = model;
     for (int32_t k = 0; k < m->n_parts; k++) {
         iso_dictionary_done(&m->part[k]);
     }
+    m->n_parts = 0;
     iso_training_set_done(&m->gallery);
-    free(m);
+    iso_standard_done(&m->standard);
+}
+
+void iso_collaborative_free(void *model)
+{
+    drop_dictionaries(model);
+    free(model);
+}
+
+/* Makes standard, gallery and dictionaries anew. A dictionary's atoms have length 1 in the root
+ * mean square, so that the same lambda means the same for one dictionary and for several. */
+static int make_dictionaries(struct iso_collaborative *m, const struct iso_labelled *training,
+                             enum iso_compression compression)
+{
+    const int32_t size = training->layout->size;
+    const struct iso_feature_layout parts = parts_of(m->kind, training->layout);
+    drop_dictionaries(m);
+    int error = iso_standard_init(&m->standard, training, compression, sqrt(parts.n_parts));
+    if (!error) {
+        error = iso_training_set_init(&m->gallery, training);
+    }
+    for (int32_t i = 0; !error && i < training->n; i++) {
+        iso_standard_apply(&m->standard, &m->gallery.feature[(size_t)i * (size_t)size]);
+    }
+    const float *atom = m->gallery.feature;
+    for (int32_t k = 0; !error && k < parts.n_parts; k++) {
+        error = iso_dictionary_init(&m->part[k], atom, training->n, parts.part_size[k], size);
+        m->n_parts += !error;
+        atom += parts.part_size[k];
+    }
+    return error;
+}
+
+/* Tries each way to compress the features, and keeps the best one with its lambda. */
+static int learn(struct iso_collaborative *m, const struct iso_labelled *training)
+{
+    if (!iso_standard_compressible(training)) {
+        double quality;
+        const int error = make_dictionaries(m, training, ISO_COMPRESSION_NONE);
+        return error ? error : iso_collaborative_choose(m, &quality);
+    }
+    double root = 0.0, logarithm = 0.0;
+    int error = make_dictionaries(m, training, ISO_COMPRESSION_ROOT);
+    if (!error) {
+        error = iso_collaborative_choose(m, &root);
+    }
+    const double lambda = m->lambda;
+    if (!error) {
+        error = make_dictionaries(m, training, ISO_COMPRESSION_LOGARITHM);
+    }
+    if (!error) {
+        error = iso_collaborative_choose(m, &logarithm);
+    }
+    if (!error && logarithm <= root + ISO_COLLABORATIVE_GAIN) {
+        m->lambda = lambda;
+        error = make_dictionaries(m, training, ISO_COMPRESSION_ROOT);
+    }
+    return error;
 }
 
 int iso_collaborative_train(const struct iso_collaborative_kind *kind,
@@ -45,18 +90,7 @@ int iso_collaborative_train(const struct iso_collaborative_kind *kind,
         return -ENOMEM;
     }
     m->kind = kind;
-    const int32_t size = training->layout->size;
-    const struct iso_feature_layout parts = parts_of(kind, training->layout);
-    int error = iso_training_set_init(&m->gallery, training);
-    for (int32_t i = 0; !error && i < training->n; i++) {
-        unit_length(kind, training->layout, &m->gallery.feature[(size_t)i * (size_t)size]);
-    }
-    const float *atom = m->gallery.feature;
-    for (int32_t k = 0; !error && k < parts.n_parts; k++) {
-        error = iso_dictionary_init(&m->part[k], atom, training->n, parts.part_size[k], size);
-        m->n_parts += !error;
-        atom += parts.part_size[k];
-    }
+    const int error = learn(m, training);
     if (error) {
         iso_collaborative_free(m);
         return error;
@@ -67,57 +101,63 @@ int iso_collaborative_train(const struct iso_collaborative_kind *kind,
 
 /* ---- a query's codes ---- */
 
-/* The memory that a code points into. */
-struct room {
-    float *features; /* y, residual */
-    double *numbers;
-};
-
-static void room_done(struct room *room)
+void iso_code_done(struct iso_code_work *work)
 {
-    free(room->features);
-    free(room->numbers);
+    free(work->features);
+    free(work->numbers);
 }
 
-static int code_init(const struct iso_collaborative *m, struct room *room, struct iso_code *code)
+int iso_code_init(const struct iso_collaborative *m, struct iso_code_work *work,
+                  struct iso_code *code)
 {
     const size_t n = (size_t)m->gallery.n, size = (size_t)m->gallery.layout.size;
     const size_t parts = (size_t)m->n_parts;
-    room->features = malloc(2 * size * sizeof *room->features);
-    room->numbers = calloc((2 * parts + 4) * n, sizeof *room->numbers);
-    if (!room->features || !room->numbers) {
-        room_done(room);
+    work->features = malloc(2 * size * sizeof *work->features);
+    work->numbers = calloc((2 * parts + 4) * n, sizeof *work->numbers);
+    if (!work->features || !work->numbers) {
+        iso_code_done(work);
         return -ENOMEM;
     }
-    const float *y = room->features;
+    *code = (struct iso_code){.left = -1};
+    const float *y = work->features;
     for (size_t k = 0; k < parts; k++) {
         code->y[k] = y;
-        code->product[k] = &room->numbers[2 * k * n];
-        code->alpha[k] = &room->numbers[(2 * k + 1) * n];
+        code->product[k] = &work->numbers[2 * k * n];
+        code->alpha[k] = &work->numbers[(2 * k + 1) * n];
         y += m->part[k].size;
     }
-    code->mean = &room->numbers[2 * parts * n];
+    code->mean = &work->numbers[2 * parts * n];
     code->right = code->mean + n;
     code->scratch = code->right + n;
-    code->residual = room->features + size;
+    code->residual = work->features + size;
     return 0;
 }
 
-static int find_code(const struct iso_collaborative *m, const float *feature, int32_t left,
-                     struct room *room, struct iso_code *code)
+void iso_code_find(const struct iso_collaborative *m, const float *feature, int32_t left,
+                   const struct iso_code_work *work, struct iso_code *code)
 {
-    *code = (struct iso_code){.left = left};
-    const int error = code_init(m, room, code);
-    if (error) {
-        return error;
-    }
-    memcpy(room->features, feature, (size_t)m->gallery.layout.size * sizeof *feature);
-    unit_length(m->kind, &m->gallery.layout, room->features);
+    code->left = left;
+    memcpy(work->features, feature, (size_t)m->gallery.layout.size * sizeof *feature);
     for (int32_t k = 0; k < m->n_parts; k++) {
         iso_dictionary_products(&m->part[k], code->y[k], code->product[k]);
     }
     m->kind->find(m, code);
-    return 0;
+}
+
+/* The same for a feature as it comes, with memory of its own. */
+static int find_code(const struct iso_collaborative *m, const float *feature, int32_t left,
+                     struct iso_code_work *work, struct iso_code *code)
+{
+    const size_t bytes = (size_t)m->gallery.layout.size * sizeof *feature;
+    float *own = malloc(bytes);
+    const int error = own ? iso_code_init(m, work, code) : -ENOMEM;
+    if (!error) {
+        memcpy(own, feature, bytes);
+        iso_standard_apply(&m->standard, own);
+        iso_code_find(m, own, left, work, code);
+    }
+    free(own);
+    return error;
 }
 
 double iso_code_residual(const struct iso_collaborative *m, const struct iso_code *code, int32_t k,
@@ -140,52 +180,64 @@ double iso_code_residual(const struct iso_collaborative *m, const struct iso_cod
 
 /* ---- scores and distances ---- */
 
-static bool is_present(const struct iso_training_set *gallery, int32_t class)
+static bool is_present(const struct iso_training_set *gallery, int32_t class, int32_t left)
 {
     int32_t i = 0;
-    while (i < gallery->n && gallery->label[i] != class) {
+    while (i < gallery->n && (i == left || gallery->label[i] != class)) {
         i++;
     }
     return i < gallery->n;
 }
 
+void iso_code_scores(const struct iso_collaborative *m, const struct iso_code *code, double *score)
+{
+    for (int32_t c = 0; c < m->gallery.n_classes; c++) {
+        const bool present = is_present(&m->gallery, c, code->left);
+        score[c] = present ? m->kind->score(m, code, c) : -INFINITY;
+    }
+}
+
+void iso_code_distances(const struct iso_collaborative *m, const struct iso_code *code,
+                        double *distance)
+{
+    double weight = 0.0, length[ISO_SHAPE_PARTS_MAX] = {0.0};
+    for (int32_t k = 0; k < m->n_parts; k++) {
+        weight += code->weight[k];
+        for (int32_t j = 0; j < m->part[k].size; j++) {
+            length[k] += (double)code->y[k][j] * (double)code->y[k][j];
+        }
+    }
+    for (int32_t i = 0; i < m->gallery.n; i++) {
+        double square = 0.0;
+        for (int32_t k = 0; i != code->left && k < m->n_parts; k++) {
+            const double a = fmax(code->alpha[k][i], 0.0);
+            square += code->weight[k] / weight *
+                      (length[k] - 2.0 * a * code->product[k][i] + a * a * m->part[k].square[i]);
+        }
+        distance[i] = sqrt(fmax(0.0, square));
+    }
+}
+
 int iso_collaborative_score(const void *model, const float *feature, double *score)
 {
-    const struct iso_collaborative *m = model;
-    struct room room;
+    struct iso_code_work work;
     struct iso_code code;
-    const int error = find_code(m, feature, -1, &room, &code);
-    if (error) {
-        return error;
+    const int error = find_code(model, feature, -1, &work, &code);
+    if (!error) {
+        iso_code_scores(model, &code, score);
+        iso_code_done(&work);
     }
-    for (int32_t c = 0; c < m->gallery.n_classes; c++) {
-        score[c] = is_present(&m->gallery, c) ? m->kind->score(m, &code, c) : -INFINITY;
-    }
-    room_done(&room);
-    return 0;
+    return error;
 }
 
 int iso_collaborative_rank(const void *model, const float *feature, int32_t left, double *distance)
 {
-    const struct iso_collaborative *m = model;
-    struct room room;
+    struct iso_code_work work;
     struct iso_code code;
-    const int error = find_code(m, feature, left, &room, &code);
-    if (error) {
-        return error;
+    const int error = find_code(model, feature, left, &work, &code);
+    if (!error) {
+        iso_code_distances(model, &code, distance);
+        iso_code_done(&work);
     }
-    double weight = 0.0;
-    for (int32_t k = 0; k < m->n_parts; k++) {
-        weight += code.weight[k];
-    }
-    for (int32_t i = 0; i < m->gallery.n; i++) {
-        double square = 0.0;
-        for (int32_t k = 0; i != left && k < m->n_parts; k++) {
-            const double a = code.alpha[k][i];
-            square += code.weight[k] / weight * (1.0 - 2.0 * a * code.product[k][i] + a * a);
-        }
-        distance[i] = sqrt(fmax(0.0, square));
-    }
-    room_done(&room);
-    return 0;
+    return error;
 }

@@ -2,24 +2,33 @@
  *
  * A feature is coded over all shapes of all classes at once. The share of a class, or of one shape,
  * in that code says how alike they are. The classifiers differ in what a dictionary consists of, in
- * how the codes are computed, and in how the share of a class becomes a score. */
+ * how the codes are computed, and in how the share of a class becomes a score.
+ *
+ * Features are brought to a common mean and size first (standard.h). How they are compressed, and
+ * the penalty lambda of the codes, are chosen for each training set by leave-one-out: each shape is
+ * coded over all others, and the choice is made by the share of shapes that are told to be of their
+ * class plus the mean share of a shape's class among its nearest (first tier). */
 #ifndef ISO_CORE_SHAPE_CLASSIFY_COLLABORATIVE_H
 #define ISO_CORE_SHAPE_CLASSIFY_COLLABORATIVE_H
 
 #include "core/shape/classify/dictionary.h"
+#include "core/shape/classify/standard.h"
 #include "core/shape/classify/training_set.h"
 
 struct iso_collaborative {
     const struct iso_collaborative_kind *kind;
-    struct iso_training_set gallery; /* features as they are coded: of unit length */
+    struct iso_standard standard;
+    struct iso_training_set gallery; /* features as they are coded: standardised */
     int32_t n_parts;
     struct iso_dictionary part[ISO_SHAPE_PARTS_MAX];
+    double lambda; /* penalty of the codes */
+    bool choosing; /* while lambda is chosen; codes may be found in a simpler way */
 };
 
 /* The codes of a feature, one for each dictionary, and the memory to compute them. */
 struct iso_code {
     int32_t left;                         /* the shape that is left out: coefficients 0; or -1 */
-    const float *y[ISO_SHAPE_PARTS_MAX];  /* [part[k].size], of unit length */
+    const float *y[ISO_SHAPE_PARTS_MAX];  /* [part[k].size], standardised */
     double *product[ISO_SHAPE_PARTS_MAX]; /* [n]: D_k y_k */
     double *alpha[ISO_SHAPE_PARTS_MAX];   /* [n] */
     double weight[ISO_SHAPE_PARTS_MAX];   /* of each part in scores and distances, above 0 */
@@ -43,7 +52,8 @@ double iso_code_residual(const struct iso_collaborative *model, const struct iso
 /* The operations of isotherm/classifier.h; the model is an iso_collaborative. The ranking treats
  * each shape as a class of its own. The distance of a shape is the residual of y after the
  * contribution of that shape is subtracted, averaged over the parts by their weights. It is not
- * divided by |alpha_i|, which is near 0 for most shapes, so that their order would be arbitrary. */
+ * divided by |alpha_i|, which is near 0 for most shapes, so that their order would be arbitrary. A
+ * negative coefficient counts as 0: the shape deviates from the mean in the opposite way. */
 int iso_collaborative_train(const struct iso_collaborative_kind *kind,
                             const struct iso_labelled *training, void **model)
     __attribute__((warn_unused_result));
@@ -54,5 +64,38 @@ int iso_collaborative_score(const void *model, const float *feature, double *sco
     __attribute__((warn_unused_result));
 int iso_collaborative_rank(const void *model, const float *feature, int32_t left, double *distance)
     __attribute__((warn_unused_result));
+
+/* Chooses model->lambda for the model's dictionaries (collaborative_choice.c). `quality` receives
+ * what the choice was made by, 0..2, or 0 if no class has two shapes. -ENOMEM. */
+int iso_collaborative_choose(struct iso_collaborative *model, double *quality)
+    __attribute__((warn_unused_result));
+
+/* A quality must be higher by this to be preferred to one that was tried earlier. */
+#define ISO_COLLABORATIVE_GAIN 0.005
+
+/* The memory that a code points into. */
+struct iso_code_work {
+    float *features; /* y, residual */
+    double *numbers;
+};
+
+/* Prepares a code for a model; iso_code_done() frees `work`. -ENOMEM. */
+int iso_code_init(const struct iso_collaborative *model, struct iso_code_work *work,
+                  struct iso_code *code) __attribute__((warn_unused_result));
+
+/* Frees the memory of a code. */
+void iso_code_done(struct iso_code_work *work);
+
+/* Codes a feature [gallery.layout.size] that is standardised already. */
+void iso_code_find(const struct iso_collaborative *model, const float *feature, int32_t left,
+                   const struct iso_code_work *work, struct iso_code *code);
+
+/* The score of each class [n_classes]; -INFINITY for one without shapes besides code->left. */
+void iso_code_scores(const struct iso_collaborative *model, const struct iso_code *code,
+                     double *score);
+
+/* The distance of each shape [n]; 0 for code->left. */
+void iso_code_distances(const struct iso_collaborative *model, const struct iso_code *code,
+                        double *distance);
 
 #endif

@@ -6,14 +6,9 @@
 
 #include "core/shape/classify/collaborative.h"
 
-/* The regularisation, for features of unit length. Ranking a gallery needs much more of it than
- * classification: with little, one shape of a class takes the whole share of its class in the code.
- * 0.01, 0.1 and 1 were tried too, on generated creatures. */
-static const double lambda = 0.5;
-
 static void find(const struct iso_collaborative *m, struct iso_code *code)
 {
-    iso_dictionary_solve(&m->part[0], lambda, code->product[0], code->left, code->scratch,
+    iso_dictionary_solve(&m->part[0], m->lambda, code->product[0], code->left, code->scratch,
                          code->alpha[0]);
     code->weight[0] = 1.0;
 }

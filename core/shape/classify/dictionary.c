@@ -12,9 +12,10 @@ int iso_dictionary_init(struct iso_dictionary *d, const float *atom, int32_t n, 
 {
     const size_t entries = (size_t)n * (size_t)n;
     struct iso_dictionary made = {.n = n, .size = size, .atom = atom, .stride = stride};
+    made.square = calloc((size_t)n, sizeof *made.square);
     made.value = calloc((size_t)n, sizeof *made.value);
     made.vector = calloc(entries, sizeof *made.vector);
-    if (!made.value || !made.vector) {
+    if (!made.square || !made.value || !made.vector) {
         iso_dictionary_done(&made);
         return -ENOMEM;
     }
@@ -22,6 +23,7 @@ int iso_dictionary_init(struct iso_dictionary *d, const float *atom, int32_t n, 
     for (int32_t i = 0; i < n; i++) {
         double *row = &made.vector[(size_t)i * (size_t)n];
         iso_dictionary_products(&made, &atom[(size_t)i * (size_t)stride], row);
+        made.square[i] = row[i];
         trace += row[i];
     }
     const int error = isfinite(trace)
@@ -38,6 +40,7 @@ int iso_dictionary_init(struct iso_dictionary *d, const float *atom, int32_t n, 
 
 void iso_dictionary_done(struct iso_dictionary *d)
 {
+    free(d->square);
     free(d->value);
     free(d->vector);
     *d = (struct iso_dictionary){0};

@@ -13,6 +13,7 @@ struct iso_dictionary {
     int32_t n, size;
     const float *atom; /* [n] rows of `stride` values, borrowed; the first `size` are used */
     int32_t stride;
+    double *square; /* [n]: of the length of each atom */
     double *value;  /* [n]: eigenvalues of D D' */
     double *vector; /* [n][n]: eigenvectors, one after another */
 };

@@ -28,20 +28,6 @@ void iso_training_set_done(struct iso_training_set *gallery)
     *gallery = (struct iso_training_set){0};
 }
 
-void iso_training_set_normalise(const struct iso_feature_layout *layout, float *feature)
-{
-    for (int32_t p = 0; p < layout->n_parts; p++) {
-        double square = 0.0;
-        for (int32_t i = 0; i < layout->part_size[p]; i++) {
-            square += (double)feature[i] * (double)feature[i];
-        }
-        for (int32_t i = 0; square > 0.0 && i < layout->part_size[p]; i++) {
-            feature[i] = (float)((double)feature[i] / sqrt(square));
-        }
-        feature += layout->part_size[p];
-    }
-}
-
 void iso_training_set_score(const struct iso_training_set *gallery, const double *distance,
                             double *score)
 {

@@ -18,9 +18,6 @@ int iso_training_set_init(struct iso_training_set *gallery, const struct iso_lab
 /* Releases what it holds. */
 void iso_training_set_done(struct iso_training_set *gallery);
 
-/* Gives each part of a feature unit length; a part of zeros stays as it is. */
-void iso_training_set_normalise(const struct iso_feature_layout *layout, float *feature);
-
 /* Makes scores of distances: score[c] is minus the lowest of the distances [n] to the features of
  * class c, or -INFINITY if the class has none. */
 void iso_training_set_score(const struct iso_training_set *gallery, const double *distance,

@@ -37,78 +37,19 @@ enum cli_exit cli_installer_fault(const sd_bus_error *error, int result, struct 
                          error->message ? error->message : strerror(-result));
 }
 
-/* ---- state ---- */
-
-/* Copies the first line of a text. */
-static int read_text(sd_bus_message *message, char *out, size_t size)
-{
-    const char *text;
-    const int r = sd_bus_message_read(message, "v", "s", &text);
-
-    if (r >= 0) {
-        (void)snprintf(out, size, "%.*s", (int)strcspn(text, "\n"), text);
-    }
-    return r;
-}
-
-static int read_percent(sd_bus_message *message, int *out)
-{
-    const char *step;
-    int32_t percent, depth;
-    const int r = sd_bus_message_read(message, "v", "(isi)", &percent, &step, &depth);
-
-    if (r >= 0) {
-        *out = percent;
-    }
-    return r;
-}
-
-static int read_property(sd_bus_message *message, struct cli_installer_state *state)
-{
-    const char *name;
-    const int r = sd_bus_message_read_basic(message, 's', &name);
-
-    if (r < 0) {
-        return r;
-    }
-    if (strcmp(name, "Operation") == 0) {
-        return read_text(message, state->operation, sizeof state->operation);
-    }
-    if (strcmp(name, "Compatible") == 0) {
-        return read_text(message, state->board, sizeof state->board);
-    }
-    if (strcmp(name, "LastError") == 0) {
-        return read_text(message, state->error, sizeof state->error);
-    }
-    return strcmp(name, "Progress") == 0 ? read_percent(message, &state->percent)
-                                         : sd_bus_message_skip(message, "v");
-}
-
-int cli_installer_read_state(sd_bus_message *message, struct cli_installer_state *state)
-{
-    int r = sd_bus_message_enter_container(message, 'a', "{sv}");
-
-    while (r >= 0 && (r = sd_bus_message_enter_container(message, 'e', "sv")) > 0) {
-        r = read_property(message, state);
-        if (r >= 0) {
-            r = sd_bus_message_exit_container(message);
-        }
-    }
-    return r < 0 ? r : sd_bus_message_exit_container(message);
-}
-
 enum cli_exit cli_installer_ask_state(struct cli_installer *installer, struct cli_fault *fault)
 {
     sd_bus_error error = SD_BUS_ERROR_NULL;
     sd_bus_message *reply = NULL;
     enum cli_exit exit = CLI_EXIT_OK;
-    int r = sd_bus_call_method(installer->bus, RAUC, RAUC_PATH, "org.freedesktop.DBus.Properties",
-                               "GetAll", &error, &reply, "s", RAUC_INTERFACE);
+    int r = sd_bus_call_method(installer->bus, CLI_RAUC, CLI_RAUC_PATH,
+                               "org.freedesktop.DBus.Properties", "GetAll", &error, &reply, "s",
+                               CLI_RAUC_INTERFACE);
 
     if (r >= 0) {
         (void)snprintf(installer->owner, sizeof installer->owner, "%s",
                        sd_bus_message_get_sender(reply));
-        r = cli_installer_read_state(reply, &installer->state);
+        r = cli_rauc_read_state(reply, &installer->state);
     }
     if (r < 0) {
         exit = cli_installer_fault(&error, r, fault);
@@ -125,7 +66,7 @@ const struct cli_installer_state *cli_installer_state(const struct cli_installer
 
 bool cli_installer_is_busy(const struct cli_installer *installer)
 {
-    return strcmp(installer->state.operation, "idle") != 0;
+    return cli_rauc_is_busy(&installer->state);
 }
 
 /* ---- connection ---- */

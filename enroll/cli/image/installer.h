@@ -5,35 +5,10 @@
 #define CLI_IMAGE_INSTALLER_H
 
 #include <stdbool.h>
-#include <stddef.h>
 
 #include "enroll/cli/client/bus.h"
 #include "enroll/cli/client/fault.h"
-
-enum { CLI_SLOTS_MAX = 4 };
-
-/* A place on the disk for one version of the image. */
-struct cli_slot {
-    char rauc_name[32]; /* as RAUC calls it, such as "root.0" */
-    char name[16];      /* as the boot loader calls it, such as "a" */
-    char version[64];   /* of the update that was installed into it last; "": there was none */
-    bool running;       /* the machine runs from it */
-    bool good;          /* the boot loader may start it */
-    bool next;          /* the boot loader starts it next */
-};
-
-struct cli_slots {
-    size_t n;
-    struct cli_slot slots[CLI_SLOTS_MAX];
-};
-
-/* What RAUC says about itself. */
-struct cli_installer_state {
-    char operation[32]; /* "idle", "installing" */
-    char board[64];     /* for which board updates have to be, such as "isotherm-pc-usb-amd64" */
-    char error[192];    /* why the last update was not installed; "": it was, or there was none */
-    int percent;        /* of the present operation, or of the last one */
-};
+#include "enroll/cli/image/rauc_reply.h"
 
 struct cli_installer;
 

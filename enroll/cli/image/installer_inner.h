@@ -3,14 +3,9 @@
 #ifndef CLI_IMAGE_INSTALLER_INNER_H
 #define CLI_IMAGE_INSTALLER_INNER_H
 
-#include <stdint.h>
 #include <systemd/sd-bus.h>
 
 #include "enroll/cli/image/installer.h"
-
-#define RAUC           "de.pengutronix.rauc"
-#define RAUC_PATH      "/"
-#define RAUC_INTERFACE "de.pengutronix.rauc.Installer"
 
 struct cli_installer {
     sd_bus *bus;
@@ -23,8 +18,5 @@ enum cli_exit cli_installer_fault(const sd_bus_error *error, int result, struct 
 
 /* Asks for the state. Faults of cli_installer_open. */
 enum cli_exit cli_installer_ask_state(struct cli_installer *installer, struct cli_fault *fault);
-
-/* Takes over the properties of a message, a{sv}. Returns 0 or a negative errno. */
-int cli_installer_read_state(sd_bus_message *message, struct cli_installer_state *state);
 
 #endif

@@ -34,7 +34,7 @@ static int on_change(sd_bus_message *signal, void *context, sd_bus_error *error)
     (void)error;
     work->heard = true;
     if (sd_bus_message_read(signal, "s", &interface) >= 0 &&
-        strcmp(interface, RAUC_INTERFACE) == 0 && cli_installer_read_state(signal, state) >= 0 &&
+        strcmp(interface, CLI_RAUC_INTERFACE) == 0 && cli_rauc_read_state(signal, state) >= 0 &&
         state->percent >= 0 && state->percent <= 100) {
         iso_progress_set(work->progress, (uint64_t)state->percent, 100);
     }
@@ -67,18 +67,19 @@ static int subscribe(struct work *work, sd_bus_slot *slots[3])
 {
     sd_bus *bus = work->installer->bus;
     const char *owner = work->installer->owner;
-    int r = sd_bus_match_signal(bus, &slots[0], owner, RAUC_PATH, "org.freedesktop.DBus.Properties",
-                                "PropertiesChanged", on_change, work);
+    int r = sd_bus_match_signal(bus, &slots[0], owner, CLI_RAUC_PATH,
+                                "org.freedesktop.DBus.Properties", "PropertiesChanged", on_change,
+                                work);
 
     if (r >= 0) {
-        r = sd_bus_match_signal(bus, &slots[1], owner, RAUC_PATH, RAUC_INTERFACE, "Completed",
-                                on_completed, work);
+        r = sd_bus_match_signal(bus, &slots[1], owner, CLI_RAUC_PATH, CLI_RAUC_INTERFACE,
+                                "Completed", on_completed, work);
     }
     if (r >= 0) {
         r = sd_bus_add_match(bus, &slots[2],
                              "type='signal',sender='org.freedesktop.DBus',"
                              "path='/org/freedesktop/DBus',interface='org.freedesktop.DBus',"
-                             "member='NameOwnerChanged',arg0='" RAUC "'",
+                             "member='NameOwnerChanged',arg0='" CLI_RAUC "'",
                              on_owner_changed, work);
     }
     return r;
@@ -163,7 +164,7 @@ static enum cli_exit begin(struct cli_installer *installer, const char *path,
 {
     sd_bus_error error = SD_BUS_ERROR_NULL;
     enum cli_exit exit = CLI_EXIT_OK;
-    const int r = sd_bus_call_method(installer->bus, RAUC, RAUC_PATH, RAUC_INTERFACE,
+    const int r = sd_bus_call_method(installer->bus, CLI_RAUC, CLI_RAUC_PATH, CLI_RAUC_INTERFACE,
                                      "InstallBundle", &error, NULL, "sa{sv}", path, 0);
 
     if (r < 0) {
@@ -219,8 +220,8 @@ static enum cli_exit check_bundle(struct cli_installer *installer, const char *p
     sd_bus_error error = SD_BUS_ERROR_NULL;
     sd_bus_message *reply = NULL;
     enum cli_exit exit = CLI_EXIT_OK;
-    int r = sd_bus_call_method(installer->bus, RAUC, RAUC_PATH, RAUC_INTERFACE, "Info", &error,
-                               &reply, "s", path);
+    int r = sd_bus_call_method(installer->bus, CLI_RAUC, CLI_RAUC_PATH, CLI_RAUC_INTERFACE, "Info",
+                               &error, &reply, "s", path);
 
     if (r >= 0) {
         r = sd_bus_message_read(reply, "ss", &board, &version);

@@ -7,6 +7,11 @@
 #include "enroll/hub/store/hub_change.h"
 #include "firmware/fleet/message/zone_key.h"
 
+/* What take_zone() reads of a zone z. The place that a door has reported follows. */
+#define ZONE                                                                       \
+    "z.id, z.epoch, z.sequence, z.digest, z.base_sequence, z.base_digest, z.key, " \
+    "z.reset_epoch, z.reset_sequence, z.behind, z.local_people, z.lease_s"
+
 static int take_zone(struct hub_store *store, const PGresult *rows, int row,
                      struct hub__door_zone *out, struct iso_fault *fault)
 {
@@ -42,9 +47,7 @@ int hub__door_zones(struct hub_store *store, const struct iso_fleet_id *door,
     PGresult *rows = NULL;
     hub_value_id(&values, door);
     int error = hub_db_run_often(store->db,
-                                 "SELECT z.id, z.epoch, z.sequence, z.digest, z.base_sequence, "
-                                 "z.base_digest, z.key, z.reset_epoch, z.reset_sequence, z.behind, "
-                                 "z.local_people, z.lease_s, p.epoch, p.sequence, p.digest "
+                                 "SELECT " ZONE ", p.epoch, p.sequence, p.digest "
                                  "FROM door_zone dz JOIN zone z ON z.id = dz.zone "
                                  "LEFT JOIN door_place p ON p.door = dz.door AND p.zone = z.id "
                                  "WHERE dz.door = $1 ORDER BY dz.position",
@@ -54,6 +57,24 @@ int hub__door_zones(struct hub_store *store, const struct iso_fleet_id *door,
         error = take_zone(store, rows, i, &out->zones[out->n++], fault);
     }
     PQclear(rows);
+    return error;
+}
+
+int hub__key_zone(struct hub_store *store, const struct iso_fleet_id *zone,
+                  struct hub__door_zone *out, struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    PGresult *rows = NULL;
+    hub_value_id(&values, zone);
+    int error = hub_db_run(store->db,
+                           "SELECT " ZONE ", NULL::bigint, NULL::bigint, NULL::bytea "
+                           "FROM zone z WHERE z.id = $1",
+                           &values, &rows, fault);
+    if (!error) {
+        error = PQntuples(rows) > 0 ? take_zone(store, rows, 0, out, fault)
+                                    : iso_fault_set(fault, -ENOENT, "there is no such zone");
+        PQclear(rows);
+    }
     return error;
 }
 

@@ -26,6 +26,11 @@ int hub__door_zones(struct hub_store *store, const struct iso_fleet_id *door,
                     struct hub__door_zones *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* Reads a zone with its key; what a door has of it is not known. -ENOENT: there is none. */
+int hub__key_zone(struct hub_store *store, const struct iso_fleet_id *zone,
+                  struct hub__door_zone *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 void hub__door_zones_wipe(struct hub__door_zones *zones);
 
 /* Whether the door lacks the key of the zone's epoch. */

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "enroll/hub/answer/hub_grant.h"
+#include "enroll/hub/answer/hub_outbox_keys.h"
 #include "enroll/hub/store/hub_change.h"
 #include "enroll/hub/store/hub_zone.h"
 #include "firmware/fleet/message/head.h"
@@ -40,48 +40,6 @@ static int emit_head(struct hub_store *store, const struct iso_fleet_place *plac
     return error ? emit_failed(error, "a head", fault) : 0;
 }
 
-/* Emits the key of a zone for one door, if the door lacks it. */
-static int emit_key_for(struct hub_store *store, const struct iso_fleet_id *door_id,
-                        const struct iso_fleet_id *zone, const struct hub_emit *emit,
-                        struct iso_fault *fault)
-{
-    struct hub_door door;
-    struct hub__door_zones zones;
-    int error = hub_door_get(store, door_id, &door, fault);
-    error = error ? error : hub__door_zones(store, door_id, &zones, fault);
-    if (error || door.expelled_s || !door.joined_s) {
-        return error;
-    }
-    for (size_t i = 0; !error && i < zones.n; i++) {
-        if (iso_fleet_id_is_same(&zones.zones[i].place.zone, zone) &&
-            hub__wants_key(&zones.zones[i])) {
-            error = hub__emit_key(store, &door, &zones.zones[i], emit, fault);
-        }
-    }
-    hub__door_zones_wipe(&zones);
-    return error;
-}
-
-/* The keys of a new epoch for all doors of the zone. A door that does not get it asks. */
-static int emit_keys(struct hub_store *store, const struct iso_fleet_id *zone,
-                     const struct hub_emit *emit, struct iso_fault *fault)
-{
-    struct hub_values values = {.n = 0};
-    PGresult *rows = NULL;
-    hub_value_id(&values, zone);
-    int error = hub_db_run(store->db,
-                           "SELECT d.id FROM door_zone dz JOIN door d ON d.id = dz.door "
-                           "WHERE dz.zone = $1 AND d.joined_s > 0 AND d.expelled_s = 0 "
-                           "ORDER BY d.id",
-                           &values, &rows, fault);
-    for (int i = 0; !error && i < PQntuples(rows); i++) {
-        const struct iso_fleet_id door = hub_row_id(rows, i, 0);
-        error = emit_key_for(store, &door, zone, emit, fault);
-    }
-    PQclear(rows);
-    return error;
-}
-
 /* Emits some deltas behind zone->published, up to the place that was read. */
 static int emit_deltas(struct hub_store *store, struct pending *zone, uint32_t *most,
                        const struct hub_emit *emit, struct iso_fault *fault)
@@ -115,16 +73,20 @@ static int emit_deltas(struct hub_store *store, struct pending *zone, uint32_t *
     return error;
 }
 
+/* A door cannot open a delta of a new epoch without its key, so the deltas wait for the keys. */
 static int publish(struct hub_store *store, struct pending *zone, uint32_t most,
-                   const struct hub_emit *emit, struct iso_fault *fault)
+                   const struct hub_emit *emit, struct hub_outbox *outbox, struct iso_fault *fault)
 {
-    int error = 0;
-    if (zone->published_epoch < zone->place.epoch) {
-        error = emit_keys(store, &zone->place.zone, emit, fault);
+    bool has_keys = zone->published_epoch >= zone->place.epoch;
+    int error = has_keys ? 0
+                         : hub__outbox_keys(store, &zone->place, emit, outbox, &has_keys, fault);
+    if (error || !has_keys) {
+        return error;
     }
     while (!error && most > 0 && zone->published < zone->place.sequence) {
         error = emit_deltas(store, zone, &most, emit, fault);
     }
+    outbox->more = outbox->more || zone->published < zone->place.sequence;
     /* HEAD is published after the deltas, so that a door which reads HEAD finds all of them. */
     if (!error && zone->published >= zone->place.sequence) {
         error = emit_head(store, &zone->place, zone->snapshot_sequence, emit, fault);
@@ -151,34 +113,41 @@ static int take_pending(const PGresult *rows, int row, struct pending *out, stru
                : 0;
 }
 
+static void forget_zones(struct hub_outbox *outbox)
+{
+    free(outbox->zones);
+    outbox->zones = NULL;
+    outbox->n = 0;
+    outbox->more = false;
+}
+
 int hub_outbox_emit(struct hub_store *store, uint32_t most, const struct hub_emit *emit,
-                    struct hub_outbox *out, struct iso_fault *fault)
+                    struct hub_outbox *outbox, struct iso_fault *fault)
 {
     PGresult *rows = NULL;
-    *out = (struct hub_outbox){.n = 0};
+    forget_zones(outbox);
     int error = hub_db_run(store->db,
                            PENDING "WHERE published < sequence OR published_epoch < epoch "
                                    "ORDER BY id",
                            NULL, &rows, fault);
     if (!error && PQntuples(rows) > 0) {
-        out->zones = calloc((size_t)PQntuples(rows), sizeof *out->zones);
-        error = out->zones ? 0 : iso_fault_set(fault, -ENOMEM, "the zones: no memory");
+        outbox->zones = calloc((size_t)PQntuples(rows), sizeof *outbox->zones);
+        error = outbox->zones ? 0 : iso_fault_set(fault, -ENOMEM, "the zones: no memory");
     }
     for (int i = 0; !error && i < PQntuples(rows); i++) {
         struct pending zone;
         error = take_pending(rows, i, &zone, fault);
-        error = error ? error : publish(store, &zone, most, emit, fault);
-        out->more = out->more || zone.published < zone.place.sequence;
-        out->zones[out->n++] = (struct hub_outbox_zone){.zone = zone.place.zone,
-                                                        .published = zone.published,
-                                                        .published_epoch = zone.published_epoch};
+        error = error ? error : publish(store, &zone, most, emit, outbox, fault);
+        outbox->zones[outbox->n++] = (struct hub_outbox_zone){
+            .zone = zone.place.zone,
+            .published = zone.published,
+            .published_epoch = zone.published_epoch};
     }
     PQclear(rows);
     return error;
 }
 
-int hub_outbox_confirm(struct hub_store *store, const struct hub_outbox *outbox,
-                       struct iso_fault *fault)
+int hub_outbox_confirm(struct hub_store *store, struct hub_outbox *outbox, struct iso_fault *fault)
 {
     int error = 0;
     for (size_t i = 0; !error && i < outbox->n; i++) {
@@ -192,12 +161,14 @@ int hub_outbox_confirm(struct hub_store *store, const struct hub_outbox *outbox,
                            "published_epoch = greatest(published_epoch, $3) WHERE id = $1",
                            &values, NULL, fault);
     }
+    forget_zones(outbox);
     return error;
 }
 
 void hub_outbox_free(struct hub_outbox *outbox)
 {
-    free(outbox->zones);
+    forget_zones(outbox);
+    free(outbox->keys);
     *outbox = (struct hub_outbox){.n = 0};
 }
 

@@ -12,26 +12,39 @@ struct hub_outbox_zone {
     uint64_t published, published_epoch;
 };
 
-/* What was emitted and is not confirmed yet. All zero: nothing. Free it with hub_outbox_free(). */
+/* How far the keys of a zone's new epoch are: the doors up to `last` have been emitted theirs. */
+struct hub_outbox_keys {
+    struct iso_fleet_id zone;
+    uint64_t epoch;
+    struct iso_fleet_id last;
+};
+
+/* What was emitted and is not confirmed yet. All zero: nothing. It belongs to the caller, who keeps
+ * it from call to call and frees it with hub_outbox_free(). */
 struct hub_outbox {
     struct hub_outbox_zone *zones;
     size_t n;
-    bool more; /* a zone has more deltas than were emitted */
+    bool more;                    /* a zone has more deltas than were emitted */
+    struct hub_outbox_keys *keys; /* new epochs of which not all doors have their keys yet */
+    size_t n_keys;
 };
 
+enum { HUB_OUTBOX_KEYS = 200 }; /* of a zone at once: the caller's loop stands still for them */
+
 /* Emits what the broker does not have: for each zone the KEY of a new epoch for each of its doors,
- * the new deltas in their order, at most `most` of each zone, and the HEAD (retained) if all of
- * them were emitted. *out is written in any case. It counts as published only after
- * hub_outbox_confirm(), so without that the next call emits the same again. */
+ * at most HUB_OUTBOX_KEYS at once; if all doors have theirs, the new deltas in their order, at most
+ * `most` of each zone; and the HEAD (retained) if all of them were emitted. Call it again, after
+ * hub_outbox_confirm(), until outbox->n is 0. What was not confirmed is emitted again; after an
+ * error, or if the broker may have lost something, free the outbox. */
 int hub_outbox_emit(struct hub_store *store, uint32_t most, const struct hub_emit *emit,
-                    struct hub_outbox *out, struct iso_fault *fault)
+                    struct hub_outbox *outbox, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Stores that the broker has what was emitted. */
-int hub_outbox_confirm(struct hub_store *store, const struct hub_outbox *outbox,
-                       struct iso_fault *fault) __attribute__((warn_unused_result));
+/* Stores that the broker has what was emitted, and forgets it but for the keys. */
+int hub_outbox_confirm(struct hub_store *store, struct hub_outbox *outbox, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
-/* Frees the zones, and makes it empty. */
+/* Frees all of it, and makes it empty. */
 void hub_outbox_free(struct hub_outbox *outbox);
 
 /* The HEAD of every zone again, for a broker that may have lost what it retained. */

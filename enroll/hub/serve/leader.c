@@ -1,9 +1,9 @@
 /* The leader publishes. Whether this process is the leader is asked once a second, because the
  * lock ends with the connection to the database. */
 #include <errno.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/epoll.h>
 #include <systemd/sd-daemon.h>
 
@@ -42,23 +42,6 @@ int hub__emit(void *context, const char *topic, const void *bytes, size_t size, 
     service->emit_failed = r < 0;
     service->totals.emitted += r == 0;
     return r;
-}
-
-static bool is_delta(const char *topic)
-{
-    static const char end[] = "/delta";
-    const size_t n = strlen(topic);
-
-    return n >= sizeof end && strcmp(topic + n - (sizeof end - 1), end) == 0;
-}
-
-static int emit_counted(void *context, const char *topic, const void *bytes, size_t size,
-                        bool retain)
-{
-    struct hub_service *service = context;
-
-    service->publishing.deltas += is_delta(topic);
-    return hub__emit(service, topic, bytes, size, retain);
 }
 
 static void failed(struct hub_service *service, int error, const struct iso_fault *fault)
@@ -105,16 +88,18 @@ static bool confirm_published(struct hub_service *service)
         if (!publishing->is_late && took_s > LATE_S) {
             publishing->is_late = true;
             fprintf(stderr,
-                    SD_WARNING "isotherm-hub: the broker takes long; changes that wait: %u\n",
-                    publishing->deltas);
+                    SD_WARNING "isotherm-hub: the broker takes long; messages to it that wait: "
+                               "%" PRIu64 "\n",
+                    publishing->until - counts.acknowledged);
         }
         return false;
     }
     follow_time(publishing, took_s);
     const int r = hub_outbox_confirm(&service->store, &publishing->outbox, &fault);
     hub__database_state(service, r, &fault);
-    forget(publishing);
+    publishing->waits = false;
     if (r) {
+        forget(publishing);
         failed(service, r, &fault);
     }
     return true;
@@ -122,11 +107,10 @@ static bool confirm_published(struct hub_service *service)
 
 static int emit_all(struct hub_service *service, struct iso_fault *fault)
 {
-    const struct hub_emit emit = {.emit = emit_counted, .context = service};
+    const struct hub_emit emit = {.emit = hub__emit, .context = service};
     struct hub_publishing *publishing = &service->publishing;
     int r = 0;
 
-    publishing->deltas = 0;
     if (service->heads_wanted) {
         r = hub_outbox_heads(&service->store, &emit, fault);
         service->heads_wanted = r != 0;
@@ -155,17 +139,15 @@ static void publish(struct hub_service *service)
     const int r = emit_all(service, &fault);
     hub__measured(service, "publishing", begun_s);
     hub__database_state(service, service->emit_failed ? 0 : r, &fault);
-    if (r || publishing->outbox.n == 0) {
+    if (r) {
         forget(publishing);
-    } else {
+        failed(service, r, &fault);
+    } else if (publishing->outbox.n > 0) {
         hub_mqtt_counts(service->mqtt, &counts);
         publishing->waits = true;
         publishing->is_late = false;
         publishing->until = counts.published;
         publishing->since_s = hub__clock_s();
-    }
-    if (r) {
-        failed(service, r, &fault);
     }
 }
 

@@ -44,11 +44,10 @@ struct hub_scim_gate {
 struct hub_publishing {
     bool waits;
     struct hub_outbox outbox;
-    uint64_t until;  /* so many acknowledged messages of hub_mqtt_counts() are all of it */
-    double since_s;  /* when the last of it was published */
-    bool is_late;    /* it was said that the broker takes long */
-    unsigned deltas; /* in it */
-    uint32_t most;   /* deltas of a zone at once */
+    uint64_t until; /* so many acknowledged messages of hub_mqtt_counts() are all of it */
+    double since_s; /* when the last of it was published */
+    bool is_late;   /* it was said that the broker takes long */
+    uint32_t most;  /* deltas of a zone at once */
 };
 
 struct hub_service {

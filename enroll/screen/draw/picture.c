@@ -86,49 +86,71 @@ static void break_fingerprint(const char *fingerprint, size_t bytes_of_line, cha
     lines[n] = '\0';
 }
 
-/* Draws label and fingerprint, small, at the lower edge. Returns the height that they take. */
-static double draw_fingerprint(cairo_t *cairo, const struct layout *layout, double width,
-                               double height, const struct screen_palette *palette,
-                               const char *fingerprint)
+/* Where small texts stand at the lower edge. */
+struct low {
+    double width, height, unit; /* of the picture */
+    double taken;               /* from the edge up, by the texts so far */
+};
+
+/* Draws a label and the lines under it, small, above what is there. */
+static void draw_low(cairo_t *cairo, struct low *low, const struct screen_palette *palette,
+                     const char *label_text, const char *lines)
 {
-    char lines[160];
-    const double margin = 0.04 * layout->unit;
-    const double inner = width - 2 * margin;
-    if (!*fingerprint) {
-        return 0.0;
-    }
-    break_fingerprint(fingerprint, layout->upright ? 8 : 16, lines, sizeof lines);
-    const struct screen_text label = {translated(N_("Certificate of the web server (SHA-256)")),
-                                      layout->unit / 30.0, false, true};
-    const struct screen_text print = {lines, layout->unit / 30.0, false, true};
-    const struct screen_box box = {margin, 0, inner, 0.12 * height};
-    const double low = screen_text_height(cairo, &print, &box);
+    const double margin = 0.04 * low->unit;
+    const double inner = low->width - 2 * margin;
+    const struct screen_text label = {label_text, low->unit / 30.0, false, true};
+    const struct screen_text text = {lines, low->unit / 30.0, false, true};
+    const struct screen_box box = {margin, 0, inner, 0.12 * low->height};
+    const double below = screen_text_height(cairo, &text, &box);
     const double above = screen_text_height(cairo, &label, &box);
-    const double top = height - margin - low - above;
+    const double top = low->height - margin - low->taken - below - above;
     set_colour(cairo, palette->quiet);
     (void)screen_text_draw(cairo, &label, &(struct screen_box){margin, top, inner, above + 1.0});
-    (void)screen_text_draw(cairo, &print,
-                           &(struct screen_box){margin, top + above, inner, low + 1.0});
-    return low + above;
+    (void)screen_text_draw(cairo, &text,
+                           &(struct screen_box){margin, top + above, inner, below + 1.0});
+    low->taken += below + above;
 }
 
-/* The clock and the name of the place over the whole screen. A fingerprint moves them up. */
+/* What the web server says: its fingerprint, and above it the code. Returns the height that they
+ * take. */
+static double draw_web_server(cairo_t *cairo, const struct layout *layout, double width,
+                              double height, const struct screen_palette *palette,
+                              const struct screen_look *look)
+{
+    struct low low = {width, height, layout->unit, 0.0};
+    char lines[160];
+
+    if (*look->fingerprint) {
+        break_fingerprint(look->fingerprint, layout->upright ? 8 : 16, lines, sizeof lines);
+        draw_low(cairo, &low, palette, translated(N_("Certificate of the web server (SHA-256)")),
+                 lines);
+    }
+    if (look->setup_code && *look->setup_code) {
+        draw_low(cairo, &low, palette,
+                 translated(N_("Code for the first account of the web server")), look->setup_code);
+    }
+    return low.taken;
+}
+
+/* The clock and the name of the place over the whole screen. What the web server says moves them
+ * up. */
 static void draw_idle(cairo_t *cairo, const struct layout *layout, double width, double height,
                       const struct screen_palette *palette, const struct screen_scene *scene,
                       const struct screen_look *look)
 {
     const double margin = 0.08 * layout->unit;
     const double inner = width - 2 * margin;
-    const double below = draw_fingerprint(cairo, layout, width, height, palette, look->fingerprint);
+    const double below = draw_web_server(cairo, layout, width, height, palette, look);
     const bool moved = below > 0.0;
-    const struct screen_text clock = {look->clock, (moved ? 0.26 : 0.34) * layout->unit, true,
-                                      true};
+    const bool has_code = look->setup_code && *look->setup_code;
+    const double size = has_code ? 0.18 : moved ? 0.26 : 0.34;
+    const struct screen_text clock = {look->clock, size * layout->unit, true, true};
     const struct screen_text date = {look->date, layout->unit / 15.0, false, true};
     const struct screen_text place = {look->place, layout->unit / 13.5, false, true};
     const struct screen_text advice = {translated(scene->advice), layout->unit / 13.5, false, true};
     const struct screen_box whole = {margin, margin, inner, 0.4 * height};
     const double tall = screen_text_height(cairo, &clock, &whole);
-    const double top = (moved ? 0.36 : 0.46) * height - 0.5 * tall;
+    const double top = (has_code ? 0.31 : moved ? 0.36 : 0.46) * height - 0.5 * tall;
     set_colour(cairo, palette->quiet);
     (void)screen_text_draw(cairo, &place,
                            &(struct screen_box){margin, margin, inner, top - margin});

@@ -17,6 +17,7 @@ struct screen_look {
     const char *clock;       /* the time of day as it is shown, such as "14:05" */
     const char *date;        /* the date; "": none */
     const char *fingerprint; /* of the web server's certificate: "AB:CD:..."; "": none */
+    const char *setup_code;  /* for its first account: "ABCDE-..."; "" and NULL: none */
     bool right_to_left;      /* the direction of the language */
 };
 

@@ -9,6 +9,7 @@
 struct web_feed;      /* enroll/web/daemon/feed.h: what the daemon reports, for the streams */
 struct web_enrolment; /* enroll/web/daemon/enrolment.h: the enrolment that goes on */
 struct web_last_seen; /* enroll/web/daemon/last_seen.h: when each person was let in last */
+struct web_update;    /* enroll/web/update/update.h: updates of the image */
 
 /* The context of all handlers. */
 struct web_api {
@@ -19,6 +20,7 @@ struct web_api {
     struct web_feed *feed;
     struct web_enrolment *enrolment;
     struct web_last_seen *last_seen;
+    struct web_update *update;
 };
 
 /* Lets the daemon put on record what the accounts do. */
@@ -67,6 +69,14 @@ void web_api_end_enrolment(void *api, struct web_exchange *exchange);
 /* ---- the log (api_log.c) ---- */
 void web_api_read_log(void *api, struct web_exchange *exchange);
 void web_api_verify_log(void *api, struct web_exchange *exchange);
+
+/* ---- updates (api_update.c) ---- */
+void web_api_get_update(void *api, struct web_exchange *exchange);
+void web_api_take_update(void *api, struct web_exchange *exchange);
+void web_api_restart(void *api, struct web_exchange *exchange);
+
+/* Who takes bodies that are no JSON; ends with a path of NULL. */
+extern const struct web_intake web_api_intakes[];
 
 /* ---- for all handlers (api_fault.c, goes_on.c) ---- */
 

@@ -37,5 +37,8 @@ const struct web_route web_api_routes[] = {
     {"DELETE", "/enrolment", WEB_ROLE_ENROLLER, web_api_end_enrolment},
     {"GET", "/log", WEB_ROLE_ADMINISTRATOR, web_api_read_log},
     {"POST", "/log/verification", WEB_ROLE_ADMINISTRATOR, web_api_verify_log},
+    {"GET", "/update", WEB_ROLE_ADMINISTRATOR, web_api_get_update},
+    {"POST", "/update", WEB_ROLE_ADMINISTRATOR, web_api_take_update},
+    {"POST", "/update/restart", WEB_ROLE_ADMINISTRATOR, web_api_restart},
     {NULL, NULL, WEB_ROLE_NONE, NULL},
 };

@@ -14,12 +14,6 @@ static const char *header(const struct web_exchange *exchange, const char *name)
     return MHD_lookup_connection_value(exchange->connection, MHD_HEADER_KIND, name);
 }
 
-static void refuse(struct web_exchange *exchange, unsigned status, const char *code,
-                   const char *detail)
-{
-    exchange->refusal = (struct web_refusal){.status = status, .code = code, .detail = detail};
-}
-
 /* Compares the path of a request with that of a route. `*part` is what stands for "{name}", of
  * `*length` bytes. */
 static bool is_path_of(const struct web_route *route, char *path, char **part, size_t *length)
@@ -69,10 +63,10 @@ static void find_route(struct web_exchange *exchange, char *path, const char *me
         add_method(allow, route->method);
     }
     if (!*allow) {
-        refuse(exchange, 404, "no-such-path", "there is nothing at this path");
+        web_exchange_refuse(exchange, 404, "no-such-path", "there is nothing at this path");
         return;
     }
-    refuse(exchange, 405, "no-such-method", "this path has no such method");
+    web_exchange_refuse(exchange, 405, "no-such-method", "this path has no such method");
     strcpy(exchange->refusal.allow, allow);
 }
 
@@ -87,7 +81,8 @@ static void check_origin(struct web_exchange *exchange, const char *method)
                                                : web_origin_may_change(&origin);
 
     if (!ok) {
-        refuse(exchange, 403, "other-origin", "the request does not come from this server's pages");
+        web_exchange_refuse(exchange, 403, "other-origin",
+                            "the request does not come from this server's pages");
     }
 }
 
@@ -123,14 +118,15 @@ static void check_role(struct web_exchange *exchange)
     find_session(exchange);
     if (exchange->role >= exchange->route->least) {
         if (exchange->session != 0 && requests_of_account(exchange) >= WEB_REQUESTS_OF_ACCOUNT) {
-            refuse(exchange, 503, "busy", "this account makes too many requests at one time");
+            web_exchange_refuse(exchange, 503, "busy",
+                                "this account makes too many requests at one time");
         }
         return;
     }
     if (exchange->session == 0) {
-        refuse(exchange, 401, "login-required", "log in first");
+        web_exchange_refuse(exchange, 401, "login-required", "log in first");
     } else {
-        refuse(exchange, 403, "not-allowed", "this account may not do this");
+        web_exchange_refuse(exchange, 403, "not-allowed", "this account may not do this");
     }
 }
 
@@ -142,14 +138,33 @@ static bool is_type(const char *header_text, const char *type)
     return header_text && strncasecmp(header_text, type, n) == 0 && strchr("; \t", header_text[n]);
 }
 
-static void check_body(struct web_exchange *exchange)
+static const struct web_intake *find_intake(const struct web_exchange *exchange, const char *method)
 {
+    const struct web_intake *intake = exchange->server->setup.intakes;
+
+    while (intake && intake->path && strcmp(intake->path, exchange->route->path) != 0) {
+        intake++;
+    }
+    return intake && intake->path && strcmp(method, "POST") == 0 ? intake : NULL;
+}
+
+static void check_body(struct web_exchange *exchange, const char *method)
+{
+    const struct web_intake *intake = find_intake(exchange, method);
     const char *length = header(exchange, "Content-Length");
     const bool has_body = header(exchange, "Transfer-Encoding") ||
                           (length && strspn(length, "0") != strlen(length));
 
-    if (has_body && !is_type(header(exchange, "Content-Type"), "application/json")) {
-        refuse(exchange, 415, "no-json", "the body has to be of the type application/json");
+    if (intake && !is_type(header(exchange, "Content-Type"), intake->type)) {
+        web_exchange_refuse(exchange, 415, "other-type", "the body has to be of another type");
+    } else if (intake && (!length || !has_body || header(exchange, "Transfer-Encoding"))) {
+        web_exchange_refuse(exchange, 411, "no-length",
+                            "the request has to say how long its body is");
+    } else if (intake) {
+        exchange->intake = intake;
+    } else if (has_body && !is_type(header(exchange, "Content-Type"), "application/json")) {
+        web_exchange_refuse(exchange, 415, "no-json",
+                            "the body has to be of the type application/json");
     }
 }
 
@@ -160,7 +175,7 @@ static void check_api(struct web_exchange *exchange, char *path, char *query, co
         return;
     }
     if (exchange->part && !web_percent_decode((char *)(uintptr_t)exchange->part, false)) {
-        refuse(exchange, 404, "no-such-path", "the path is not percent-encoded UTF-8");
+        web_exchange_refuse(exchange, 404, "no-such-path", "the path is not percent-encoded UTF-8");
         return;
     }
     check_origin(exchange, method);
@@ -168,10 +183,11 @@ static void check_api(struct web_exchange *exchange, char *path, char *query, co
         check_role(exchange);
     }
     if (!exchange->refusal.status) {
-        check_body(exchange);
+        check_body(exchange, method);
     }
     if (!exchange->refusal.status && query && !web_query_read(query, &exchange->query)) {
-        refuse(exchange, 400, "invalid-parameter", "the query of the path cannot be read");
+        web_exchange_refuse(exchange, 400, "invalid-parameter",
+                            "the query of the path cannot be read");
     }
 }
 
@@ -217,23 +233,25 @@ static void check_plain(struct web_exchange *exchange, const struct web_plain_ro
     const size_t n = strlen(route->path);
 
     if (!has_method(methods, method)) {
-        refuse(exchange, 405, "no-such-method", "this path has no such method");
+        web_exchange_refuse(exchange, 405, "no-such-method", "this path has no such method");
         (void)snprintf(exchange->refusal.allow, sizeof exchange->refusal.allow, "%s", methods);
         return;
     }
     if (route->path[n - 1] == '/') {
         exchange->part = path + n;
         if (!web_percent_decode(path + n, false)) {
-            refuse(exchange, 404, "no-such-path", "the path is not percent-encoded UTF-8");
+            web_exchange_refuse(exchange, 404, "no-such-path",
+                                "the path is not percent-encoded UTF-8");
         }
     }
     if (!exchange->refusal.status && query && !web_query_read(query, &exchange->query)) {
-        refuse(exchange, 400, "invalid-parameter", "the query of the path cannot be read");
+        web_exchange_refuse(exchange, 400, "invalid-parameter",
+                            "the query of the path cannot be read");
     }
     /* Nothing depends on a cookie, so it does not matter which page has made a browser ask. */
     if (!exchange->refusal.status && route->type &&
         !is_type(header(exchange, "Content-Type"), route->type)) {
-        refuse(exchange, 415, "other-type", "the body has to be of another type");
+        web_exchange_refuse(exchange, 415, "other-type", "the body has to be of another type");
     }
     exchange->plain = route;
 }
@@ -244,9 +262,9 @@ static void check_file(struct web_exchange *exchange, char *path, const char *me
         exchange->file = web__files_find(&exchange->server->files, path);
     }
     if (!exchange->file) {
-        refuse(exchange, 404, "no-such-path", "there is no such file");
+        web_exchange_refuse(exchange, 404, "no-such-path", "there is no such file");
     } else if (strcmp(method, "GET") != 0 && strcmp(method, "HEAD") != 0) {
-        refuse(exchange, 405, "no-such-method", "files can only be read");
+        web_exchange_refuse(exchange, 405, "no-such-method", "files can only be read");
         strcpy(exchange->refusal.allow, "GET, HEAD");
     }
 }
@@ -259,10 +277,10 @@ void web__request_check(struct web_exchange *exchange, const char *method)
     const struct web_plain_route *plain = find_plain(exchange, path);
 
     if (!host || !*host) {
-        refuse(exchange, 400, "no-host", "the request has no header Host");
+        web_exchange_refuse(exchange, 400, "no-host", "the request has no header Host");
     } else if (strnlen(path, WEB_URI_MOST_BYTES + 1) + (query ? strlen(query) : 0) >
                WEB_URI_MOST_BYTES) {
-        refuse(exchange, 414, "too-long", "the path is too long");
+        web_exchange_refuse(exchange, 414, "too-long", "the path is too long");
     } else if (strncmp(path, api, sizeof api - 1) == 0 && path[sizeof api - 1] == '/') {
         check_api(exchange, path + sizeof api - 1, query, method);
     } else if (plain) {

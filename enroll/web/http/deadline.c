@@ -29,10 +29,9 @@ int64_t web__phase_ns(enum web_phase phase)
     return INT64_MAX;
 }
 
-static void set_due(const struct web_server *server, struct web_link *link, enum web_phase phase)
+static void set_due(const struct web_server *server, struct web_link *link, int64_t lasts_ns)
 {
-    const int64_t lasts = web__phase_ns(phase);
-    link->due_ns = lasts == INT64_MAX ? INT64_MAX : server->setup.now_ns() + lasts;
+    link->due_ns = lasts_ns == INT64_MAX ? INT64_MAX : server->setup.now_ns() + lasts_ns;
 }
 
 static void begin(struct web_server *server, struct MHD_Connection *connection, void **context)
@@ -50,7 +49,7 @@ static void begin(struct web_server *server, struct MHD_Connection *connection, 
         return;
     }
     link->fd = info->connect_fd;
-    set_due(server, link, WEB_PHASE_FIRST);
+    set_due(server, link, web__phase_ns(WEB_PHASE_FIRST));
     link->next = server->links;
     if (link->next) {
         link->next->previous = link;
@@ -85,15 +84,29 @@ void web__deadline_notify(void *context, struct MHD_Connection *connection, void
     }
 }
 
-void web__deadline_begin(const struct web_server *server, struct MHD_Connection *connection,
-                         enum web_phase phase)
+static void begin_phase(const struct web_server *server, struct MHD_Connection *connection,
+                        int64_t lasts_ns)
 {
     const union MHD_ConnectionInfo *info = MHD_get_connection_info(
         connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
 
     if (info && info->socket_context) {
-        set_due(server, info->socket_context, phase);
+        set_due(server, info->socket_context, lasts_ns);
     }
+}
+
+void web__deadline_begin(const struct web_server *server, struct MHD_Connection *connection,
+                         enum web_phase phase)
+{
+    begin_phase(server, connection, web__phase_ns(phase));
+}
+
+void web__deadline_intake(const struct web_server *server, struct MHD_Connection *connection,
+                          uint64_t size)
+{
+    begin_phase(server, connection,
+                web__phase_ns(WEB_PHASE_REQUEST) +
+                    (int64_t)(size / WEB_INTAKE_BYTES_S) * INT64_C(1000000000));
 }
 
 void web__deadline_sweep(struct web_server *server)

@@ -6,6 +6,7 @@
  *
  *   first     from the connection: TLS handshake and the line of the first request
  *   request   from the line of a request: the rest of its header, and its body
+ *   intake    from the header of a request whose body an intake takes: as long as its size needs
  *   handler   the request is complete, and nothing is expected of the client: no end
  *   answer    from the moment at which the answer is ready: it is sent
  *   idle      from the end of an answer: the line of the next request
@@ -41,6 +42,10 @@ void web__deadline_notify(void *server, struct MHD_Connection *connection, void 
 /* A phase of the connection begins. */
 void web__deadline_begin(const struct web_server *server, struct MHD_Connection *connection,
                          enum web_phase phase);
+
+/* The phase "intake" of the connection begins: a body of this size. */
+void web__deadline_intake(const struct web_server *server, struct MHD_Connection *connection,
+                          uint64_t size);
 
 /* Shuts down the connections that are too late. */
 void web__deadline_sweep(struct web_server *server);

@@ -73,6 +73,10 @@ void web__exchange_completed(struct web_exchange *exchange)
     if (exchange->next) {
         exchange->next->previous = exchange->previous;
     }
+    if (exchange->taking) {
+        exchange->taking = false;
+        exchange->intake->drop(server->setup.context, exchange);
+    }
     exchange->server = NULL;
     exchange->connection = NULL;
     if (exchange->stream) {
@@ -108,6 +112,12 @@ void web__exchange_answer(struct web_exchange *exchange, unsigned status,
         exchange->suspended = false;
         web__server_resume(exchange->server, exchange->connection);
     }
+}
+
+void web_exchange_refuse(struct web_exchange *exchange, unsigned status, const char *code,
+                         const char *detail)
+{
+    exchange->refusal = (struct web_refusal){.status = status, .code = code, .detail = detail};
 }
 
 void web__exchange_refuse(struct web_exchange *exchange)

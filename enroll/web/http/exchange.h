@@ -63,6 +63,12 @@ uint64_t web_exchange_session(const struct web_exchange *exchange);
 /* The address of the client. */
 const struct sockaddr *web_exchange_address(const struct web_exchange *exchange);
 
+/* Refuses a body that an intake (route.h) would have to take. The texts live as long as the
+ * program.
+ */
+void web_exchange_refuse(struct web_exchange *exchange, unsigned status, const char *code,
+                         const char *detail);
+
 /* Answers. `json` is taken over; NULL (no memory) is answered as 500. A status of 400 and more has
  * the type application/problem+json. */
 void web_exchange_json(struct web_exchange *exchange, unsigned status, json_t *json);

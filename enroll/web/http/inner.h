@@ -46,6 +46,7 @@ struct web_exchange {
     struct web_query query;
     const struct web_route *route;       /* NULL: none */
     const struct web_plain_route *plain; /* NULL: none */
+    const struct web_intake *intake;     /* that takes the body; NULL: none */
     const struct web_file *file;         /* NULL: none */
     struct web_refusal refusal;
 
@@ -65,7 +66,7 @@ struct web_exchange {
     unsigned status;
     struct web_stream *stream;
 
-    bool checked, handled, answered, suspended;
+    bool checked, taking, handled, answered, suspended; /* taking: the intake has begun */
 };
 
 struct web_stream {

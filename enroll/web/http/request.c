@@ -9,8 +9,7 @@
 
 static void refuse_as_too_large(struct web_exchange *exchange)
 {
-    exchange->refusal = (struct web_refusal){
-        .status = 413, .code = "too-large", .detail = "the body of the request is too large"};
+    web_exchange_refuse(exchange, 413, "too-large", "the body of the request is too large");
 }
 
 void *web__request_begin(void *server, const char *uri, struct MHD_Connection *connection)
@@ -65,10 +64,26 @@ static void remember_address(struct web_exchange *exchange)
     }
 }
 
-static size_t body_most(const struct web_exchange *exchange)
+static uint64_t body_most(const struct web_exchange *exchange)
 {
+    if (exchange->intake) {
+        return exchange->intake->most;
+    }
     return exchange->plain && exchange->plain->body_most ? exchange->plain->body_most
                                                          : WEB_BODY_MOST_BYTES;
+}
+
+/* Returns false after a refusal. */
+static bool begin_intake(struct web_exchange *exchange, uint64_t size)
+{
+    if (!exchange->intake || exchange->refusal.status) {
+        return true;
+    }
+    exchange->taking = exchange->intake->begin(exchange->server->setup.context, exchange, size);
+    if (exchange->taking) {
+        web__deadline_intake(exchange->server, exchange->connection, size);
+    }
+    return exchange->taking;
 }
 
 /* The first call for a request: its headers are known. */
@@ -76,6 +91,7 @@ static enum MHD_Result check(struct web_exchange *exchange, struct MHD_Connectio
                              const char *method)
 {
     const char *length;
+    uint64_t size;
 
     exchange->checked = true;
     exchange->connection = connection;
@@ -83,7 +99,8 @@ static enum MHD_Result check(struct web_exchange *exchange, struct MHD_Connectio
     remember_address(exchange);
     web__request_check(exchange, method);
     length = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Content-Length");
-    if (length && strtoull(length, NULL, 10) > body_most(exchange)) {
+    size = length ? strtoull(length, NULL, 10) : 0;
+    if (size > body_most(exchange) || !begin_intake(exchange, size)) {
         if (!exchange->refusal.status) {
             refuse_as_too_large(exchange);
         }
@@ -123,6 +140,14 @@ static enum MHD_Result take(struct web_exchange *exchange, const char *data, siz
     if (exchange->body_received > body_most(exchange) && !exchange->refusal.status) {
         refuse_as_too_large(exchange);
     }
+    if (exchange->taking) {
+        exchange->taking = exchange->intake->take(exchange->server->setup.context, exchange, data,
+                                                  size);
+        if (!exchange->taking) {
+            exchange->intake->drop(exchange->server->setup.context, exchange);
+        }
+        return MHD_YES;
+    }
     if (exchange->refusal.status || (!exchange->route && !exchange->plain)) {
         return exchange->body_received <= WEB_BODY_DRAIN_BYTES ? MHD_YES : MHD_NO;
     }
@@ -151,12 +176,12 @@ static void read_json(struct web_exchange *exchange)
 static void handle(struct web_exchange *exchange)
 {
     exchange->handled = true;
+    exchange->taking = false;
     web__deadline_begin(exchange->server, exchange->connection, WEB_PHASE_HANDLER);
     if (!exchange->refusal.status && exchange->route) {
         read_json(exchange);
         if (!json_is_object(exchange->json)) {
-            exchange->refusal = (struct web_refusal){
-                .status = 400, .code = "invalid-json", .detail = "the body is no JSON object"};
+            web_exchange_refuse(exchange, 400, "invalid-json", "the body is no JSON object");
         }
     }
     if (exchange->refusal.status) {

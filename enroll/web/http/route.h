@@ -2,6 +2,9 @@
 #ifndef WEB_HTTP_ROUTE_H
 #define WEB_HTTP_ROUTE_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "enroll/web/account/role.h"
 #include "enroll/web/http/exchange.h"
 
@@ -11,6 +14,22 @@ struct web_route {
     enum web_role least; /* who may ask; WEB_ROLE_NONE: without a login, too */
     /* `context` is that of the server. */
     void (*handle)(void *context, struct web_exchange *exchange);
+};
+
+/* A body that is too large for the memory: the POST of a route whose body is bytes in place of
+ * JSON. They are handed over as they come. Once all have come, the handler of the route is called,
+ * with an empty object as its body. All functions get the context of the server. */
+struct web_intake {
+    const char *path; /* of the route */
+    const char *type; /* of the body: "application/octet-stream" */
+    uint64_t most;    /* bytes; a larger body is refused with 413 "too-large" */
+    /* A request that has passed all checks wants to send `size` bytes, at least one. Returns false
+     * after web_exchange_refuse(); then nothing of the body is read. */
+    bool (*begin)(void *context, struct web_exchange *exchange, uint64_t size);
+    /* The next bytes. Returns false after web_exchange_refuse(). */
+    bool (*take)(void *context, struct web_exchange *exchange, const void *bytes, size_t size);
+    /* The body ends before it is complete: the client has gone away, or take() has refused it. */
+    void (*drop)(void *context, struct web_exchange *exchange);
 };
 
 /* What other programs ask, beside the API, without a session. The handler finds out itself who

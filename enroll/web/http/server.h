@@ -6,7 +6,8 @@
  *                 does not ask too much at one time (503 "busy"), the origin of the
  *                 request (403 "other-origin"), the type and size of the body (415, 413), and that
  *                 it is a JSON object (400 "invalid-json"). 404 "no-such-path" and 405
- *                 "no-such-method" otherwise
+ *                 "no-such-method" otherwise. A body that an intake takes has to say its size
+ *                 before (411 "no-length") and to be of the type of the intake (415 "other-type")
  *   plain paths   by the table of plain routes: POST, or the methods of the route. The server has
  *                 checked the type (415) and the size (413) of the body. The handler gets the body
  *                 as bytes
@@ -46,6 +47,7 @@ enum {
      * with the line of the first request, and the rest of a request; and an answer that is sent. */
     WEB_REQUEST_S = 20,
     WEB_ANSWER_S = 180,
+    WEB_INTAKE_BYTES_S = 64 << 10, /* a body that an intake takes may come as slowly as this */
 };
 
 struct web_server;
@@ -58,6 +60,7 @@ struct web_server_setup {
     struct web_sessions *sessions;
     const struct web_route *routes;      /* ends with a method of NULL */
     const struct web_plain_route *plain; /* ends with a path of NULL; NULL: there are none */
+    const struct web_intake *intakes;    /* the same */
     void *context;                       /* of the handlers */
     int64_t (*now_ns)(void);             /* the clock of the deadlines; NULL: web_now_ns of now.h */
 };

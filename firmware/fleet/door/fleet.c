@@ -247,7 +247,7 @@ static void begin_anew(struct iso_fleet *fleet, struct iso__fleet_record *draft)
 {
     draft->acked = 0;
     draft->term = (struct iso_fleet_term){.length_s = 0};
-    fleet->asked = false;
+    fleet->n_questions = 0;
     fleet->waiting.length_s = 0;
     fleet->index.version = (struct iso_gallery_version){.changes = 0}; /* ids have the door's */
 }
@@ -305,7 +305,7 @@ int iso_fleet_leave(struct iso_fleet *fleet, const char *who, struct iso_fault *
     }
     iso__fleet_batch_free(batch);
     if (!error) {
-        fleet->asked = false;
+        fleet->n_questions = 0;
         fleet->waiting.length_s = 0;
         fleet->lease_held = false;
         fleet->fault.text[0] = '\0';

@@ -13,15 +13,18 @@
  *
  * States of a zone, by its place and what is known besides:
  *
- *   NEW       LEASE lists the zone            -> without a key; wants a snapshot if it has a
- * history KEY                             -> FOLLOWS, or wants a snapshot FOLLOWS   the next DELTA
- * -> FOLLOWS, one further KEY of a new epoch              -> both keys; at the base of the epoch
- * the new one KEY with reset, or from a base that the door's history does not have
- *                                             -> wants a snapshot
- *             LEASE with an earlier place, or another history -> "behind": the hub has lost
- *                                                something; the door keeps what it has
- *   wants a snapshot   SNAPSHOT               -> FOLLOWS
- *   any       LEASE does not list the zone    -> gone, with its grants
+ *   NEW: LEASE has listed it, and the door has no key.
+ *     - KEY: FOLLOWS, or it wants a snapshot if the zone has a history.
+ *   FOLLOWS:
+ *     - the next DELTA: FOLLOWS, one change further.
+ *     - KEY of a new epoch: it has both keys, and uses the new one from the base of the epoch on.
+ *     - KEY with reset, or from a base that the door's history does not have: it wants a snapshot.
+ *     - LEASE with an earlier place than the question, or of another history: "behind". The hub
+ *       has lost something, and the door keeps what it has.
+ *   Wants a snapshot:
+ *     - SNAPSHOT: FOLLOWS.
+ *   Any:
+ *     - LEASE does not list it: it is gone, with its grants.
  *
  * A person stays as long as a zone grants. Of two zones that bring the same person, the higher
  * revision wins. Whoever was enrolled here has an id, too (iso_fleet_request_id()); a PUT with that
@@ -139,7 +142,8 @@ int iso_fleet_snapshot_file(struct iso_fleet *fleet, int fd, enum iso_fleet_outc
 
 /* ---- messages for the hub, which the caller frees; -ENOENT the door belongs to no fleet ---- */
 
-/* A QUESTION with a new nonce. An answer to an earlier one is refused from now on. */
+/* A QUESTION with a new nonce. The answers to it and to the three before it are accepted, but none
+ * to an earlier question than one that was answered. A lease counts from its own question. */
 int iso_fleet_question(struct iso_fleet *fleet, struct iso_fleet_bytes *out,
                        struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -38,6 +38,22 @@ static size_t write_health(const struct iso_fleet *fleet, struct iso_json_line *
     return length > 0 ? length - 1 : 0; /* without the newline */
 }
 
+/* Keeps a question until its answer comes, if need be in place of the oldest one. */
+static void expect_answer(struct iso_fleet *fleet, const struct iso_fleet_question *question,
+                          const struct iso_fleet_clocks *at)
+{
+    if (fleet->n_questions == ISO__FLEET_QUESTIONS) {
+        memmove(fleet->questions, fleet->questions + 1,
+                --fleet->n_questions * sizeof *fleet->questions);
+    }
+    struct iso__fleet_question *kept = &fleet->questions[fleet->n_questions++];
+    *kept = (struct iso__fleet_question){.at = *at, .n = question->n};
+    memcpy(kept->nonce, question->nonce, sizeof kept->nonce);
+    for (size_t i = 0; i < question->n; i++) {
+        kept->places[i] = question->places[i];
+    }
+}
+
 int iso_fleet_question(struct iso_fleet *fleet, struct iso_fleet_bytes *out,
                        struct iso_fault *fault)
 {
@@ -69,9 +85,7 @@ int iso_fleet_question(struct iso_fleet *fleet, struct iso_fleet_bytes *out,
     sodium_memzero(&signer, sizeof signer);
     sodium_memzero(&receiver, sizeof receiver);
     if (!error) {
-        memcpy(fleet->nonce, question.nonce, sizeof fleet->nonce);
-        fleet->asked = true;
-        fleet->asked_at = now;
+        expect_answer(fleet, &question, &now);
     }
     return finish(error, fault);
 }

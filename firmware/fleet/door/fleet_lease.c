@@ -44,16 +44,35 @@ void iso__fleet_say_behind(const struct iso_fleet *fleet, const struct iso__flee
                    (unsigned long long)zone->place.sequence);
 }
 
-/* Whether the hub has lost something that this door has: then the place at the hub is an earlier
- * one or one of another history. In a later epoch the hub has seen it itself, and KEY tells. */
-static bool is_behind(const struct iso__fleet_zone *zone, const struct iso_fleet_place *hub)
+/* The place of a zone that a question has reported: zeros if it was none of the door's. */
+static struct iso_fleet_place reported_place(const struct iso__fleet_question *question,
+                                             const struct iso_fleet_id *zone)
 {
-    const struct iso_fleet_place *here = &zone->place;
-    if (here->epoch == 0 || hub->epoch > here->epoch) {
+    for (size_t i = 0; i < question->n; i++) {
+        if (iso_fleet_id_is_same(&question->places[i].zone, zone)) {
+            return question->places[i];
+        }
+    }
+    return (struct iso_fleet_place){.epoch = 0};
+}
+
+/* Whether the places are of different histories. */
+static bool contradicts(const struct iso_fleet_place *a, const struct iso_fleet_place *b)
+{
+    return a->epoch == b->epoch && a->sequence == b->sequence && !has_same_digest(a, b);
+}
+
+/* Whether the hub has lost something that this door had when it asked: then the place at the hub is
+ * an earlier one or one of another history. What has come to the door since then may be newer than
+ * the answer. In a later epoch the hub has seen it itself, and KEY tells. */
+static bool is_behind(const struct iso__fleet_zone *zone, const struct iso_fleet_place *asked,
+                      const struct iso_fleet_place *hub)
+{
+    if (asked->epoch == 0 || hub->epoch > asked->epoch) {
         return false;
     }
-    return hub->epoch < here->epoch || hub->sequence < here->sequence ||
-           (hub->sequence == here->sequence && !has_same_digest(hub, here));
+    return hub->epoch < asked->epoch || hub->sequence < asked->sequence ||
+           contradicts(hub, asked) || contradicts(hub, &zone->place);
 }
 
 static bool is_same_place(const struct iso_fleet_place *a, const struct iso_fleet_place *b)
@@ -86,6 +105,7 @@ static bool has_repeated_zone(const struct iso_fleet_lease *lease)
 /* Takes over the list of zones; those that are not in it are gone already. A zone that becomes the
  * home of the door brings its policy with a snapshot. */
 static void list_zones(struct iso_fleet *fleet, struct iso__fleet_record *draft,
+                       const struct iso__fleet_question *question,
                        const struct iso_fleet_lease *lease)
 {
     for (size_t i = 0; i < lease->n; i++) {
@@ -99,10 +119,12 @@ static void list_zones(struct iso_fleet *fleet, struct iso__fleet_record *draft,
                                              .wants_snapshot = hub->sequence > 0};
             continue;
         }
+        const struct iso_fleet_place asked = reported_place(question, &hub->zone);
         const bool was_behind = zone->behind;
         zone->wants_snapshot |= i == 0 && zone->rank != 0 && hub->sequence > 0;
         zone->rank = (uint8_t)i;
-        zone->behind = is_behind(zone, hub) || (was_behind && !is_same_place(&zone->place, hub));
+        zone->behind = is_behind(zone, &asked, hub) ||
+                       (was_behind && !is_same_place(&zone->place, hub));
         if (zone->behind && !was_behind) {
             iso__fleet_say_behind(fleet, zone, hub->sequence);
         }
@@ -166,20 +188,40 @@ static bool has_other_zones(const struct iso__fleet_record *a, const struct iso_
     return false;
 }
 
-static int take(struct iso_fleet *fleet, const struct iso_fleet_lease *lease,
-                struct iso_fault *fault)
+/* The question that a lease answers, or NULL. */
+static const struct iso__fleet_question *question_of(const struct iso_fleet *fleet,
+                                                     const struct iso_fleet_lease *lease)
+{
+    for (size_t i = 0; i < fleet->n_questions; i++) {
+        if (sodium_memcmp(lease->nonce, fleet->questions[i].nonce, sizeof lease->nonce) == 0) {
+            return &fleet->questions[i];
+        }
+    }
+    return NULL;
+}
+
+/* The same answer is accepted once, and none to an earlier question after it. */
+static void forget_until(struct iso_fleet *fleet, const struct iso__fleet_question *question)
+{
+    const size_t n = (size_t)(question - fleet->questions) + 1;
+    fleet->n_questions -= n;
+    memmove(fleet->questions, fleet->questions + n, fleet->n_questions * sizeof *question);
+}
+
+static int take(struct iso_fleet *fleet, const struct iso__fleet_question *question,
+                const struct iso_fleet_lease *lease, struct iso_fault *fault)
 {
     int error = leave_zones(fleet, lease, fault);
     if (error) {
         return error;
     }
     struct iso__fleet_record draft = fleet->record;
-    list_zones(fleet, &draft, lease);
+    list_zones(fleet, &draft, question, lease);
     draft.lease_s = lease->lease_s;
     draft.local_people = lease->local_people;
     /* Also a lower number: a hub that was restored has lost events, and gets them again. */
     draft.acked = lease->acked;
-    iso__fleet_give_term(fleet, &draft, lease);
+    iso__fleet_give_term(fleet, &draft, question, lease);
     if (draft.local_people != fleet->record.local_people ||
         has_other_zones(&draft, &fleet->record) ||
         is_worth_storing(&fleet->stored_term, &draft.term)) {
@@ -187,7 +229,7 @@ static int take(struct iso_fleet *fleet, const struct iso_fleet_lease *lease,
     }
     if (!error) {
         fleet->record = draft;
-        fleet->asked = false; /* the same answer is accepted once */
+        forget_until(fleet, question);
     }
     sodium_memzero(&draft, sizeof draft);
     return error;
@@ -200,13 +242,12 @@ int iso__fleet_take_lease(struct iso_fleet *fleet, const void *bytes, size_t siz
     const bool is_own = iso_fleet_read_lease(bytes, size, fleet->record.member.hub_signs, &lease) ==
                             0 &&
                         iso_fleet_id_is_same(&lease.door, &fleet->record.member.door);
-    if (!is_own || !fleet->asked ||
-        sodium_memcmp(lease.nonce, fleet->nonce, sizeof lease.nonce) != 0 ||
-        has_repeated_zone(&lease)) {
+    const struct iso__fleet_question *question = is_own ? question_of(fleet, &lease) : NULL;
+    if (!question || has_repeated_zone(&lease)) {
         *outcome = ISO_FLEET_REFUSED;
         return 0;
     }
-    const int error = take(fleet, &lease, fault);
+    const int error = take(fleet, question, &lease, fault);
     *outcome = ISO_FLEET_APPLIED;
     return error;
 }

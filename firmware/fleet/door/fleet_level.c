@@ -31,11 +31,12 @@ static bool is_level(const struct iso__fleet_record *record, const struct iso_fl
 }
 
 void iso__fleet_give_term(struct iso_fleet *fleet, struct iso__fleet_record *draft,
+                          const struct iso__fleet_question *question,
                           const struct iso_fleet_lease *lease)
 {
     const struct iso_fleet_clocks now = iso__fleet_now(fleet);
     const struct iso_fleet_term term = {
-        .begin = fleet->asked_at,
+        .begin = question->at,
         .length_s = lease->lease_s ? lease->lease_s : ISO_FLEET_LEASE_ONLINE_S,
     };
     fleet->waiting.length_s = 0;

@@ -10,6 +10,19 @@
 
 enum { ISO__FLEET_WORDS = 3 }; /* bits of enum iso_fleet_work */
 
+/* How many questions may wait for their answers. With many doors the hub may need longer than a
+ * door waits until it asks again, and the answer to the first question is as good as it would have
+ * been in time. */
+enum { ISO__FLEET_QUESTIONS = 4 };
+
+/* A question that waits for its answer. */
+struct iso__fleet_question {
+    uint8_t nonce[ISO_FLEET_NONCE_BYTES];
+    struct iso_fleet_clocks at; /* a lease counts from this moment */
+    size_t n;
+    struct iso_fleet_place places[ISO_FLEET_ZONES_MAX]; /* that it has reported */
+};
+
 struct iso_fleet {
     struct iso_fleet_options options;
     bool unreadable; /* the stored record is of a newer program */
@@ -17,10 +30,8 @@ struct iso_fleet {
     struct iso__fleet_record record;
     struct iso__fleet_index index;
     struct iso_fleet_term stored_term; /* that of the stored record */
-    /* The question that waits for its answer. (fleet_ask.c) */
-    bool asked;
-    uint8_t nonce[ISO_FLEET_NONCE_BYTES];
-    struct iso_fleet_clocks asked_at;
+    size_t n_questions;                /* the newest is the last one (fleet_ask.c) */
+    struct iso__fleet_question questions[ISO__FLEET_QUESTIONS];
     /* A lease that counts when the door is level with what it lists. (fleet_level.c) */
     struct iso_fleet_term waiting; /* length_s 0: none */
     size_t n_waiting;
@@ -119,9 +130,11 @@ int iso__fleet_take_lockdown(struct iso_fleet *fleet, struct iso__fleet_record *
 int iso__fleet_take_lease(struct iso_fleet *fleet, const void *bytes, size_t size,
                           enum iso_fleet_outcome *outcome, struct iso_fault *fault);
 
-/* Gives a draft the term of a lease if its zones are level with what the lease lists. Otherwise the
- * earlier term goes on, unless it would end later, and the lease waits. (fleet_level.c) */
+/* Gives a draft the term of the lease that answers a question, if its zones are level with what the
+ * lease lists. Otherwise the earlier term goes on, unless it would end later, and the lease waits.
+ * (fleet_level.c) */
 void iso__fleet_give_term(struct iso_fleet *fleet, struct iso__fleet_record *draft,
+                          const struct iso__fleet_question *question,
                           const struct iso_fleet_lease *lease);
 
 /* Called after the record has changed: takes a waiting lease if the zones are level now. */

@@ -39,12 +39,12 @@
  * the newest that the hub has named, and the link fetches again until they are level. A fetch that
  * brought nothing makes the next one wait (link_backoff.h).
  *
- * A QUESTION is not sent while an earlier one is unanswered, because an answer counts only for the
- * last one; after 10 s without an answer it is sent again. There is at least one second between
- * two. Without a reason it is sent after min(60 s, lease / 8), and after 5 s if the lease is 0,
- * each shortened by up to a tenth, so that doors do not ask at the same moment. After a QUESTION
- * with a reason, which many doors have at the same moment (a change, a broker that came back), the
- * time is shortened by up to nine tenths, so that they do not ask together from then on.
+ * A QUESTION is not sent while an earlier one is unanswered; after 10 s without an answer it is
+ * sent again, and the answers to both count (firmware/fleet/door/fleet.h). There is at least one
+ * second between two. Without a reason it is sent after min(60 s, lease / 8), and after 5 s if the
+ * lease is 0, each shortened by up to a tenth, so that doors do not ask at the same moment. After a
+ * QUESTION with a reason, which many doors have at the same moment (a change, a broker that came
+ * back), the time is shortened by up to nine tenths, so that they do not ask together from then on.
  *
  * Events of the door's log are sent from the last acknowledged number on, in batches of 64 of which
  * 2 may be unacknowledged; after a loss of the connection, and after 10 s without an

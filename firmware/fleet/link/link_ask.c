@@ -13,8 +13,8 @@ enum {
     SHORTER_PART = 10,
 };
 
-/* With many doors the hub may need long. Whoever asked again too early would make his own earlier
- * question worthless, so the wait doubles. */
+/* With many doors the hub may need long, and each further question is more work for it, so the wait
+ * doubles. */
 static uint64_t wait_for_answer_us(const struct link_door *door)
 {
     const uint32_t doublings = door->unanswered < 5 ? door->unanswered : 5;

@@ -200,7 +200,7 @@ static void follow(struct link_door *door, const struct letter *letter,
     switch (letter->kind) {
     case ISO_FLEET_LEASE:
         /* Whatever lacks, the daemon has taken the answer, unless it refuses it: then it belongs to
-         * an earlier question. */
+         * a question that is no longer open. */
         if (outcome->outcome != ISO_FLEET_REFUSED) {
             take_lease(door, &letter->lease);
         }

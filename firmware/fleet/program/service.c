@@ -27,7 +27,9 @@ enum {
 };
 
 /* The unit isotherm-restart.path of the image looks for it. /run is empty after a restart. */
-#define RESTART_FILE "/run/isotherm-link/restart"
+/* Of the image (board/image/etc/image.tmpfiles). */
+#define INBOX       "/var/lib/isotherm-update/hub"
+#define RESULT_FILE "/var/lib/isotherm-update/result.json"
 
 struct service {
     const struct link_options *options;
@@ -80,7 +82,8 @@ static int start_update(struct service *service, const char *ca, struct iso_faul
                                             .ca_file = ca,
                                             .folder = options->state,
                                             .program = ISOTHERM_PROGRAM,
-                                            .restart_file = RESTART_FILE,
+                                            .inbox = INBOX,
+                                            .result_file = RESULT_FILE,
                                             .from_hour = options->from_hour,
                                             .until_hour = options->until_hour,
                                             .quiet_s = QUIET_S,

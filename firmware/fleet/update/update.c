@@ -111,8 +111,15 @@ static void settle(struct link_update *u)
             u->record.state = ISO_FLEET_UPDATE_IDLE; /* another way has brought another version */
         }
         break;
-    case ISO_FLEET_UPDATE_FETCHING:
     case ISO_FLEET_UPDATE_INSTALLING:
+        if (link_update_is_handed_over(u)) {
+            u->step = LINK_UPDATE_INSTALL;
+            link_update_in(u, 0);
+            break;
+        }
+        u->record.state = ISO_FLEET_UPDATE_IDLE; /* the order comes again */
+        break;
+    case ISO_FLEET_UPDATE_FETCHING:
         u->record.state = ISO_FLEET_UPDATE_IDLE; /* the order comes again */
         break;
     default:
@@ -141,53 +148,11 @@ static int on_look(sd_event_source *source, int fd, uint32_t events, void *conte
 
 static void look(struct link_update *u)
 {
-    const int r = link_update_run(u, "update", "--json", on_look);
+    const int r = link_update_run(u, on_look);
 
     if (r < 0) { /* without the program there is no image */
         u->step = LINK_UPDATE_OFF;
         link_update_tell(u);
-    }
-}
-
-/* ---- install ---- */
-
-/* The last line that is not empty. */
-static const char *last_line(char *text)
-{
-    size_t n = strlen(text);
-
-    while (n > 0 && text[n - 1] == '\n') {
-        text[--n] = '\0';
-    }
-    const char *end = strrchr(text, '\n');
-    return end ? end + 1 : text;
-}
-
-static int on_installed(sd_event_source *source, int fd, uint32_t events, void *context)
-{
-    struct link_update *u = context;
-    char text[TEXT_SIZE];
-    const int exit = link_update_ended(u, text, sizeof text);
-
-    (void)source, (void)fd, (void)events;
-    if (exit != 0) {
-        const char *line = last_line(text);
-        link_update_fail(u, *line ? line : "the installer has ended without a word");
-        return 0;
-    }
-    (void)unlink(u->file);
-    link_update_set(u, ISO_FLEET_UPDATE_INSTALLED, "");
-    u->step = LINK_UPDATE_LOOK;
-    link_update_in(u, 0);
-    return 0;
-}
-
-static void install(struct link_update *u)
-{
-    const int r = link_update_run(u, "update", u->file, on_installed);
-
-    if (r < 0) {
-        link_update_fail(u, "the installer does not start");
     }
 }
 
@@ -210,7 +175,7 @@ static int on_time(sd_event_source *source, uint64_t at_us, void *context)
         link_update_check_next(u);
         break;
     case LINK_UPDATE_INSTALL:
-        install(u);
+        link_update_install(u);
         break;
     case LINK_UPDATE_INSTALLED:
         link_update_wait(u);
@@ -292,6 +257,11 @@ static char *copy(const char *text)
     return text ? strdup(text) : NULL;
 }
 
+static bool join(char out[PATH_MAX], const char *folder, const char *name)
+{
+    return snprintf(out, PATH_MAX, "%s/%s", folder, name) < PATH_MAX;
+}
+
 static int copy_setup(struct link_update *u, const struct link_update_setup *setup)
 {
     u->setup = *setup;
@@ -299,18 +269,18 @@ static int copy_setup(struct link_update *u, const struct link_update_setup *set
     u->setup.ca_file = copy(setup->ca_file);
     u->setup.folder = copy(setup->folder);
     u->setup.program = copy(setup->program);
-    u->setup.restart_file = copy(setup->restart_file);
+    u->setup.inbox = copy(setup->inbox);
+    u->setup.result_file = copy(setup->result_file);
     u->setup.event = sd_event_ref(setup->event);
-    if (!u->setup.hub_url || !u->setup.folder || !u->setup.program || !u->setup.restart_file ||
-        !u->setup.ca_file != !setup->ca_file) {
+    if (!u->setup.hub_url || !u->setup.folder || !u->setup.program || !u->setup.inbox ||
+        !u->setup.result_file || !u->setup.ca_file != !setup->ca_file) {
         return -ENOMEM;
     }
-    return snprintf(u->file, sizeof u->file, "%s/update.raucb", setup->folder) >=
-                       (int)sizeof u->file ||
-                   snprintf(u->record_file, sizeof u->record_file, "%s/update.record",
-                            setup->folder) >= (int)sizeof u->record_file
-               ? -ENAMETOOLONG
-               : 0;
+    const bool fits = join(u->file, setup->inbox, "bundle.part") &&
+                      join(u->bundle, setup->inbox, "bundle.raucb") &&
+                      join(u->restart_file, setup->inbox, "restart") &&
+                      join(u->record_file, setup->folder, "update.record");
+    return fits ? 0 : -ENAMETOOLONG;
 }
 
 int link_update_new(const struct link_update_setup *setup, struct link_update **out,
@@ -349,6 +319,7 @@ void link_update_free(struct link_update *u)
     free((char *)(uintptr_t)u->setup.ca_file);
     free((char *)(uintptr_t)u->setup.folder);
     free((char *)(uintptr_t)u->setup.program);
-    free((char *)(uintptr_t)u->setup.restart_file);
+    free((char *)(uintptr_t)u->setup.inbox);
+    free((char *)(uintptr_t)u->setup.result_file);
     free(u);
 }

@@ -1,7 +1,7 @@
 /* Updates of the image of a door, as the hub orders them (firmware/fleet/order/update_order.h). The
- * link hands orders over; this room fetches the file in parts, checks it, lets isotherm(1) install
- * it, lets the machine restart at a quiet moment, and tells the daemon how far it is, so that the
- * next questions tell the hub.
+ * link hands orders over; this room fetches the file in parts, checks it, hands it over to the
+ * image, which installs it, lets the machine restart at a quiet moment, and tells the daemon how
+ * far it is, so that the next questions tell the hub.
  *
  *   step       goes on to
  *   LOOK       OFF        this machine takes no updates: isotherm update says so
@@ -13,17 +13,23 @@
  *   FETCH      CHECK      all parts are there
  *              IDLE       it failed too often, or the disk is too small
  *   CHECK      INSTALL    the digest is that of the order
- *   INSTALL    LOOK       RAUC has installed the file, or has refused it
+ *   INSTALL    LOOK       the image has installed the file
+ *              IDLE       the image has refused it, or has not taken it
  *   INSTALLED  LOOK       from time to time
  *   WAIT, FETCH, CHECK  IDLE  the order holds no more
  *
  * An order holds until an answer of the hub comes without it. A machine whose order holds no more
  * does not restart, but a file that is being installed is installed. What became of a rollout is in
  * the file update.record, so a restart does not forget it; a rollout that has failed at this door
- * is not tried again. A file that is not complete is in update.raucb; after a restart the rest is
- * fetched if the same file is ordered.
+ * is not tried again.
  *
- * The machine restarts by a file that the image looks for; the link has no right to restart it. */
+ * The link has no right to install anything or to restart the machine. Both are wishes in a folder,
+ * the inbox, which units of root look at (board/image/README.md):
+ *
+ *   bundle.part    comes just now; after a restart the rest is fetched if the same file is ordered
+ *   bundle.raucb   complete; isotherm-update@hub.service installs and removes it, and says in the
+ *                  result file what became of it
+ *   restart        isotherm-restart@hub.service restarts the machine if an update waits */
 #ifndef ISO_FIRMWARE_FLEET_UPDATE_UPDATE_H
 #define ISO_FIRMWARE_FLEET_UPDATE_UPDATE_H
 
@@ -40,9 +46,10 @@ struct link_update_setup {
     struct link_http *http;    /* outlives the object */
     const char *hub_url;       /* "https://HOST:PORT" */
     const char *ca_file;       /* its authority; NULL: plain HTTP, for tests */
-    const char *folder;        /* of the file and the record */
-    const char *program;       /* isotherm(1) */
-    const char *restart_file;  /* what the image looks for */
+    const char *folder;        /* of the record */
+    const char *inbox;         /* the folder that the image looks at */
+    const char *result_file;   /* what became of the last file that the image has taken */
+    const char *program;       /* isotherm(1), which shows the slots */
     int from_hour, until_hour; /* when the machine may restart, in local time; equal: always */
     uint32_t quiet_s;          /* for how long nobody must have been at the door */
     void *note_context;

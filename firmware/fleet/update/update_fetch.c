@@ -210,6 +210,7 @@ static void finish_check(struct link_update *u)
     }
     link_update_fetch_end(u);
     u->step = LINK_UPDATE_INSTALL;
+    u->handed_us = 0;
     link_update_set(u, ISO_FLEET_UPDATE_INSTALLING, "");
     link_update_in(u, 0);
 }

@@ -28,7 +28,7 @@ enum link_update_step {
 struct link_update_record {
     struct iso_fleet_id rollout; /* zeros: none */
     char version[ISO_FLEET_UPDATE_WORD_SIZE];
-    uint8_t sha256[32]; /* of the file that is in update.raucb, or was */
+    uint8_t sha256[32]; /* of the file that is in bundle.part, or was */
     enum iso_fleet_update_state state;
     char fault[ISO_FLEET_UPDATE_FAULT_SIZE];
 };
@@ -40,6 +40,12 @@ struct link_update_slots {
     bool waiting; /* the other slot starts next */
 };
 
+/* Tells one content of the result file from another; zeros: there is none. */
+struct link_update_stamp {
+    ino_t inode;
+    struct timespec changed;
+};
+
 /* A program that runs, and what it prints. */
 struct link_update_child {
     pid_t pid; /* 0: none */
@@ -49,17 +55,19 @@ struct link_update_child {
 
 struct link_update {
     struct link_update_setup setup; /* its texts belong to the object */
-    char file[PATH_MAX], record_file[PATH_MAX];
+    char file[PATH_MAX], bundle[PATH_MAX], restart_file[PATH_MAX], record_file[PATH_MAX];
     sd_event_source *timer;
     enum link_update_step step;
     struct link_update_slots slots;
     struct link_update_record record;
     struct iso_fleet_update_report report;
     struct iso_fleet_update order;
-    bool holds;              /* the order */
-    bool comes;              /* it has come since the last answer */
-    bool busy;               /* somebody is at the door */
-    uint64_t quiet_since_us; /* 0: not quiet */
+    bool holds;                     /* the order */
+    bool comes;                     /* it has come since the last answer */
+    bool busy;                      /* somebody is at the door */
+    uint64_t quiet_since_us;        /* 0: not quiet */
+    uint64_t handed_us;             /* when the image was given the file; 0: not yet */
+    struct link_update_stamp stamp; /* of the result file at that time */
     struct link_update_child child;
     struct link_http_request *request;
     int fd;        /* of the file; -1 */
@@ -95,15 +103,28 @@ void link_update_fetch_next(struct link_update *u); /* step FETCH */
 void link_update_check_next(struct link_update *u); /* step CHECK */
 void link_update_fetch_end(struct link_update *u);  /* closes everything; the file stays */
 
+/* ---- update_hand_over.c ---- */
+
+/* Goes on waiting for the image after a restart of the link. False: it has no file of ours. */
+bool link_update_is_handed_over(struct link_update *u);
+
+/* Gives the image the file, or looks whether it has taken it; step INSTALL. */
+void link_update_install(struct link_update *u);
+
+/* Reads the result file: `why` is "" if the image has installed the file, or the reason why not.
+ * -EBADMSG: it is not about a file of the hub. */
+int link_update_result_read(const char *path, char why[ISO_FLEET_UPDATE_FAULT_SIZE])
+    __attribute__((warn_unused_result));
+
 /* ---- update_restart.c ---- */
 
 void link_update_wait(struct link_update *u); /* step INSTALLED */
 
 /* ---- update_program.c ---- */
 
-/* Starts the program with two words. `on_end` is called from the event loop when it has ended, and
+/* Starts `PROGRAM update --json`. `on_end` is called from the event loop when it has ended, and
  * calls link_update_ended(). */
-int link_update_run(struct link_update *u, const char *word, const char *second,
+int link_update_run(struct link_update *u,
                     int (*on_end)(sd_event_source *source, int fd, uint32_t events, void *context));
 
 /* The exit code of the program that has ended and what it has printed, cut to fit; 255: it was

@@ -1,5 +1,4 @@
-/* isotherm(1), which asks RAUC: it knows RAUC's interface, and the policy of the bus lets the user
- * of the link do no more with RAUC than this. */
+/* isotherm(1), which asks RAUC for the slots: it knows RAUC's interface. */
 #include <errno.h>
 #include <jansson.h>
 #include <signal.h>
@@ -44,10 +43,10 @@ static int spawn(const char *const argv[], int out_fd, pid_t *pid)
     return -error;
 }
 
-int link_update_run(struct link_update *u, const char *word, const char *second,
+int link_update_run(struct link_update *u,
                     int (*on_end)(sd_event_source *source, int fd, uint32_t events, void *context))
 {
-    const char *const argv[] = {u->setup.program, word, second, NULL};
+    const char *const argv[] = {u->setup.program, "update", "--json", NULL};
     struct link_update_child *child = &u->child;
 
     link_update_child_free(child);

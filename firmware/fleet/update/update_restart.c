@@ -20,14 +20,14 @@ static bool is_in_window(const struct link_update *u)
                         : local.tm_hour >= from || local.tm_hour < until;
 }
 
-/* The image restarts the machine when the file is there; a restart deletes it. */
+/* The image restarts the machine when the file is there, and removes it before. */
 static void restart(struct link_update *u)
 {
     struct iso_fault fault = {.text = ""};
     int fd = -1;
 
     link_update_note(u, "the machine restarts for an update");
-    if (iso_file_open(u->setup.restart_file, O_WRONLY | O_CREAT, ISO_FILE_ANY_SIZE, &fd, &fault)) {
+    if (iso_file_open(u->restart_file, O_WRONLY | O_CREAT, ISO_FILE_ANY_SIZE, &fd, &fault)) {
         link_update_note(u, fault.text);
     } else {
         (void)close(fd);

@@ -176,6 +176,28 @@ int sim_shape_manifest_of(const struct sim_shape_row *rows, int32_t n,
     return 0;
 }
 
+int sim_shape_manifest_turns(const struct sim_shape_manifest *manifest, size_t wanted,
+                             int32_t *rows, int32_t *n)
+{
+    int32_t *turn = calloc((size_t)manifest->n, sizeof *turn);
+    int32_t *seen = calloc((size_t)manifest->n_classes, sizeof *seen);
+    const int error = turn && seen ? 0 : -ENOMEM;
+    *n = 0;
+    for (int32_t i = 0; !error && i < manifest->n; i++) {
+        turn[i] = seen[manifest->class_of[i]]++;
+    }
+    for (int32_t round = 0; !error && round < manifest->n; round++) {
+        for (int32_t i = 0; i < manifest->n; i++) {
+            if (turn[i] == round && (wanted == 0 || (size_t)*n < wanted)) {
+                rows[(*n)++] = i;
+            }
+        }
+    }
+    free(turn);
+    free(seen);
+    return error;
+}
+
 void sim_shape_manifest_keep(struct sim_shape_manifest *manifest, const uint8_t *keep)
 {
     int32_t n = 0;

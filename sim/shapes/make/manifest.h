@@ -11,6 +11,7 @@
 #ifndef SIM_SHAPES_MAKE_MANIFEST_H
 #define SIM_SHAPES_MAKE_MANIFEST_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "core/base/fault.h"
@@ -51,6 +52,11 @@ int sim_shape_manifest_list(const char *directory, struct sim_shape_manifest **o
 /* Makes a manifest of n rows, at least one, which are copied. -ENOMEM. */
 int sim_shape_manifest_of(const struct sim_shape_row *rows, int32_t n,
                           struct sim_shape_manifest **out) __attribute__((warn_unused_result));
+
+/* Takes the first rows of every class in turn, then the second ones, and so on, up to `wanted` rows
+ * or all of them for 0. `rows` receives their numbers, [manifest->n], and *n how many. -ENOMEM. */
+int sim_shape_manifest_turns(const struct sim_shape_manifest *manifest, size_t wanted,
+                             int32_t *rows, int32_t *n) __attribute__((warn_unused_result));
 
 /* Removes the rows whose keep[row] is 0, and numbers the classes again. */
 void sim_shape_manifest_keep(struct sim_shape_manifest *manifest, const uint8_t *keep);

@@ -302,6 +302,21 @@ int sim_bank_new(const struct sim_bank_options *options, struct sim_bank **out,
     return 0;
 }
 
+int sim_bank_match(struct sim_bank *bank, struct sim_shape_manifest *manifest)
+{
+    uint8_t *keep = calloc((size_t)manifest->n, 1);
+    if (!keep) {
+        return -ENOMEM;
+    }
+    for (int32_t i = 0; i < bank->n; i++) {
+        keep[bank->row[i]] = 1;
+        bank->row[i] = i;
+    }
+    sim_shape_manifest_keep(manifest, keep);
+    free(keep);
+    return 0;
+}
+
 void sim_bank_free(struct sim_bank *bank)
 {
     if (!bank) {

@@ -41,6 +41,11 @@ struct sim_bank {
 int sim_bank_new(const struct sim_bank_options *options, struct sim_bank **out,
                  struct iso_fault *fault) __attribute__((warn_unused_result));
 
+/* Removes from the manifest the rows that a bank of all its rows has not, because they could not be
+ * described. Afterwards the bank's shapes are all rows in their order. -ENOMEM. */
+int sim_bank_match(struct sim_bank *bank, struct sim_shape_manifest *manifest)
+    __attribute__((warn_unused_result));
+
 /* Frees it and what it holds. NULL is accepted. */
 void sim_bank_free(struct sim_bank *bank);
 

@@ -72,24 +72,6 @@ static int open_corpus(struct sim_study *study, struct iso_fault *fault)
 
 /* ---- the whole study ---------------------------------------------------------------------- */
 
-/* Removes the shapes that could not be described from the manifest, too. The items of a study are
- * all rows in their order. */
-static int match_manifest(struct sim_study *study)
-{
-    struct sim_bank *bank = study->items;
-    uint8_t *keep = calloc((size_t)study->manifest->n, 1);
-    if (!keep) {
-        return -ENOMEM;
-    }
-    for (int32_t i = 0; i < bank->n; i++) {
-        keep[bank->row[i]] = 1;
-        bank->row[i] = i;
-    }
-    sim_shape_manifest_keep(study->manifest, keep);
-    free(keep);
-    return 0;
-}
-
 static void print_bank(const struct sim_study *study, FILE *out)
 {
     const struct sim_bank *bank = study->items;
@@ -103,6 +85,23 @@ static void print_bank(const struct sim_study *study, FILE *out)
     for (int m = 0; m < bank->n_methods; m++) {
         fprintf(out, "  %-13s %7.2f s\n", study->choice.method[m]->name, bank->seconds[m]);
     }
+}
+
+/* Describes the queries, if they are not all items as they are. */
+static int describe_queries(struct sim_study *study, struct iso_fault *fault)
+{
+    const struct sim_shapes_study_options *options = study->options;
+    struct sim_bank_options *how = &study->queries_how;
+    how->source.distortion = options->distortion.level > 0 ? &options->distortion : NULL;
+    study->query_row = calloc((size_t)study->manifest->n, sizeof *study->query_row);
+    int error = study->query_row ? sim_shape_manifest_turns(study->manifest, options->queries,
+                                                            study->query_row, &how->n_rows)
+                                 : -ENOMEM;
+    if (!error) {
+        how->rows = study->query_row;
+        error = sim_bank_new(how, &study->queries, fault);
+    }
+    return error;
 }
 
 static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault *fault)
@@ -131,14 +130,13 @@ static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault 
     study->queries_how = study->items_how;
     error = sim_bank_new(&study->items_how, &study->items, fault);
     if (!error) {
-        error = match_manifest(study);
+        error = sim_bank_match(study->items, study->manifest);
     }
     if (!error) {
         error = check_classes(study, fault);
     }
-    if (!error && options->distortion.level > 0) {
-        study->queries_how.source.distortion = &options->distortion;
-        error = sim_bank_new(&study->queries_how, &study->distorted, fault);
+    if (!error && (options->distortion.level > 0 || options->queries > 0)) {
+        error = describe_queries(study, fault);
     }
     if (!error) {
         print_bank(study, out);
@@ -187,7 +185,8 @@ int sim_shapes_study(const struct sim_shapes_study_options *options, FILE *out,
         (void)iso_fault_set(fault, error, "%s: %s", options->corpus, strerror(-error));
     }
     sim_bank_free(study->items);
-    sim_bank_free(study->distorted);
+    sim_bank_free(study->queries);
+    free(study->query_row);
     sim_shape_manifest_free(study->manifest);
     free(study);
     return error;

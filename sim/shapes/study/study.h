@@ -16,6 +16,7 @@ struct sim_shapes_study_options {
     struct sim_option_texts methods;     /* names, or "all" (choice.h) */
     struct sim_option_texts classifiers; /* the same; none: each method's own */
     struct sim_distortion distortion;    /* level 0: none */
+    size_t queries;                      /* the first shapes of every class in turn; 0: all */
     size_t seed;
     int smooth;        /* see sim_smooth */
     int vertices;      /* meshes with more vertices are thinned; 0: no thinning */
@@ -29,7 +30,9 @@ struct sim_shapes_study_options {
 };
 
 /* Looks at every mesh before the work begins; those that cannot be used are named and left out.
- * Prints a line for each method and classifier, and writes below `out`:
+ * If the queries are distorted or not all shapes, classifiers learn from all shapes but the query's
+ * own, otherwise in ten folds. Prints a line for each method and classifier, and writes below
+ * `out`:
  *
  *   measures.csv                       all measures, and times
  *   meshes.csv                         what was found in each mesh (describe/corpus.h)

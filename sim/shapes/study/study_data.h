@@ -26,7 +26,9 @@ struct sim_study {
     struct sim_shape_manifest *manifest;
     struct sim_bank_options items_how, queries_how;
     struct sim_choice choice;
-    struct sim_bank *items, *distorted;
+    struct sim_bank *items;
+    struct sim_bank *queries; /* NULL: the items */
+    int32_t *query_row;       /* [n] of the manifest: the queries, or NULL */
     int n_results;
     struct sim_study_result result[SIM_STUDY_RESULTS_MAX];
 };

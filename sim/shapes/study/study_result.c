@@ -180,8 +180,8 @@ int sim_study_run_method(struct sim_study *study, int m, FILE *out, struct iso_f
     const struct iso_classifier_ops *own = iso_learn_find(method->classifier);
     struct sim_features *features = NULL;
     int error = sim_features_new(study->manifest, study->items, &options, &features);
-    if (!error && study->distorted) {
-        error = sim_features_ask(features, study->distorted);
+    if (!error && study->queries) {
+        error = sim_features_ask(features, study->queries);
     }
     if (error) {
         (void)iso_fault_set(fault, error, "%s: %s", method->name, strerror(-error));

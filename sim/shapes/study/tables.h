@@ -7,6 +7,7 @@
 #ifndef SIM_SHAPES_STUDY_TABLES_H
 #define SIM_SHAPES_STUDY_TABLES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -19,12 +20,16 @@ struct sim_tables_options {
     const char *out;      /* directory for tables.csv, created if it is missing */
     size_t queries; /* number of shapes of a corpus to distort, from its classes in turn; 0: all */
     size_t seed;
-    int smooth; /* see sim_smooth; applied to all shapes, distorted or not */
+    int smooth;        /* see sim_smooth; applied to all shapes, distorted or not */
+    bool strict;       /* fail at the first mesh that cannot be used */
+    const char *cache; /* directory of descriptions; NULL: `out`/cache; "": none */
     int threads;
 };
 
-/* Prints the tables and writes tables.csv. -EINVAL for a corpus with fewer than two classes; errors
- * of reading, describing and writing; each with a fault. */
+/* Meshes that cannot be used are named on standard error and left out. Descriptions are taken from
+ * the cache and put into it (describe/cache.h). Prints the tables and writes tables.csv. -EINVAL
+ * for a corpus with fewer than two classes; errors of reading, describing and writing; each with a
+ * fault. */
 int sim_shapes_tables(const struct sim_tables_options *options, FILE *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -1,8 +1,11 @@
 #include "sim/shapes/study/tables_corpus.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "drivers/base/path.h"
 
 static int index_of(const struct sim_tables_corpus *corpus, const char *method)
 {
@@ -20,29 +23,25 @@ void sim_tables_corpus_ask_method(struct sim_tables_corpus *corpus, const char *
     }
 }
 
-/* Takes the first shapes of every class in turn, up to the wanted number of queries. */
 static int choose_queries(const struct sim_tables_options *options,
                           struct sim_tables_corpus *corpus)
 {
-    const struct sim_shape_manifest *manifest = corpus->manifest;
-    const size_t wanted = options->queries;
-    corpus->query_row = calloc((size_t)manifest->n, sizeof *corpus->query_row);
-    int32_t *turn = calloc((size_t)manifest->n, sizeof *turn);
-    int32_t *seen = calloc((size_t)manifest->n_classes, sizeof *seen);
-    const int error = corpus->query_row && turn && seen ? 0 : -ENOMEM;
-    for (int32_t i = 0; !error && i < manifest->n; i++) {
-        turn[i] = seen[manifest->class_of[i]]++;
+    corpus->query_row = calloc((size_t)corpus->manifest->n, sizeof *corpus->query_row);
+    return corpus->query_row ? sim_shape_manifest_turns(corpus->manifest, options->queries,
+                                                        corpus->query_row, &corpus->n_queries)
+                             : -ENOMEM;
+}
+
+static int name_cache(const struct sim_tables_options *options, struct sim_tables_corpus *corpus,
+                      struct iso_fault *fault)
+{
+    if (!options->cache) {
+        return iso_path_join(options->out, "cache", corpus->kept, fault);
     }
-    for (int32_t round = 0; !error && round < manifest->n; round++) {
-        for (int32_t i = 0; i < manifest->n; i++) {
-            if (turn[i] == round && (wanted == 0 || (size_t)corpus->n_queries < wanted)) {
-                corpus->query_row[corpus->n_queries++] = i;
-            }
-        }
-    }
-    free(turn);
-    free(seen);
-    return error;
+    const int n = snprintf(corpus->kept, sizeof corpus->kept, "%s", options->cache);
+    return n < (int)sizeof corpus->kept
+               ? 0
+               : iso_fault_set(fault, -ENAMETOOLONG, "--cache: the name is too long");
 }
 
 static void print_bank(const struct sim_tables_corpus *corpus, FILE *out)
@@ -50,9 +49,11 @@ static void print_bank(const struct sim_tables_corpus *corpus, FILE *out)
     const struct sim_bank *bank = corpus->items;
     fprintf(
         out,
-        "%s: %d shapes of %d classes, %.0f vertices in the mean; %.1f s by %d threads, %.0f MB\n",
+        "%s: %d shapes of %d classes, %.0f vertices in the mean; %.1f s by %d threads, %.0f MB; %d "
+        "of %d descriptions were in the cache\n",
         corpus->directory, bank->n, corpus->manifest->n_classes, bank->mean_vertices,
-        bank->elapsed_seconds, corpus->how.threads, (double)bank->peak_kib / 1024.0);
+        bank->elapsed_seconds, corpus->how.threads, (double)bank->peak_kib / 1024.0, bank->n_known,
+        bank->n * bank->n_methods);
     fprintf(out, "  seconds of a processor: eigenpairs %.1f", bank->shape_seconds);
     for (int m = 0; m < bank->n_methods; m++) {
         fprintf(out, ", %s %.1f", corpus->method[m]->name, bank->seconds[m]);
@@ -66,20 +67,28 @@ int sim_tables_corpus_open(struct sim_tables_corpus *corpus,
                            struct iso_fault *fault)
 {
     int error = sim_shape_manifest_read(corpus->directory, &corpus->manifest, fault);
+    if (!error) {
+        error = name_cache(options, corpus, fault);
+    }
     if (error) {
         return error;
     }
-    error = choose_queries(options, corpus);
     corpus->how = (struct sim_bank_options){
         .corpus = corpus->directory,
         .manifest = corpus->manifest,
         .methods = corpus->method,
         .n_methods = corpus->n_methods,
         .source = {.seed = options->seed, .smooth = options->smooth},
+        .cache = corpus->kept[0] ? corpus->kept : NULL,
+        .skip = !options->strict,
         .threads = options->threads,
     };
+    error = sim_bank_new(&corpus->how, &corpus->items, fault);
     if (!error) {
-        error = sim_bank_new(&corpus->how, &corpus->items, fault);
+        error = sim_bank_match(corpus->items, corpus->manifest);
+    }
+    if (!error) {
+        error = choose_queries(options, corpus);
     }
     if (!error) {
         print_bank(corpus, out);

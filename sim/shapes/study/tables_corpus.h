@@ -2,6 +2,8 @@
 #ifndef SIM_SHAPES_STUDY_TABLES_CORPUS_H
 #define SIM_SHAPES_STUDY_TABLES_CORPUS_H
 
+#include <limits.h>
+
 #include "sim/shapes/study/retrieve.h"
 #include "sim/shapes/study/tables.h"
 
@@ -14,6 +16,7 @@ struct sim_tables_corpus {
     /* The methods that its tables need. */
     const struct iso_shape_method *method[SIM_TABLES_METHODS_MAX];
     int n_methods;
+    char kept[PATH_MAX]; /* where descriptions are kept, or empty */
     struct sim_bank_options how;
     struct sim_bank *items, *distorted[SIM_DISTORTIONS][SIM_DISTORTION_LEVELS];
     int32_t *query_row; /* the shapes to distort */

@@ -102,8 +102,6 @@ naive() {
     done
 }
 
-stop_postgres() { [ -z "${work:-}" ] || as_postgres "$pg/pg_ctl" -D "$work/db/data" -m immediate stop >/dev/null 2>&1 || true; }
-
 stop_all() {
     local word pid
     stop_postgres
@@ -153,7 +151,7 @@ for program in "$pg/initdb" /usr/sbin/mosquitto; do
         exit 77
     }
 done
-trap 'stop_postgres; clean_up' EXIT
+trap clean_up EXIT
 ulimit -n "$(ulimit -Hn)"
 for doors in "$@"; do
     most=$(($(ulimit -Hn) - 100)) # one broker has a descriptor for each door

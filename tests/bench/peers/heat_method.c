@@ -120,7 +120,8 @@ static int isotherms_on_grid(void *state, const struct heat_case *c,
         struct iso_grid_field field = iso_heat_grid_column(g->solver, l);
         double level;
         out[l].n = 0;
-        if (iso_grid_tracer_run(g->tracer, c->surface.grid, &field, c->radius_mm, &level) > 0) {
+        iso_grid_tracer_begin(g->tracer, c->surface.grid, &field);
+        if (iso_grid_tracer_run(g->tracer, c->radius_mm, &level) > 0) {
             sample(iso_grid_tracer_curves(g->tracer), c, l, &out[l]);
         }
     }

@@ -52,7 +52,8 @@ static void on_grid(const struct grid_surface *s, struct iso_grid_tracer *tracer
                     struct iso_isotherm *out)
 {
     double level;
-    assert_true(iso_grid_tracer_run(tracer, s->grid, &field, radius, &level) > 0);
+    iso_grid_tracer_begin(tracer, s->grid, &field);
+    assert_true(iso_grid_tracer_run(tracer, radius, &level) > 0);
     const struct iso_tracer *curves = iso_grid_tracer_curves(tracer);
     int curve = iso_tracer_enclosing(curves, centre);
     assert_true(curve >= 0);

@@ -73,11 +73,17 @@ static void heat_up(struct fixture *f, double x_mm, double y_mm, double t_mm2, d
     }
 }
 
+static int run(struct fixture *f, double radius_mm, double *level)
+{
+    iso_grid_tracer_begin(f->on_grid, f->surface.grid, &f->field);
+    return iso_grid_tracer_run(f->on_grid, radius_mm, level);
+}
+
 static void assert_same_curves(struct fixture *f, double radius_mm, int *n_curves, int *n_open)
 {
     const struct grid_surface *s = &f->surface;
     double *heat = grid_surface_on_mesh(s, &f->field), level = 0.0, mesh_level = 0.0;
-    int n = iso_grid_tracer_run(f->on_grid, s->grid, &f->field, radius_mm, &level);
+    int n = run(f, radius_mm, &level);
     assert_int_equal(iso_isotherm_level(s->mesh, heat, radius_mm, &mesh_level), 0);
     assert_true(fabs(level / mesh_level - 1.0) < 1e-5);
     /* Both use exactly the same level, so that rounding makes no difference between the curves. */
@@ -115,7 +121,7 @@ static void on_a_plane_they_enclose_the_circle(void **state)
     struct fixture *f = *state;
     heat_up(f, 3.3, -4.1, 100.0, 0.0);
     double level = 0.0;
-    assert_int_equal(iso_grid_tracer_run(f->on_grid, f->surface.grid, &f->field, 20.0, &level), 1);
+    assert_int_equal(run(f, 20.0, &level), 1);
     assert_true(fabs(level / exp(-400.0 / 400.0) - 1.0) < 0.01);
     struct iso_curve curve = iso_tracer_curve(iso_grid_tracer_curves(f->on_grid), 0);
     assert_true(curve.closed);
@@ -133,28 +139,25 @@ static void a_window_is_a_border(void **state)
     const struct iso_grid_window narrow = {27, 3, 21, 51};
     f->field.window = narrow;
     double level = 0.0;
-    assert_int_equal(iso_grid_tracer_run(f->on_grid, f->surface.grid, &f->field, 24.0, &level), 2);
+    assert_int_equal(run(f, 24.0, &level), 2);
     for (int i = 0; i < 2; i++) {
         struct iso_curve curve = iso_tracer_curve(iso_grid_tracer_curves(f->on_grid), i);
         assert_false(curve.closed);
         assert_true(fabs(fabs(curve.points_mm[0].x) - 20.0) < 1e-9);
         assert_true(fabs(fabs(curve.points_mm[curve.n - 1].x) - 20.0) < 1e-9);
     }
-    assert_int_equal(iso_grid_tracer_run(f->on_grid, f->surface.grid, &f->field, 40.0, &level),
-                     -ERANGE);
+    assert_int_equal(run(f, 40.0, &level), -ERANGE);
 }
 
 static void a_field_without_heat_or_room_is_refused(void **state)
 {
     struct fixture *f = *state;
     double level = 7.0;
-    assert_int_equal(iso_grid_tracer_run(f->on_grid, f->surface.grid, &f->field, 10.0, &level),
-                     -ERANGE);
+    assert_int_equal(run(f, 10.0, &level), -ERANGE);
     heat_up(f, 0.0, 0.0, 100.0, 0.0);
-    assert_int_equal(iso_grid_tracer_run(f->on_grid, f->surface.grid, &f->field, 80.0, &level),
-                     -ERANGE);
+    assert_int_equal(run(f, 80.0, &level), -ERANGE);
     assert_true(level == 7.0);
-    assert_true(iso_grid_tracer_run(f->on_grid, f->surface.grid, &f->field, 70.0, &level) > 0);
+    assert_true(run(f, 70.0, &level) > 0);
     iso_grid_tracer_free(NULL);
 }
 

@@ -185,16 +185,16 @@ static void a_hole_is_filled_by_the_membrane(void **state)
         value[i] = known[i] ? (float)(0.05 * (x * x - y * y) + 0.3 * x) : 99.0f;
     }
     struct iso_fill *fill = NULL;
-    assert_int_equal(iso_fill_new(SIDE, SIDE, &fill), 0);
-    iso_fill_holes(fill, domain, known, value);
+    assert_int_equal(iso_fill_new(SIDE, SIDE, domain, 0.0, &fill), 0);
+    iso_fill_holes(fill, known, value);
     for (int i = 0; i < SIDE * SIDE; i++) {
         double x = i % SIDE - 20, y = i / SIDE - 17;
         double truth = domain[i] ? 0.05 * (x * x - y * y) + 0.3 * x : 0.0;
         assert_true(fabs((double)value[i] - truth) < 0.05);
     }
     iso_fill_free(fill);
-    assert_int_equal(iso_fill_new(0, SIDE, &fill), -EINVAL);
-    assert_int_equal(iso_fill_new(SIDE, 1025, &fill), -EINVAL);
+    assert_int_equal(iso_fill_new(0, SIDE, domain, 0.0, &fill), -EINVAL);
+    assert_int_equal(iso_fill_new(SIDE, 1025, domain, 0.0, &fill), -EINVAL);
 }
 
 static void smoothing_keeps_constants_and_calms_noise(void **state)
@@ -208,13 +208,13 @@ static void smoothing_keeps_constants_and_calms_noise(void **state)
         value[i] = 7.0f;
     }
     struct iso_fill *fill = NULL;
-    assert_int_equal(iso_fill_new(WIDE, HIGH, &fill), 0);
-    iso_fill_smooth(fill, domain, 2.0, value);
+    assert_int_equal(iso_fill_new(WIDE, HIGH, domain, 2.0, &fill), 0);
+    iso_fill_smooth(fill, value);
     for (int i = 0; i < WIDE * HIGH; i++) {
         assert_true(fabsf(value[i] - (domain[i] ? 7.0f : 0.0f)) < 1e-4f);
     }
     value[10 * WIDE + 20] = 1007.0f; /* an impulse comes out as the Gaussian */
-    iso_fill_smooth(fill, domain, 2.0, value);
+    iso_fill_smooth(fill, value);
     double peak = 1000.0 / (2.0 * M_PI * 4.0);
     assert_true(fabs((double)value[10 * WIDE + 20] - 7.0 - peak) < 0.01 * peak);
     double off = peak * exp(-0.5 * 9.0 / 4.0);

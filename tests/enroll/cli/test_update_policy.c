@@ -27,26 +27,27 @@
 #define INSTALLER  "de.pengutronix.rauc.Installer"
 #define PROPERTIES "org.freedesktop.DBus.Properties"
 
-enum { NOBODY_UID = 65534 };
+enum { NOBODY_GID = 65534 };
 
-/* Who calls: "floppy" takes the place of the group isotherm, "daemon" that of the user,
- * and "games" that of the connection to the hub. */
-enum caller { ROOT, ADMINISTRATOR, LINK, DAEMON, NOBODY, CALLERS };
+/* Who calls: "floppy" takes the place of the group isotherm, "daemon" that of the user, "www-data"
+ * that of the user isotherm-web, and "games" that of isotherm-link. */
+enum caller { ROOT, ADMINISTRATOR, DAEMON, WEB, LINK, NOBODY, CALLERS };
 
-static const char *const callers[CALLERS] = {"root", "an administrator", "the link", "the daemon",
-                                             "nobody"};
+static const char *const callers[CALLERS] = {"root",           "an administrator", "the daemon",
+                                             "the web server", "the link",         "nobody"};
 
 static const struct {
     const char *interface, *method;
     bool may[CALLERS];
 } rules[] = {
-    {PROPERTIES, "GetAll", {true, true, true, false, false}},
-    {INSTALLER, "Info", {true, true, true, false, false}},
-    {INSTALLER, "InstallBundle", {true, true, true, false, false}},
-    {INSTALLER, "GetSlotStatus", {true, true, true, false, false}},
-    {INSTALLER, "GetPrimary", {true, true, true, false, false}},
-    {INSTALLER, "Mark", {true, false, false, false, false}},
-    {INSTALLER, "Install", {true, false, false, false, false}},
+    {PROPERTIES, "GetAll", {true, true, false, true, true, false}},
+    {PROPERTIES, "Set", {true, true, false, false, false, false}},
+    {INSTALLER, "Info", {true, true, false, false, false, false}},
+    {INSTALLER, "InstallBundle", {true, true, false, false, false, false}},
+    {INSTALLER, "GetSlotStatus", {true, true, false, true, true, false}},
+    {INSTALLER, "GetPrimary", {true, true, false, true, true, false}},
+    {INSTALLER, "Mark", {true, false, false, false, false, false}},
+    {INSTALLER, "Install", {true, false, false, false, false, false}},
 };
 
 static struct private_bus bus;
@@ -69,6 +70,7 @@ static void include_policy(void)
 
     text = replace(text, "<policy group=\"isotherm\">", "<policy group=\"floppy\">");
     text = replace(text, "<policy user=\"isotherm\">", "<policy user=\"daemon\">");
+    text = replace(text, "<policy user=\"isotherm-web\">", "<policy user=\"www-data\">");
     text = replace(text, "<policy user=\"isotherm-link\">", "<policy user=\"games\">");
     (void)snprintf(path, sizeof path, "%s/policy.conf", bus.directory);
     private_bus_kill(&bus);
@@ -83,8 +85,13 @@ static void include_policy(void)
 /* Becomes the caller, in a child. The daemon is also in the group of the administrators. */
 static bool become(enum caller caller)
 {
+    static const char *const users[CALLERS] = {[ADMINISTRATOR] = "nobody",
+                                               [DAEMON] = "daemon",
+                                               [WEB] = "www-data",
+                                               [LINK] = "games",
+                                               [NOBODY] = "nobody"};
     const struct group *administrators = getgrnam("floppy");
-    const struct passwd *user = getpwnam(caller == LINK ? "games" : "daemon");
+    const struct passwd *user = caller == ROOT ? NULL : getpwnam(users[caller]);
     const bool member = caller == ADMINISTRATOR || caller == DAEMON;
 
     if (caller == ROOT) {
@@ -93,8 +100,7 @@ static bool become(enum caller caller)
     if (!administrators || !user || setgroups(member, &administrators->gr_gid) < 0) {
         return false;
     }
-    return !setgid(NOBODY_UID) &&
-           !setuid(caller == DAEMON || caller == LINK ? user->pw_uid : NOBODY_UID);
+    return !setgid(NOBODY_GID) && !setuid(user->pw_uid);
 }
 
 static sd_bus *connect_bus(void)

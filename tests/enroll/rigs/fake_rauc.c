@@ -17,12 +17,14 @@
 
 #define INTERFACE "de.pengutronix.rauc.Installer"
 
+enum { HELD_US = 50 * 1000 };
+
 const char fake_rauc_board[] = "isotherm-test-amd64";
 
 struct service {
     const struct fake_rauc_script *script;
     int trace_fd;
-    bool asked, installing, installed;
+    bool asked, installing, finishing, installed;
     int32_t percent;
     const char *error;
 };
@@ -174,7 +176,7 @@ static int report(sd_bus *bus, struct service *service, int32_t percent)
     return sd_bus_emit_properties_changed(bus, "/", INTERFACE, "Progress", NULL);
 }
 
-/* Installs: reports each step, and ends as the script says. */
+/* Begins to install: reports each step. */
 static int install(sd_bus *bus, struct service *service)
 {
     const struct fake_rauc_script *script = service->script;
@@ -183,9 +185,17 @@ static int install(sd_bus *bus, struct service *service)
     for (int32_t percent = 0; r >= 0 && percent <= 40; percent += 20) {
         r = report(bus, service, percent);
     }
-    if (r < 0 || script->end != FAKE_RAUC_COMPLETES) {
-        return script->end == FAKE_RAUC_DIES ? -1 : r;
-    }
+    service->finishing = script->end == FAKE_RAUC_COMPLETES;
+    return script->end == FAKE_RAUC_DIES ? -1 : r;
+}
+
+/* Ends an installation as the script says. */
+static int finish(sd_bus *bus, struct service *service)
+{
+    const struct fake_rauc_script *script = service->script;
+    int r;
+
+    service->finishing = false;
     service->error = script->error ? script->error : "";
     service->installed = !script->error;
     r = report(bus, service, 100);
@@ -206,6 +216,11 @@ static int connect_service(struct service *service, const char *address, sd_bus 
     return r < 0 ? r : sd_bus_request_name(*bus, "de.pengutronix.rauc", 0);
 }
 
+static bool is_held(const struct service *service)
+{
+    return service->script->hold && access(service->script->hold, F_OK) == 0;
+}
+
 static int serve(struct service *service, const char *address, int ready_fd)
 {
     sd_bus *bus = NULL;
@@ -219,12 +234,31 @@ static int serve(struct service *service, const char *address, int ready_fd)
         if (r == 0 && service->asked) {
             service->asked = false;
             r = install(bus, service);
+        } else if (r == 0 && service->finishing && !is_held(service)) {
+            r = finish(bus, service);
         } else if (r == 0) {
-            r = sd_bus_wait(bus, UINT64_MAX);
+            r = sd_bus_wait(bus, service->finishing ? HELD_US : UINT64_MAX);
         }
     }
     sd_bus_flush_close_unref(bus);
     return r;
+}
+
+static struct service service_of(const struct fake_rauc_script *script, int trace_fd)
+{
+    return (struct service){.script = script,
+                            .trace_fd = trace_fd,
+                            .installing = script->busy,
+                            .installed = script->installed,
+                            .percent = script->busy ? 40 : 0,
+                            .error = ""};
+}
+
+int fake_rauc_serve(const char *address, const struct fake_rauc_script *script, int ready_fd)
+{
+    struct service service = service_of(script, STDERR_FILENO);
+
+    return serve(&service, address, ready_fd);
 }
 
 void fake_rauc_start(struct fake_rauc *rauc, const char *address,
@@ -238,11 +272,7 @@ void fake_rauc_start(struct fake_rauc *rauc, const char *address,
     rauc->pid = fork();
     assert_true(rauc->pid >= 0);
     if (rauc->pid == 0) {
-        struct service service = {.script = script,
-                                  .trace_fd = traced[1],
-                                  .installing = script->busy,
-                                  .percent = script->busy ? 40 : 0,
-                                  .error = ""};
+        struct service service = service_of(script, traced[1]);
         prctl(PR_SET_PDEATHSIG, SIGKILL);
         close(ready[0]);
         close(traced[0]);

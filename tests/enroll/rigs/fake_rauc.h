@@ -19,8 +19,10 @@ struct fake_rauc_script {
     bool foreign_key;  /* Info fails */
     bool mute;         /* the bus answers Info: RAUC does not */
     bool busy;         /* it installs from the beginning, and is at 40 % */
+    bool installed;    /* an update waits in slot b from the beginning */
     bool spare_is_bad; /* the boot loader cannot start the other slot */
     enum fake_rauc_end end;
+    const char *hold;  /* while there is a file of this name it stays at 40 %; NULL: none */
     const char *error; /* LastError of an installation that fails; NULL: it succeeds */
 };
 
@@ -30,6 +32,10 @@ struct fake_rauc {
     pid_t pid;
     int trace_fd;
 };
+
+/* Is the service in this process until it is ended, and then returns a negative number. Writes a
+ * byte to ready_fd once it is on the bus, and what it is asked to standard error. */
+int fake_rauc_serve(const char *address, const struct fake_rauc_script *script, int ready_fd);
 
 /* Returns when the service is on the bus. */
 void fake_rauc_start(struct fake_rauc *rauc, const char *address,

@@ -53,6 +53,17 @@ static void anything_else_is_shown_as_nothing(void **state)
     assert_string_equal(shown(path, longer, strlen(longer)), "");
 }
 
+static void a_code_is_shown_and_nothing_else(void **state)
+{
+    const char *path = scratch_path(*state, "setup-code");
+    struct screen_fingerprint code = {.next_ns = 0};
+    scratch_write_text(path, "ABCDE-FGH12-MNPQR-STVWX\n");
+    assert_string_equal(screen_setup_code_look(&code, path, 1), "ABCDE-FGH12-MNPQR-STVWX");
+    scratch_write_text(path, "ABCDE FGH12");
+    assert_string_equal(screen_setup_code_look(&code, path, 1 + SCREEN_FINGERPRINT_NS), "");
+    assert_string_equal(screen_setup_code_look(&code, "", 1 + 2 * SCREEN_FINGERPRINT_NS), "");
+}
+
 static void a_file_that_is_no_file_is_shown_as_nothing(void **state)
 {
     struct screen_fingerprint fingerprint = {.next_ns = 0};
@@ -108,8 +119,13 @@ static void the_painter_shows_a_new_fingerprint(void **state)
 {
     static const struct screen_display_ops ops = {.begin = begin, .show = show};
     const char *path = scratch_path(*state, "fingerprint");
-    const struct screen_options options = {
-        .language = "en", .place = "", .fingerprint = path, .width_px = 320, .height_px = 240};
+    const char *code = scratch_path(*state, "setup-code");
+    const struct screen_options options = {.language = "en",
+                                           .place = "",
+                                           .fingerprint = path,
+                                           .setup_code = code,
+                                           .width_px = 320,
+                                           .height_px = 240};
     struct screen_state door = {.connected = true, .sees = true, .mode = "watch"};
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, 320, 240);
     struct screen_painter painter = {.display = {&ops, surface}, .options = &options};
@@ -129,6 +145,15 @@ static void the_painter_shows_a_new_fingerprint(void **state)
     screen_painter_paint(&painter, &door, 3 + SCREEN_FINGERPRINT_NS, 0, false);
     assert_int_equal(painter.pictures, 3);
     assert_string_equal(painter.print, "");
+    door.lockdown = false;
+    scratch_write_text(code, "ABCDE-FGH12-MNPQR-STVWX");
+    screen_painter_paint(&painter, &door, 2 + 2 * SCREEN_FINGERPRINT_NS, 0, false);
+    assert_int_equal(painter.pictures, 4);
+    assert_string_equal(painter.code, "ABCDE-FGH12-MNPQR-STVWX");
+    assert_int_equal(unlink(code), 0);
+    screen_painter_paint(&painter, &door, 2 + 3 * SCREEN_FINGERPRINT_NS, 0, false);
+    assert_int_equal(painter.pictures, 5);
+    assert_string_equal(painter.code, "");
     cairo_surface_destroy(surface);
 }
 
@@ -138,6 +163,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         IN_SCRATCH(a_fingerprint_is_shown_with_or_without_the_end_of_its_line),
         IN_SCRATCH(anything_else_is_shown_as_nothing),
+        IN_SCRATCH(a_code_is_shown_and_nothing_else),
         IN_SCRATCH(a_file_that_is_no_file_is_shown_as_nothing),
         IN_SCRATCH(the_file_is_read_again_every_ten_seconds),
         IN_SCRATCH(the_painter_shows_a_new_fingerprint),

@@ -47,6 +47,10 @@ static void each_option_is_read(void **state)
     assert_string_equal(options.listen, "[::1]:1");
     assert_string_equal(options.state, "s");
     assert_string_equal(options.pages, "p");
+    assert_false(options.first_code);
+    assert_int_equal(read_line("--first-code --updates u", &options), 0);
+    assert_true(options.first_code);
+    assert_string_equal(options.updates, "u");
     assert_int_equal(read_line("setup-code", &options), 0);
     assert_int_equal(options.command, WEB_COMMAND_SETUP_CODE);
     assert_int_equal(read_line("--version", &options), 1);

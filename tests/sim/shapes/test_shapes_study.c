@@ -240,6 +240,37 @@ static void distances_leave_nothing_out(void **state)
     free(text);
 }
 
+/* Some shapes are looked for among all: the first of every class in turn. */
+static void some_shapes_are_looked_for_among_all(void **state)
+{
+    const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
+    struct sim_shapes_study_options options = cp_hk_options(corpus, out);
+    struct iso_fault fault = {.text = ""};
+    char *printed = NULL, method[32], classifier[32];
+    int queries = 0;
+    options.distortion.level = 0;
+    options.queries = 4;
+    generate(corpus, "plain", NULL, 3, 2);
+    assert_int_equal(run_study(&options, &printed, &fault), 0);
+    free(printed);
+    char *text = scratch_read_text(scratch_path(out, "measures.csv"));
+    assert_int_equal(
+        sscanf(strchr(text, '\n') + 1, "%31[^,],%31[^,],%d", method, classifier, &queries), 3);
+    assert_int_equal(queries, 4);
+    free(text);
+    text = scratch_read_text(scratch_path(scratch_path(out, "cp-hk-nn-l2"), "distances.csv"));
+    char *rest = text;
+    int lines = 0, commas = 0;
+    for (char *line = strsep(&rest, "\n"); line && *line; line = strsep(&rest, "\n"), lines++) {
+        for (const char *c = line; *c; c++) {
+            commas += *c == ',';
+        }
+    }
+    assert_int_equal(lines, 1 + 4);
+    assert_int_equal(commas, 9 * (1 + 4));
+    free(text);
+}
+
 static void the_reason_of_a_failed_study_is_named(void **state)
 {
     const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
@@ -285,6 +316,7 @@ static void tables_have_both_sides(void **state)
         fail_msg("%s", fault.text);
     }
     (void)fclose(stream);
+    assert_non_null(strstr(printed, "/p: 9 shapes of 3 classes"));
     static const char *const numbers[] = {"4.1.", "4.5.", "4.8.", "4.10.", "4.13.", "5.1.", "5.2."};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         char title[32];
@@ -296,6 +328,49 @@ static void tables_have_both_sides(void **state)
     assert_non_null(strstr(csv, "\n4.8,shape-dna,nn-l2,0,white,3,3,NN,"));
     assert_non_null(strstr(csv, "\n5.2,PHOG,,0,,0,0,NN,,0.951\n"));
     free(csv);
+}
+
+/* Runs the tables of one corpus. The caller frees what was printed. */
+static int run_tables(const struct sim_tables_options *options, char **printed,
+                      struct iso_fault *fault)
+{
+    size_t size;
+    FILE *out = open_memstream(printed, &size);
+    const int error = sim_shapes_tables(options, out, fault);
+    (void)fclose(out);
+    return error;
+}
+
+static void tables_leave_a_bad_mesh_out_and_are_cached(void **state)
+{
+    const char *plain = scratch_path(*state, "p"), *out = scratch_path(*state, "tables");
+    struct sim_tables_options options = {
+        .corpus = plain, .out = out, .queries = 2, .seed = 1, .threads = 2};
+    struct iso_fault fault = {.text = ""};
+    char *printed = NULL, *csv = NULL;
+    generate(plain, "plain", NULL, 3, 2);
+    scratch_write_text(scratch_path(plain, "dog-01.off"), "OFF\n5 1 0\n0 0 0\n");
+    for (int run = 0; run < 2; run++) {
+        int known = 0, all = 0;
+        if (run_tables(&options, &printed, &fault)) {
+            fail_msg("%s", fault.text);
+        }
+        assert_non_null(strstr(printed, "/p: 8 shapes of 3 classes"));
+        assert_int_equal(
+            sscanf(strstr(printed, " MB; "), " MB; %d of %d descriptions", &known, &all), 2);
+        assert_true(all >= 8);
+        assert_int_equal(known, run == 0 ? 0 : all);
+        free(printed);
+        char *now = scratch_read_text(scratch_path(out, "tables.csv"));
+        assert_true(run == 0 || strcmp(csv, now) == 0);
+        free(csv);
+        csv = now;
+    }
+    free(csv);
+    options.strict = true;
+    assert_int_equal(run_tables(&options, &printed, &fault), -EBADMSG);
+    assert_non_null(strstr(fault.text, "dog-01.off: ends within the vertices"));
+    free(printed);
 }
 
 int main(void)
@@ -310,9 +385,13 @@ int main(void)
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(distances_leave_nothing_out, scratch_setup,
                                         scratch_teardown),
+        cmocka_unit_test_setup_teardown(some_shapes_are_looked_for_among_all, scratch_setup,
+                                        scratch_teardown),
         cmocka_unit_test_setup_teardown(the_reason_of_a_failed_study_is_named, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(tables_have_both_sides, scratch_setup, scratch_teardown),
+        cmocka_unit_test_setup_teardown(tables_leave_a_bad_mesh_out_and_are_cached, scratch_setup,
+                                        scratch_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,7 +11,8 @@ import {health} from './pages/health.js';
 import {people} from './pages/people.js';
 import {policy} from './pages/policy.js';
 import {settings} from './pages/settings.js';
+import {update} from './pages/update.js';
 
-const PAGES = [door, people, enrol, policy, events, health, settings, accounts];
+const PAGES = [door, people, enrol, policy, events, health, settings, accounts, update];
 
 export function makeApp(api, root) { return makeFrame(api, root, { all: PAGES, makeState: makeHub, banner }); }

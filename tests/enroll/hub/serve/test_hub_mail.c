@@ -5,6 +5,7 @@
 
 #include "enroll/hub/serve/bucket.h"
 #include "enroll/hub/serve/mail_queue.h"
+#include "firmware/fleet/message/envelope.h"
 
 static const char id_text[] = "0190b3f2-1111-4222-8333-444455556666";
 
@@ -87,6 +88,52 @@ static void a_full_queue_drops_the_newest(void **state)
     hub_mail_clear(&queue);
 }
 
+enum { SIZE = ISO_FLEET_HEADER_BYTES + 1 + ISO_FLEET_SIGNATURE_BYTES };
+
+/* A QUESTION as far as the queue reads it: header, a number and a signature, which is not read. */
+static void make_question(unsigned char out[SIZE], uint8_t number)
+{
+    static const struct iso_fleet_signer signer;
+    struct iso_fleet_bytes bytes = {.bytes = NULL};
+
+    iso_fleet_begin(&bytes, ISO_FLEET_QUESTION);
+    iso_fleet_put_u8(&bytes, number);
+    assert_int_equal(iso_fleet_sign(&bytes, &signer), 0);
+    assert_int_equal(bytes.size, SIZE);
+    memcpy(out, bytes.bytes, SIZE);
+    iso_fleet_bytes_free(&bytes);
+}
+
+static void a_question_takes_the_place_of_an_earlier_one(void **state)
+{
+    struct hub_mail_queue queue = {.first = NULL};
+    const struct iso_fleet_id doors[2] = {{{1}}, {{2}}};
+    unsigned char one[SIZE], two[SIZE];
+    (void)state;
+
+    make_question(one, 1);
+    make_question(two, 2);
+    for (int round = 0; round < 2; round++) {
+        assert_true(hub_mail_put(&queue, &doors[0], false, one, SIZE));
+        assert_true(hub_mail_put(&queue, &doors[1], false, one, SIZE));
+        assert_true(hub_mail_put(&queue, &doors[0], false, "events", 6));
+        assert_true(hub_mail_put(&queue, &doors[0], true, "1", 1));
+        assert_true(hub_mail_put(&queue, &doors[0], false, two, SIZE));
+        assert_int_equal(queue.n, 4);
+        assert_int_equal(queue.bytes, 2 * SIZE + 7);
+        assert_int_equal(queue.replaced, round + 1);
+        assert_memory_equal(queue.first->bytes, two, SIZE); /* in the place of the earlier one */
+        hub_mail_drop_first(&queue);
+        assert_memory_equal(queue.first->bytes, one, SIZE); /* another door's question stays */
+        /* One that is answered is not replaced any more. */
+        assert_true(hub_mail_put(&queue, &doors[0], false, one, SIZE));
+        assert_int_equal(queue.n, 4);
+        hub_mail_clear(&queue);
+        assert_int_equal(queue.bytes, 0);
+        assert_null(queue.questions);
+    }
+}
+
 static void a_bucket_fills_with_time(void **state)
 {
     struct hub_bucket bucket = hub_bucket_of(3, 2);
@@ -111,6 +158,7 @@ int main(void)
         cmocka_unit_test(topics_name_the_door),
         cmocka_unit_test(mail_is_taken_in_order),
         cmocka_unit_test(a_full_queue_drops_the_newest),
+        cmocka_unit_test(a_question_takes_the_place_of_an_earlier_one),
         cmocka_unit_test(a_bucket_fills_with_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

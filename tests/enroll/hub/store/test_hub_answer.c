@@ -43,10 +43,10 @@ static int to_all(void *context, const char *topic, const void *bytes, size_t si
 static bool publish_some(struct store_rig *rig, struct doors *doors, uint32_t most)
 {
     const struct hub_emit emit = {.emit = to_all, .context = doors};
-    struct hub_outbox outbox;
+    struct hub_outbox outbox = {.n = 0};
     store_rig_fine(hub_outbox_emit(&rig->store, most, &emit, &outbox, &fault), &fault);
-    store_rig_fine(hub_outbox_confirm(&rig->store, &outbox, &fault), &fault);
     const bool more = outbox.more;
+    store_rig_fine(hub_outbox_confirm(&rig->store, &outbox, &fault), &fault);
     hub_outbox_free(&outbox);
     return more;
 }
@@ -166,7 +166,7 @@ static void what_is_published_twice_is_known(void **state)
     struct played_door door;
     struct doors doors = {.emit = {played_door_emit(&door)}, .n = 1};
     const struct hub_emit emit = {.emit = to_all, .context = &doors};
-    struct hub_outbox outbox;
+    struct hub_outbox outbox = {.n = 0};
     played_door_join(&door, rig, "front", &zone, 1);
     ask(&door, rig);
     for (char name[3] = "a0"; name[1] <= '9'; name[1]++) {

@@ -46,9 +46,10 @@ const refusal = (name) => Object.assign(new Error('refused'), { name });
 const denied = refusal('org.freedesktop.DBus.Error.AccessDenied');
 const settle = () => new Promise((resolve) => { setImmediate(resolve); });
 
-test('it has the functions of the API by HTTP, except those of accounts', () => {
+test('it has the functions of the API by HTTP, except those of accounts and updates', () => {
     const api = makeCockpitApi(script({}));
-    const own = ['login', 'logout', 'changePassword', 'setup', 'accounts', 'addAccount', 'changeAccount', 'removeAccount'];
+    const own = ['login', 'logout', 'changePassword', 'setup', 'accounts', 'addAccount', 'changeAccount', 'removeAccount',
+        'update', 'bringUpdate', 'restart'];
     const missing = Object.keys(http).filter((name) => !(name in api) && !own.includes(name));
     assert.deepEqual(missing, []);
     assert.deepEqual(Object.keys(api.can).sort(), Object.keys(http.can).sort());

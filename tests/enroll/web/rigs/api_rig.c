@@ -54,6 +54,9 @@ static const struct web_route routes[] = {
     {"POST", "/accounts", WEB_ROLE_ADMINISTRATOR, web_login_add_account},
     {"PATCH", "/accounts/{name}", WEB_ROLE_ADMINISTRATOR, web_login_change_account},
     {"DELETE", "/accounts/{name}", WEB_ROLE_ADMINISTRATOR, web_login_remove_account},
+    {"GET", "/update", WEB_ROLE_ADMINISTRATOR, web_api_get_update},
+    {"POST", "/update", WEB_ROLE_ADMINISTRATOR, web_api_take_update},
+    {"POST", "/update/restart", WEB_ROLE_ADMINISTRATOR, web_api_restart},
     {NULL, NULL, WEB_ROLE_NONE, NULL},
 };
 

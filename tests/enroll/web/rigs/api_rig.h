@@ -1,5 +1,5 @@
-/* The handlers of sessions and accounts on a web server. The connection to the daemon is a stand-in
- * that keeps what was to be put on record. */
+/* The handlers of sessions, accounts and updates on a web server. The connection to the daemon is a
+ * stand-in that keeps what was to be put on record. */
 #ifndef TESTS_ENROLL_WEB_RIGS_API_RIG_H
 #define TESTS_ENROLL_WEB_RIGS_API_RIG_H
 

@@ -14,6 +14,7 @@
 
 int64_t (*web_rig_clock)(void);
 const struct web_plain_route *web_rig_plain;
+const struct web_intake *web_rig_intakes;
 
 int web_rig_listen(int *port)
 {
@@ -60,6 +61,7 @@ void web_rig_start(struct web_rig *rig, const char *folder, const struct web_rou
                                            .certificate = &rig->certificate,
                                            .pages = pages,
                                            .plain = web_rig_plain,
+                                           .intakes = web_rig_intakes,
                                            .sessions = &rig->sessions,
                                            .routes = routes,
                                            .context = context,

@@ -19,6 +19,9 @@ extern int64_t (*web_rig_clock)(void);
 /* The plain routes of servers that are started from now on; NULL: none. */
 extern const struct web_plain_route *web_rig_plain;
 
+/* The same for the intakes. */
+extern const struct web_intake *web_rig_intakes;
+
 /* Starts the server with these routes. `folder` is that of scratch_setup; the pages are in its
  * subfolder "pages". */
 void web_rig_start(struct web_rig *rig, const char *folder, const struct web_route *routes,

@@ -272,6 +272,13 @@ enum iso_fleet_admission door_rig_admission(const struct door_rig *rig, const ch
     return iso_fleet_admission(rig->fleet, &record);
 }
 
+struct iso_fleet_status door_rig_status(struct door_rig *rig)
+{
+    struct iso_fleet_status out;
+    assert_int_equal(iso_fleet_get_status(rig->fleet, &out, NULL), 0);
+    return out;
+}
+
 bool door_rig_noted(const struct door_rig *rig, const char *text)
 {
     for (int i = 0; i < rig->n_notes; i++) {

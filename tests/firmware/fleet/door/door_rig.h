@@ -100,6 +100,8 @@ int64_t door_rig_person(const struct door_rig *rig, const char *name);
 struct iso_credential_record door_rig_credential(const struct door_rig *rig, const char *name);
 enum iso_fleet_admission door_rig_admission(const struct door_rig *rig, const char *name);
 
+struct iso_fleet_status door_rig_status(struct door_rig *rig);
+
 /* Whether a record of the log contains this text. */
 bool door_rig_noted(const struct door_rig *rig, const char *text);
 

@@ -8,13 +8,6 @@
 #include "tests/firmware/rigs/gallery_rig.h"
 #include "tests/firmware/rigs/puppets.h"
 
-static struct iso_fleet_status status(struct door_rig *rig)
-{
-    struct iso_fleet_status out;
-    assert_int_equal(iso_fleet_get_status(rig->fleet, &out, NULL), 0);
-    return out;
-}
-
 /* ---- people who were enrolled here ---- */
 
 static struct iso_fleet_id request_of(struct door_rig *rig, const char *name)
@@ -65,7 +58,7 @@ static void an_enrolment_at_the_door_becomes_a_request(void **state)
     assert_string_equal(requests.names, "visitor ;");
     const struct iso_fleet_id id = request_of(rig, "visitor");
     assert_memory_equal(&requests.last, &id, sizeof id);
-    assert_int_equal(status(rig).pending, 1);
+    assert_int_equal(door_rig_status(rig).pending, 1);
     assert_int_equal(door_rig_admission(rig, "visitor"), ISO_FLEET_NOT_APPROVED);
     rig->local_people = true;
     assert_int_equal(door_rig_answer(rig, 1), ISO_FLEET_APPLIED);
@@ -109,8 +102,8 @@ static void an_answer_takes_the_place_of_the_local_person(void **state)
                                        .person = {.id = request_of(rig, "guest"), .revision = 2}};
     give_change(rig, &change);
     assert_int_equal(door_rig_person(rig, "guest"), 0);
-    assert_int_equal(status(rig).pending, 0);
-    assert_int_equal(status(rig).people, 1);
+    assert_int_equal(door_rig_status(rig).pending, 0);
+    assert_int_equal(door_rig_status(rig).people, 1);
 }
 
 static void a_name_of_the_hub_replaces_a_local_person(void **state)
@@ -123,16 +116,16 @@ static void a_name_of_the_hub_replaces_a_local_person(void **state)
                      ISO_FLEET_APPLIED);
     assert_true(iso_credential_is_of_fleet(
         &(struct iso_credential_record){.fleet = door_rig_credential(rig, "ada").fleet}));
-    assert_int_equal(status(rig).pending, 1);
+    assert_int_equal(door_rig_status(rig).pending, 1);
     /* Ada of the fleet gets Ben's name: he was enrolled here, and leaves. */
     assert_int_equal(door_rig_give(rig, door_rig_put(rig, 0, 1, 2, "ben", 20, false)),
                      ISO_FLEET_APPLIED);
-    assert_int_equal(status(rig).pending, 0);
-    assert_int_equal(status(rig).people, 1);
+    assert_int_equal(door_rig_status(rig).pending, 0);
+    assert_int_equal(door_rig_status(rig).people, 1);
     assert_true(door_rig_noted(rig, "removed ben"));
     door_rig_restart(rig);
-    assert_int_equal(status(rig).people, 1);
-    assert_int_equal(status(rig).pending, 0);
+    assert_int_equal(door_rig_status(rig).people, 1);
+    assert_int_equal(door_rig_status(rig).pending, 0);
 }
 
 static void a_credential_that_cannot_be_read_lets_nobody_in(void **state)

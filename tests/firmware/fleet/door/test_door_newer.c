@@ -6,13 +6,6 @@
 #include "drivers/base/times.h"
 #include "tests/firmware/fleet/door/door_rig.h"
 
-static struct iso_fleet_status status(struct door_rig *rig)
-{
-    struct iso_fleet_status out;
-    assert_int_equal(iso_fleet_get_status(rig->fleet, &out, NULL), 0);
-    return out;
-}
-
 /* The same message in the next version, by this signer. */
 static struct iso_fleet_bytes newer(const struct iso_fleet_bytes *message,
                                     const struct iso_fleet_signer *signer)
@@ -34,8 +27,8 @@ static void begin_with_ada(struct door_rig *rig)
 
 static void expect_unchanged(struct door_rig *rig, uint64_t changes)
 {
-    assert_int_equal(status(rig).places[0].sequence, 1);
-    assert_int_equal(status(rig).people, 1);
+    assert_int_equal(door_rig_status(rig).places[0].sequence, 1);
+    assert_int_equal(door_rig_status(rig).people, 1);
     assert_true(door_rig_person(rig, "ada") > 0);
     assert_true(iso_gallery_version(rig->gallery).changes == changes);
 }
@@ -49,9 +42,9 @@ static void a_newer_message_is_refused_and_read_later(void **state)
     const uint64_t changes = iso_gallery_version(rig->gallery).changes;
     struct iso_fleet_bytes delta = door_rig_remove(rig, 0, 1, 2);
     assert_int_equal(door_rig_give(rig, newer(&delta, &stranger)), ISO_FLEET_REFUSED);
-    assert_string_equal(status(rig).fault, ""); /* nobody else makes the door look old */
+    assert_string_equal(door_rig_status(rig).fault, ""); /* nobody else makes the door look old */
     assert_int_equal(door_rig_give(rig, newer(&delta, &rig->hub)), ISO_FLEET_REFUSED);
-    assert_non_null(strstr(status(rig).fault, "upgrade isotherm on this door"));
+    assert_non_null(strstr(door_rig_status(rig).fault, "upgrade isotherm on this door"));
     expect_unchanged(rig, changes);
     door_rig_restart(rig);
     expect_unchanged(rig, changes);
@@ -117,7 +110,8 @@ static void an_unknown_field_is_refused_as_a_whole(void **state)
     for (int which = 0; which < 3; which++) {
         assert_int_equal(door_rig_give(rig, odd_delta(rig, which)), ISO_FLEET_REFUSED);
         expect_unchanged(rig, changes);
-        assert_true((strstr(status(rig).fault, "upgrade isotherm") != NULL) == (which == 2));
+        assert_true((strstr(door_rig_status(rig).fault, "upgrade isotherm") != NULL) ==
+                    (which == 2));
     }
     assert_int_equal(door_rig_give(rig, door_rig_put(rig, 0, 2, 2, "ben", 40, false)),
                      ISO_FLEET_APPLIED);
@@ -140,17 +134,18 @@ static void a_newer_snapshot_is_refused_and_read_later(void **state)
     struct iso_fleet_bytes changed = {.bytes = NULL};
     iso_fleet_put(&changed, next.bytes, next.size);
     assert_int_equal(door_rig_give_snapshot(rig, changed), ISO_FLEET_REFUSED);
-    assert_string_equal(status(rig).fault, ""); /* the signature is that of another version */
+    assert_string_equal(door_rig_status(rig).fault,
+                        ""); /* the signature is that of another version */
     crypto_sign_state state_of_file;
     (void)crypto_sign_init(&state_of_file);
     (void)crypto_sign_update(&state_of_file, next.bytes, signed_size);
     (void)crypto_sign_final_create(&state_of_file, next.bytes + signed_size, NULL, rig->hub.secret);
     assert_int_equal(door_rig_give_snapshot(rig, next), ISO_FLEET_REFUSED);
-    assert_non_null(strstr(status(rig).fault, "upgrade isotherm on this door"));
-    assert_true(status(rig).wants_snapshot[0]);
-    assert_int_equal(status(rig).people, 0);
+    assert_non_null(strstr(door_rig_status(rig).fault, "upgrade isotherm on this door"));
+    assert_true(door_rig_status(rig).wants_snapshot[0]);
+    assert_int_equal(door_rig_status(rig).people, 0);
     assert_int_equal(door_rig_give_snapshot(rig, file), ISO_FLEET_APPLIED);
-    assert_int_equal(status(rig).people, 1);
+    assert_int_equal(door_rig_status(rig).people, 1);
 }
 
 static void a_door_tells_which_version_it_reads(void **state)

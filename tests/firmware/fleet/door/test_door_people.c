@@ -9,16 +9,9 @@
 #include "tests/firmware/rigs/gallery_rig.h"
 #include "tests/firmware/rigs/puppets.h"
 
-static struct iso_fleet_status status(struct door_rig *rig)
-{
-    struct iso_fleet_status out;
-    assert_int_equal(iso_fleet_get_status(rig->fleet, &out, NULL), 0);
-    return out;
-}
-
 static void expect_place(struct door_rig *rig, int zone)
 {
-    const struct iso_fleet_status now = status(rig);
+    const struct iso_fleet_status now = door_rig_status(rig);
     for (size_t i = 0; i < now.n; i++) {
         if (iso_fleet_id_is_same(&now.places[i].zone, &rig->zone[zone].place.zone)) {
             assert_memory_equal(&now.places[i], &rig->zone[zone].place, sizeof now.places[i]);
@@ -54,7 +47,7 @@ static void a_person_comes_changes_and_leaves(void **state)
     assert_int_equal(door_rig_give(rig, door_rig_remove(rig, 0, 1, 4)), ISO_FLEET_APPLIED);
     assert_int_equal(door_rig_person(rig, "ada lovelace"), 0);
     assert_true(door_rig_noted(rig, "removed ada lovelace"));
-    assert_int_equal(status(rig).people, 0);
+    assert_int_equal(door_rig_status(rig).people, 0);
     expect_place(rig, 0);
 }
 
@@ -205,7 +198,7 @@ static void two_epochs_at_once_need_a_snapshot(void **state)
     assert_int_equal(door_rig_give(rig, door_rig_key(rig, 0)), ISO_FLEET_APPLIED);
     assert_int_equal(door_rig_give(rig, first), ISO_FLEET_APPLIED);
     assert_int_equal(door_rig_give(rig, second), ISO_FLEET_WHOLE);
-    assert_true(status(rig).wants_snapshot[0]);
+    assert_true(door_rig_status(rig).wants_snapshot[0]);
     struct iso_fleet_bytes changes[2] = {door_rig_change(1, 1, "ada", 20),
                                          door_rig_change(2, 2, "ben", 40)};
     assert_int_equal(door_rig_give_snapshot(rig, door_rig_snapshot(rig, 0, changes, 2)),
@@ -254,16 +247,16 @@ static void a_zone_that_is_not_listed_is_gone(void **state)
     assert_int_equal(door_rig_answer(rig, 1), ISO_FLEET_APPLIED);
     assert_true(door_rig_person(rig, "ada"));
     assert_int_equal(door_rig_person(rig, "ben"), 0);
-    assert_int_equal(status(rig).n, 1);
+    assert_int_equal(door_rig_status(rig).n, 1);
     assert_int_equal(door_rig_give(rig, door_rig_put(rig, 1, 2, 3, "ben", 40, false)),
                      ISO_FLEET_REFUSED);
     door_rig_restart(rig);
     /* It comes back: the door has nothing of it any more. */
     assert_int_equal(door_rig_answer(rig, 2), ISO_FLEET_APPLIED);
-    assert_true(status(rig).wants_snapshot[1]);
+    assert_true(door_rig_status(rig).wants_snapshot[1]);
     assert_int_equal(door_rig_answer(rig, 0), ISO_FLEET_APPLIED);
     assert_int_equal(door_rig_person(rig, "ada"), 0);
-    assert_int_equal(status(rig).people, 0);
+    assert_int_equal(door_rig_status(rig).people, 0);
 }
 
 /* Of two zones, the faster one brings the name that the slower one still gives to somebody else. */
@@ -297,7 +290,7 @@ static void a_person_who_does_not_fit_is_not_left_as_before(void **state)
                      ISO_FLEET_APPLIED); /* a name that the door refuses */
     assert_int_equal(door_rig_person(rig, "ada"), 0);
     assert_true(door_rig_noted(rig, "refused"));
-    assert_true(*status(rig).fault);
+    assert_true(*door_rig_status(rig).fault);
     expect_place(rig, 0);
     for (int i = 0; i < 101; i++) { /* more than the gallery takes */
         char name[32];
@@ -306,7 +299,7 @@ static void a_person_who_does_not_fit_is_not_left_as_before(void **state)
                          ISO_FLEET_APPLIED);
     }
     assert_int_equal(door_rig_person(rig, "person 100"), 0);
-    assert_non_null(strstr(status(rig).fault, "full"));
+    assert_non_null(strstr(door_rig_status(rig).fault, "full"));
     expect_place(rig, 0);
 }
 

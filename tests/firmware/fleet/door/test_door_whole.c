@@ -9,13 +9,6 @@
 #include "tests/firmware/fleet/door/door_rig.h"
 #include "tests/firmware/rigs/gallery_rig.h"
 
-static struct iso_fleet_status status(struct door_rig *rig)
-{
-    struct iso_fleet_status out;
-    assert_int_equal(iso_fleet_get_status(rig->fleet, &out, NULL), 0);
-    return out;
-}
-
 /* A zone with a history of 40 changes that the door does not have. */
 static void begin_late(struct door_rig *rig)
 {
@@ -24,7 +17,7 @@ static void begin_late(struct door_rig *rig)
         iso_fleet_bytes_free(&delta);
     }
     assert_int_equal(door_rig_answer(rig, 1), ISO_FLEET_APPLIED);
-    assert_true(status(rig).wants_snapshot[0]);
+    assert_true(door_rig_status(rig).wants_snapshot[0]);
     assert_int_equal(door_rig_give(rig, door_rig_key(rig, 0)), ISO_FLEET_WHOLE);
 }
 
@@ -49,19 +42,20 @@ static void a_snapshot_brings_and_removes(void **state)
     begin_late(rig);
     assert_int_equal(gallery_rig_add(rig->gallery, "visitor", 90, NULL), 0);
     assert_int_equal(door_rig_give_snapshot(rig, snapshot_of(rig, 0, 1)), ISO_FLEET_APPLIED);
-    assert_int_equal(status(rig).people, MANY);
-    assert_memory_equal(&status(rig).places[0], &rig->zone[0].place, sizeof rig->zone[0].place);
+    assert_int_equal(door_rig_status(rig).people, MANY);
+    assert_memory_equal(&door_rig_status(rig).places[0], &rig->zone[0].place,
+                        sizeof rig->zone[0].place);
     const int64_t number = door_rig_person(rig, "person 5 of 1");
     assert_int_equal(door_rig_give_snapshot(rig, snapshot_of(rig, 0, 1)), ISO_FLEET_KNOWN);
     struct iso_fleet_bytes later = door_rig_remove(rig, 0, 0, 1); /* the door misses it */
     iso_fleet_bytes_free(&later);
     assert_int_equal(door_rig_give_snapshot(rig, snapshot_of(rig, 3, 2)), ISO_FLEET_APPLIED);
-    assert_int_equal(status(rig).people, MANY - 3);
-    assert_int_equal(status(rig).pending, 1);
+    assert_int_equal(door_rig_status(rig).people, MANY - 3);
+    assert_int_equal(door_rig_status(rig).pending, 1);
     assert_int_equal(door_rig_person(rig, "person 5 of 2"), number);
     assert_int_equal(door_rig_person(rig, "person 2 of 1"), 0);
     door_rig_restart(rig);
-    assert_int_equal(status(rig).people, MANY - 3);
+    assert_int_equal(door_rig_status(rig).people, MANY - 3);
     assert_int_equal(door_rig_give(rig, door_rig_remove(rig, 0, 5, 3)), ISO_FLEET_APPLIED);
     assert_int_equal(door_rig_person(rig, "person 5 of 2"), 0);
 }
@@ -99,16 +93,16 @@ static void a_snapshot_that_was_cut_off_is_repeated(void **state)
         if (!done) {
             assert_int_equal(outcome, ISO_FLEET_OUTCOMES);
             door_rig_restart(rig);
-            assert_true(status(rig).wants_snapshot[0]);
-            assert_int_equal(status(rig).places[0].sequence, 0);
+            assert_true(door_rig_status(rig).wants_snapshot[0]);
+            assert_int_equal(door_rig_status(rig).places[0].sequence, 0);
         }
         rig->n_notes = 0;
     }
     assert_true(cut > 2);
-    assert_int_equal(status(rig).people, MANY);
+    assert_int_equal(door_rig_status(rig).people, MANY);
     door_rig_restart(rig);
-    assert_int_equal(status(rig).people, MANY);
-    assert_false(status(rig).wants_snapshot[0]);
+    assert_int_equal(door_rig_status(rig).people, MANY);
+    assert_false(door_rig_status(rig).wants_snapshot[0]);
 }
 
 static void a_changed_snapshot_is_refused(void **state)
@@ -144,20 +138,20 @@ static void the_home_zone_has_the_policy(void **state)
     assert_string_equal(rig->policy, "{\"home\":1}");
     door_rig_restart(rig); /* policy and place came together */
     assert_non_null(iso_gallery_access(rig->gallery, ISO_GALLERY_SITE, &size));
-    assert_int_equal(status(rig).places[0].sequence, 1);
+    assert_int_equal(door_rig_status(rig).places[0].sequence, 1);
     /* One that does not fit: the earlier one stays, the place goes on, and it is known. */
     rig->policy_error = -EINVAL;
     assert_int_equal(door_rig_give(rig, door_rig_policy(rig, 0, "{\"bad\":1}")), ISO_FLEET_APPLIED);
     assert_string_equal(rig->policy, "{\"home\":1}");
-    assert_int_equal(status(rig).places[0].sequence, 2);
-    assert_non_null(strstr(status(rig).fault, "access point"));
+    assert_int_equal(door_rig_status(rig).places[0].sequence, 2);
+    assert_non_null(strstr(door_rig_status(rig).fault, "access point"));
     assert_true(door_rig_noted(rig, "policy-refused - - -> the policy has no access point"));
     /* The disk: nothing has changed. */
     rig->policy_error = -EIO;
     struct iso_fleet_bytes later = door_rig_policy(rig, 0, ""), again = {.bytes = NULL};
     iso_fleet_put(&again, later.bytes, later.size);
     assert_int_equal(door_rig_give(rig, later), ISO_FLEET_OUTCOMES);
-    assert_int_equal(status(rig).places[0].sequence, 2);
+    assert_int_equal(door_rig_status(rig).places[0].sequence, 2);
     rig->policy_error = 0;
     assert_int_equal(door_rig_give(rig, again), ISO_FLEET_APPLIED);
     assert_string_equal(rig->policy, "");
@@ -174,7 +168,7 @@ static void another_home_brings_its_policy(void **state)
     rig->zone[0] = rig->zone[1];
     rig->zone[1] = first;
     assert_int_equal(door_rig_answer(rig, 2), ISO_FLEET_APPLIED);
-    assert_true(status(rig).wants_snapshot[0]);
+    assert_true(door_rig_status(rig).wants_snapshot[0]);
     const struct iso_fleet_change change = {
         .kind = ISO_FLEET_POLICY, .policy = "{\"other\":1}", .policy_length = 11};
     struct iso_fleet_bytes bytes = {.bytes = NULL};
@@ -182,7 +176,7 @@ static void another_home_brings_its_policy(void **state)
     assert_int_equal(door_rig_give_snapshot(rig, door_rig_snapshot(rig, 0, &bytes, 1)),
                      ISO_FLEET_APPLIED);
     assert_string_equal(rig->policy, "{\"other\":1}");
-    assert_false(status(rig).wants_snapshot[0]);
+    assert_false(door_rig_status(rig).wants_snapshot[0]);
 }
 
 static void a_lockdown_holds_until_the_last_zone_ends_it(void **state)
@@ -250,13 +244,13 @@ static void acknowledgements_only_rise(void **state)
     assert_int_equal(give_ack(rig, 5, false), ISO_FLEET_APPLIED);
     assert_int_equal(give_ack(rig, 4, false), ISO_FLEET_KNOWN);
     assert_int_equal(give_ack(rig, 8, false), ISO_FLEET_REFUSED);
-    assert_int_equal(status(rig).acked, 5);
-    assert_int_equal(status(rig).last_event, 7);
+    assert_int_equal(door_rig_status(rig).acked, 5);
+    assert_int_equal(door_rig_status(rig).last_event, 7);
     /* An old ACK may come late, but the answer to the last question is what the hub has now: one
      * that was restored from a backup has fewer. */
     rig->acked = 2;
     assert_int_equal(door_rig_answer(rig, 1), ISO_FLEET_APPLIED);
-    assert_int_equal(status(rig).acked, 2);
+    assert_int_equal(door_rig_status(rig).acked, 2);
 }
 
 static void each_kind_of_work_is_told_once_a_second(void **state)

@@ -1,6 +1,6 @@
-/* Updates at a door: from the order to the restart and what is told afterwards. The script of the
- * rig answers as isotherm(1) does with RAUC; test_cli_update has the program itself with a stand-in
- * for RAUC. */
+/* Updates at a door: from the order to the restart and what is told afterwards. The image's own
+ * install-update takes the file. A script answers as isotherm(1) does with RAUC; test_cli_update
+ * has the program itself with a stand-in for RAUC. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,6 +10,7 @@
 
 #include "firmware/fleet/update/update_inner.h"
 #include "tests/firmware/fleet/update/update_rig.h"
+#include "tests/support/scratch.h"
 
 static void an_order_is_carried_out(void **state)
 {
@@ -26,10 +27,10 @@ static void an_order_is_carried_out(void **state)
     update_rig_wait(rig, ISO_FLEET_UPDATE_INSTALLED);
     update_rig_expect_installed(rig);
     assert_int_equal(rig->server.requests, 3);
-    assert_false(update_rig_has(rig, "update.raucb"));
+    assert_false(update_rig_has(rig, "var/lib/isotherm-update/hub/bundle.part"));
     /* The machine restarts when nobody is there, as long as the order holds. */
-    while (!update_rig_has(rig, "restart")) {
-        assert_true(sd_event_run(rig->event, 100000) >= 0);
+    while (!scratch_exists(rig->restart)) {
+        update_rig_turn(rig);
     }
     update_rig_stop(rig);
     assert_int_equal(unlink(rig->restart), 0);
@@ -119,7 +120,7 @@ static void another_file_is_not_installed(void **state)
     update_rig_wait(rig, ISO_FLEET_UPDATE_FAILED);
     assert_non_null(strstr(link_update_report(rig->update)->fault, "not the one"));
     assert_false(update_rig_has(rig, "installed"));
-    assert_false(update_rig_has(rig, "update.raucb"));
+    assert_false(update_rig_has(rig, "var/lib/isotherm-update/hub/bundle.part"));
     /* It stays so after a restart. */
     update_rig_stop(rig);
     rig->tells = 0;
@@ -136,8 +137,72 @@ static void what_the_installer_says_is_told(void **state)
     update_rig_wait(rig, ISO_FLEET_UPDATE_IDLE);
     update_rig_order(rig);
     update_rig_wait(rig, ISO_FLEET_UPDATE_FAILED);
+    assert_string_equal(link_update_report(rig->update)->fault, "the update is for another board");
+}
+
+/* The link is started again while the image has the file. */
+static void a_restarted_link_waits_for_the_image(void **state)
+{
+    struct update_rig *rig = *state;
+    update_rig_slots(rig, "1.1", true, false);
+    rig->has_no_units = true;
+    update_rig_start(rig);
+    update_rig_wait(rig, ISO_FLEET_UPDATE_IDLE);
+    update_rig_order(rig);
+    while (!update_rig_has(rig, "var/lib/isotherm-update/hub/bundle.raucb")) {
+        update_rig_turn(rig);
+    }
+    update_rig_stop(rig);
+    rig->tells = 0;
+    update_rig_start(rig);
+    update_rig_wait(rig, ISO_FLEET_UPDATE_INSTALLING);
+    update_rig_slots(rig, "1.1", true, true);
+    rig->has_no_units = false;
+    update_rig_wait(rig, ISO_FLEET_UPDATE_INSTALLED);
+    update_rig_expect_installed(rig);
+    assert_int_equal(rig->server.requests, 3);
+}
+
+/* What the result file said before is not taken for the answer. */
+static void an_image_that_says_nothing_is_a_failure(void **state)
+{
+    struct update_rig *rig = *state;
+    char path[400];
+    (void)snprintf(path, sizeof path, "%s/result.json", rig->state);
+    scratch_write_text(path, "{\"from\":\"hub\",\"at_s\":1,\"result\":{\"installed\": true}}\n");
+    update_rig_slots(rig, "1.1", true, false);
+    rig->has_no_units = true;
+    update_rig_start(rig);
+    update_rig_wait(rig, ISO_FLEET_UPDATE_IDLE);
+    update_rig_order(rig);
+    while (!update_rig_has(rig, "var/lib/isotherm-update/hub/bundle.raucb")) {
+        update_rig_turn(rig);
+    }
+    (void)snprintf(path, sizeof path, "%s/hub/bundle.raucb", rig->state);
+    assert_int_equal(unlink(path), 0);
+    update_rig_wait(rig, ISO_FLEET_UPDATE_FAILED);
     assert_string_equal(link_update_report(rig->update)->fault,
-                        "isotherm: the update is for another board");
+                        "the image has not said what became of the update");
+}
+
+static void results_that_are_not_of_the_hub_are_none(void **state)
+{
+    static const char *const bad[] = {
+        "",
+        "{\"from\":\"page\",\"at_s\":1,\"result\":{\"installed\":true}}",
+        "{\"from\":\"hub\",\"at_s\":1,\"result\":{\"installed\":false}}",
+        "{\"from\":\"hub\",\"at_s\":1,\"result\":{\"error\":{\"code\":\"x\"}}}",
+        "{\"from\":\"hub\"}",
+    };
+    struct update_rig *rig = *state;
+    char path[400], why[ISO_FLEET_UPDATE_FAULT_SIZE] = "untouched";
+    (void)snprintf(path, sizeof path, "%s/result.json", rig->state);
+    assert_int_equal(link_update_result_read(path, why), -EBADMSG);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        scratch_write_text(path, bad[i]);
+        assert_int_equal(link_update_result_read(path, why), -EBADMSG);
+        assert_string_equal(why, "untouched");
+    }
 }
 
 static void an_order_that_holds_no_more_is_left(void **state)
@@ -179,12 +244,12 @@ static void nothing_restarts_while_somebody_is_there(void **state)
     /* Three looks later it has not restarted; nor without a daemon, which could say who is there.
      */
     for (unsigned tells = rig->tells; rig->tells < tells + 2;) {
-        assert_true(sd_event_run(rig->event, 100000) >= 0);
+        update_rig_turn(rig);
     }
-    assert_false(update_rig_has(rig, "restart"));
+    assert_false(scratch_exists(rig->restart));
     rig->is_busy = false;
-    while (!update_rig_has(rig, "restart")) {
-        assert_true(sd_event_run(rig->event, 100000) >= 0);
+    while (!scratch_exists(rig->restart)) {
+        update_rig_turn(rig);
     }
 }
 
@@ -216,6 +281,9 @@ int main(void)
         TEST(a_fetch_goes_on_after_a_restart),
         TEST(another_file_is_not_installed),
         TEST(what_the_installer_says_is_told),
+        TEST(a_restarted_link_waits_for_the_image),
+        TEST(an_image_that_says_nothing_is_a_failure),
+        TEST(results_that_are_not_of_the_hub_are_none),
         TEST(an_order_that_holds_no_more_is_left),
         TEST(nothing_restarts_while_somebody_is_there),
         cmocka_unit_test(slots_that_cannot_be_read_are_none),

@@ -83,32 +83,69 @@ void update_rig_slots(struct update_rig *rig, const char *version, bool good, bo
     scratch_write_text(path, text);
 }
 
-/* The script copies what it installs, then says `exit` and a line. */
+static void write_program(const struct update_rig *rig, const char *name, const char *text)
+{
+    char path[340];
+    (void)snprintf(path, sizeof path, "%s/%s", rig->bin, name);
+    scratch_write_text(path, text);
+    assert_int_equal(chmod(path, 0700), 0);
+}
+
+/* The script copies what it installs, and says what `isotherm update --json FILE` would. */
 void update_rig_program(struct update_rig *rig, int exit_code)
 {
-    char text[1200];
+    static const char *const said[] = {
+        "{\"installed\": true, \"slot\": \"b\", \"version\": \"1.2\"}",
+        "{\"error\":{\"code\":\"other-board\",\"message\":\"the update is for another "
+        "board\",\"exit_code\":1}}"};
+    char text[1400];
     (void)snprintf(text, sizeof text,
-                   "#!/bin/sh\n[ \"$1\" = update ] || exit 9\n"
-                   "if [ \"$2\" = --json ]; then [ -e %s/slots ] || exit 3; cat %s/slots; exit 0; "
-                   "fi\ncp \"$2\" %s/installed\n"
-                   "[ %d = 0 ] || echo 'isotherm: the update is for another board' >&2\nexit %d\n",
-                   rig->folder, rig->folder, rig->folder, exit_code, exit_code);
-    scratch_write_text(rig->program, text);
-    assert_int_equal(chmod(rig->program, 0700), 0);
+                   "#!/bin/sh\n[ \"$1 $2\" = 'update --json' ] || exit 9\n"
+                   "if [ $# = 2 ]; then [ -e %s/slots ] || exit 3; cat %s/slots; exit 0; fi\n"
+                   "cp \"$3\" %s/installed\necho '%s'\nexit %d\n",
+                   rig->folder, rig->folder, rig->folder, said[exit_code != 0], exit_code);
+    write_program(rig, "isotherm", text);
+    write_program(rig, "busctl", "#!/bin/sh\n");
+}
+
+/* What isotherm-update@hub.path and its service do. */
+static void play_image(struct update_rig *rig)
+{
+    char bundle[340], command[1200];
+    (void)snprintf(bundle, sizeof bundle, "%s/hub/bundle.raucb", rig->state);
+    if (rig->has_no_units || !scratch_exists(bundle)) {
+        return;
+    }
+    (void)snprintf(command, sizeof command,
+                   "PATH='%s':$PATH ISOTHERM_ROOT='%s' '" ISOTHERM_SOURCE_DIR
+                   "/board/image/programs/install-update' hub '%s' >/dev/null",
+                   rig->bin, rig->folder, bundle);
+    assert_int_equal(system(command), 0);
+    assert_false(scratch_exists(bundle));
+}
+
+void update_rig_turn(struct update_rig *rig)
+{
+    assert_true(sd_event_run(rig->event, 100000) >= 0);
+    play_image(rig);
 }
 
 /* ---- the rig ---- */
 
 void update_rig_start(struct update_rig *rig)
 {
+    char inbox[340], result[340];
+    (void)snprintf(inbox, sizeof inbox, "%s/hub", rig->state);
+    (void)snprintf(result, sizeof result, "%s/result.json", rig->state);
     const struct link_update_setup setup = {
         .event = rig->event,
         .daemon = {.context = rig, .update = update, .fetch_update = fetch_update},
         .http = rig->http,
         .hub_url = rig->server.url,
         .folder = rig->folder,
-        .program = rig->program,
-        .restart_file = rig->restart};
+        .inbox = inbox,
+        .result_file = result,
+        .program = rig->program};
     struct iso_fault fault = {.text = ""};
     assert_int_equal(link_update_new(&setup, &rig->update, &fault), 0);
 }
@@ -123,13 +160,18 @@ int update_rig_setup(void **state)
 {
     struct update_rig *rig = calloc(1, sizeof *rig);
     void *folder = NULL;
+    char command[700];
     struct iso_fault fault = {.text = ""};
     assert_non_null(rig);
     assert_int_equal(scratch_setup(&folder), 0);
     (void)snprintf(rig->folder, sizeof rig->folder, "%s", (const char *)folder);
     free(folder);
-    (void)snprintf(rig->program, sizeof rig->program, "%s/isotherm", rig->folder);
-    (void)snprintf(rig->restart, sizeof rig->restart, "%s/restart", rig->folder);
+    (void)snprintf(rig->state, sizeof rig->state, "%s/var/lib/isotherm-update", rig->folder);
+    (void)snprintf(rig->bin, sizeof rig->bin, "%s/bin", rig->folder);
+    (void)snprintf(rig->program, sizeof rig->program, "%s/isotherm", rig->bin);
+    (void)snprintf(rig->restart, sizeof rig->restart, "%s/hub/restart", rig->state);
+    (void)snprintf(command, sizeof command, "mkdir -p '%s/hub' '%s'", rig->state, rig->bin);
+    assert_int_equal(system(command), 0);
     assert_true(sd_event_new(&rig->event) >= 0);
     assert_int_equal(link_http_new(rig->event, &rig->http, &fault), 0);
     rig->server.context = rig;
@@ -175,7 +217,7 @@ void update_rig_wait(struct update_rig *rig, enum iso_fleet_update_state state)
     uint64_t begun, now;
     assert_true(sd_event_now(rig->event, CLOCK_MONOTONIC, &begun) >= 0);
     while (!update_rig_is_told(rig, state)) {
-        assert_true(sd_event_run(rig->event, 100000) >= 0);
+        update_rig_turn(rig);
         assert_true(sd_event_now(rig->event, CLOCK_MONOTONIC, &now) >= 0);
         if (now - begun > LIMIT_S * LINK_UPDATE_S_US) {
             fail_msg("told %s: %s", iso_fleet_update_state_word(rig->told),
@@ -187,7 +229,7 @@ void update_rig_wait(struct update_rig *rig, enum iso_fleet_update_state state)
 void update_rig_run(struct update_rig *rig, unsigned requests)
 {
     while (rig->server.requests < requests) {
-        assert_true(sd_event_run(rig->event, 100000) >= 0);
+        update_rig_turn(rig);
     }
 }
 

@@ -1,5 +1,6 @@
 /* A door with an image, for tests of its updates: a server of the test in place of the hub, a
- * script in place of isotherm(1), and functions in place of the daemon. Failures fail the running
+ * script in place of isotherm(1), functions in place of the daemon, and the program install-update
+ * of the image, which the rig runs as the unit of the image would. Failures fail the running
  * cmocka test. */
 #ifndef TESTS_FIRMWARE_FLEET_UPDATE_UPDATE_RIG_H
 #define TESTS_FIRMWARE_FLEET_UPDATE_UPDATE_RIG_H
@@ -19,14 +20,15 @@ struct update_rig {
     struct link_http *http;
     struct fetch_server server;
     struct link_update *update;
-    char folder[256], program[300], restart[300];
+    char folder[256], state[300], bin[300], program[320], restart[340];
     uint8_t *file;
     struct iso_fleet_update order;
     /* Of the hub. */
     unsigned status; /* of the next replies; 200 */
     bool is_damaged; /* a byte of the file is another one */
     uint64_t last_after;
-    uint64_t cut_at; /* replies behind it fail; 0: none */
+    uint64_t cut_at;   /* replies behind it fail; 0: none */
+    bool has_no_units; /* nothing of the image looks at the inbox */
     /* Of the daemon. */
     bool is_busy, is_away;
     unsigned tells;
@@ -45,11 +47,14 @@ void update_rig_stop(struct update_rig *rig);
 void update_rig_slots(struct update_rig *rig, const char *version, bool good, bool waiting);
 void update_rig_program(struct update_rig *rig, int exit_code);
 
+/* One turn of the event loop, and of the units of the image. */
+void update_rig_turn(struct update_rig *rig);
+
 /* The hub answers a question, and orders. */
 void update_rig_order(struct update_rig *rig);
 
 /* Whether the daemon was told this last; runs the loop until it was; until the server has had so
- * many requests. */
+ * many requests. Each of them plays the units of the image. */
 bool update_rig_is_told(const struct update_rig *rig, enum iso_fleet_update_state state);
 void update_rig_wait(struct update_rig *rig, enum iso_fleet_update_state state);
 void update_rig_run(struct update_rig *rig, unsigned requests);

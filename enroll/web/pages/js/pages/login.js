@@ -32,7 +32,10 @@ function setup(api, done) {
     const password = newPassword(_('Password'));
     return form(
         [
-            field(_('One-time code'), code, api.setupHelp?.() ?? _('The command "sudo isotherm web setup" on the appliance shows it.')),
+            field(
+                _('One-time code'), code,
+                api.setupHelp?.() ??
+                    _('On an image of the appliance the screen at the door shows it, on other machines the command "sudo isotherm web setup".')),
             field(_('Account'), name, _('Small letters, digits, ".", "-" and "_"')), ...password.elements
         ],
         _('Make the account'), () => api.setup(code.value, name.value.trim(), password.read()), done);

@@ -2,14 +2,15 @@
 
 import {Fault} from './fault.js';
 
-const BASE = '/api/v1';
+export const BASE = '/api/v1';
 
 let loginRequired = () => {};
 
 /* Called when a request is refused because the session has ended. */
 export function onLoginRequired(handler) { loginRequired = handler; }
 
-async function problem(response) {
+/* The fault of a response that is none of 2xx. */
+export async function problem(response, path) {
     let body = {};
     try {
         body = await response.json();
@@ -22,6 +23,9 @@ async function problem(response) {
         setup: body.setup === true,
         retryAfterS: Number(response.headers.get('Retry-After')) || 0,
     });
+    if (fault.code === 'login-required' && path !== '/session') {
+        loginRequired();
+    }
     return fault;
 }
 
@@ -40,11 +44,7 @@ export async function open(method, path, body, signal) {
         throw signal?.aborted ? error : new Fault('no-connection', { detail: error.message });
     }
     if (!response.ok) {
-        const fault = await problem(response);
-        if (fault.code === 'login-required' && path !== '/session') {
-            loginRequired();
-        }
-        throw fault;
+        throw await problem(response, path);
     }
     return response;
 }

@@ -211,7 +211,7 @@ export function makeCockpitApi(cockpit) {
 
     return {
         kind: 'cockpit',
-        can: { accounts: false, outline: false, relief: false, settings: true, login: false },
+        can: { accounts: false, outline: false, relief: false, settings: true, login: false, update: false },
         onLoginRequired() {},
         async session() {
             account = (await cockpit.user()).name;

@@ -8,6 +8,7 @@ import {decodeOutline, decodeRelief} from '../stream/record.js';
 import {Splitter} from '../stream/splitter.js';
 import {steady} from '../stream/steady.js';
 import {ask, onLoginRequired, open, part} from './ask.js';
+import {upload} from './upload.js';
 
 const SILENT_MS = 30000; /* the server sends a status every ten seconds */
 
@@ -80,7 +81,7 @@ function records(path, decode, onRecord, onState, endsWith = () => undefined) {
 
 export const http = {
     kind: 'http',
-    can: {accounts: true, outline: true, relief: true, settings: true, login: true},
+    can: {accounts: true, outline: true, relief: true, settings: true, login: true, update: true},
     onLoginRequired,
 
     session: () => ask('GET', '/session'),
@@ -117,6 +118,10 @@ export const http = {
     enrolment: () => ask('GET', '/enrolment'),
     beginEnrolment: (wish) => ask('POST', '/enrolment', wish),
     endEnrolment: () => ask('DELETE', '/enrolment'),
+
+    update: () => ask('GET', '/update'),
+    bringUpdate: (file, onSent, signal) => upload('/update', file, onSent, signal),
+    restart: () => ask('POST', '/update/restart', {}),
 
     log: (query) =>
         ask('GET', `/log?${new URLSearchParams(Object.entries(query).filter(([, value]) => value !== undefined))}`),

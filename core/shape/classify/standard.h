@@ -1,0 +1,48 @@
+/* Brings the values of features to a common mean and size, which are learnt from a training set.
+ *
+ * Without this, features that have a large part in common, such as the eigenvalues of Shape-DNA,
+ * are nearly parallel: a code over them is then determined by what all shapes share. In steps:
+ *
+ *  1. parts without negative values are compressed by their root or logarithm. The root makes the
+ *     Euclidean distance of histograms the one of Hellinger (Rao, Qüestiió 19, 1995); the logarithm
+ *     makes the factors of eigenvalues differences;
+ *  2. the mean feature is subtracted. A code of the rest is a code with an intercept: the mean is
+ * one more atom, whose coefficient is not penalised and for the whole training set is 1;
+ *  3. each part is divided by its root mean square over the training set, so that all parts count
+ *     alike. Logarithms are divided by the standard deviation of each value before that;
+ *  4. the feature is scaled to a given length. */
+#ifndef ISO_CORE_SHAPE_CLASSIFY_STANDARD_H
+#define ISO_CORE_SHAPE_CLASSIFY_STANDARD_H
+
+#include "isotherm/classifier.h"
+
+enum iso_compression {
+    ISO_COMPRESSION_NONE,
+    ISO_COMPRESSION_ROOT,      /* sqrt(x) */
+    ISO_COMPRESSION_LOGARITHM, /* ln(1 + x) */
+};
+
+struct iso_standard {
+    enum iso_compression compression[ISO_SHAPE_PARTS_MAX]; /* of each part */
+    struct iso_feature_layout layout;
+    double length; /* of a feature afterwards */
+    double *mean;  /* [layout.size], of compressed values */
+    double *scale; /* [layout.size]; 0 where all shapes are alike */
+};
+
+/* Whether there is a part without negative values, which can be compressed. */
+bool iso_standard_compressible(const struct iso_labelled *training);
+
+/* Learns mean and scale. Parts with a negative value are not compressed. -ENOMEM. */
+int iso_standard_init(struct iso_standard *standard, const struct iso_labelled *training,
+                      enum iso_compression compression, double length)
+    __attribute__((warn_unused_result));
+
+/* Releases what it holds. */
+void iso_standard_done(struct iso_standard *standard);
+
+/* Changes a feature [layout.size] in place. A negative value counts as 0 if it has to be
+ * compressed. The mean feature becomes 0. */
+void iso_standard_apply(const struct iso_standard *standard, float *feature);
+
+#endif
