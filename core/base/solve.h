@@ -3,9 +3,9 @@
 #define ISO_CORE_BASE_SOLVE_H
 
 /* Computes the Cholesky factor in place: the lower triangle of the row-major n x n matrix a becomes
- * L with A = L L'. The upper triangle is not read, and what it holds
- * afterwards means nothing. -EDOM if a pivot falls below 1e-12 of its
- * diagonal entry (singular, indefinite or not finite). */
+ * L with A = L L'. What the upper triangle holds does not
+ * change L; it may be overwritten. -EDOM if a pivot falls below 1e-12 of its diagonal entry
+ * (singular, indefinite or not finite). */
 int iso_cholesky_factorise(double *a, int n) __attribute__((warn_unused_result));
 
 /* Solves L L' x = b for a factor from iso_cholesky_factorise. b [n] becomes x. */

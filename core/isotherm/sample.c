@@ -40,7 +40,7 @@ struct rays {
     pair x[PAIRS], y[PAIRS]; /* unit directions */
 };
 
-/* How far a place lies to the right of the line of each ray. */
+/* How far a place lies to the left of the line of each ray. */
 struct sides {
     pair off[PAIRS];
 };

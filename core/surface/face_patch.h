@@ -45,9 +45,9 @@ void iso_face_patch_free(struct iso_face_patch *patch);
 double iso_face_patch_resample(struct iso_face_patch *patch, const struct iso_frame *frame,
                                double jump_mm, const struct iso_rigid *camera_from_face);
 
-/* The same for any surface; the mesh that iso_triangulate() makes of a frame gives the same
- * patch (resample.h). The surface is a camera-frame mesh; its vertices are moved in place to the
- * frame of the patch. */
+/* The same for any surface, with which tests compare; the appliance resamples frames. The mesh that
+ * iso_triangulate() makes of a frame gives the same patch (resample.h). The surface is a
+ * camera-frame mesh; its vertices are moved in place to the frame of the patch. */
 double iso_face_patch_build(struct iso_face_patch *patch, struct iso_mesh *surface,
                             const struct iso_rigid *camera_from_face);
 

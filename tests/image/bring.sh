@@ -191,7 +191,7 @@ put_in() {
 
 export PATH="$PATH:/usr/sbin:/sbin"
 ISOTHERM_STICK_TYPE=ext4
-if modprobe -q vfat 2>/dev/null || grep -qw vfat /proc/filesystems; then
+if command -v mkfs.vfat >/dev/null && command -v mcopy >/dev/null && { modprobe -q vfat 2>/dev/null || grep -qw vfat /proc/filesystems; }; then
     ISOTHERM_STICK_TYPE=vfat
 fi
 export ISOTHERM_STICK_TYPE

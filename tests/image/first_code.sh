@@ -56,7 +56,7 @@ make_account() {
 
 start_web
 first=$(cat "$root/run/setup-code")
-grep -q "the code for the first account, valid for a day: $first\$" "$root/web.log" || die 'the code is not in the journal and on the console'
+grep -q "the code for the first account, valid until an hour after the start: $first\$" "$root/web.log" || die 'the code is not in the journal and on the console'
 [ "$(stat -c %a "$root/run/setup-code")" = 640 ] || die 'others can read the code'
 [ "$(make_account "$first")" = 201 ] || die 'the code makes no account'
 waits_for 'the code is shown although there is an account' test ! -e "$root/run/setup-code"

@@ -36,7 +36,7 @@ brought() {
     isotherm log --json | tr -d '\n' | grep -q 'update-installed, asked by page of user' || die 'the update is not on record'
     journalctl --sync
     code=$(cat /run/isotherm-web/setup-code)
-    journalctl --no-pager --boot --unit isotherm-web | grep -q "the code for the first account, valid for a day: $code" || die 'the code is not in the journal'
+    journalctl --no-pager --boot --unit isotherm-web | grep -q "the code for the first account, valid until an hour after the start: $code" || die 'the code is not in the journal'
     [ "$(stat -c '%a %U %G' /run/isotherm-web/setup-code)" = '640 isotherm-web isotherm-web' ] || die 'others can read the code'
     say 'a code for the first account of the web server waits'
     wait_for 60 'the machine does not settle' settled

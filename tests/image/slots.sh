@@ -101,9 +101,16 @@ has isotherm-b.efi
     echo 'FAILED: check-update copies the kernel image of an update that it refuses'
     exit 1
 }
+mv "$entries/isotherm-b.efi" "$entries/isotherm-b+2-1.efi"
+update isotherm-qemu-amd64 0.1.0-10 5
+[ ! -e "$entries/isotherm-a.new" ] || {
+    echo 'FAILED: check-update lets an update replace the last good version while the running one is on trial'
+    exit 1
+}
+mv "$entries/isotherm-b+2-1.efi" "$entries/isotherm-b.efi"
 update isotherm-qemu-amd64 0.1.0-10 0
 cmp -s "$ISOTHERM_ROOT/bundle/isotherm.efi" "$entries/isotherm-a.new" && [ "$(cat "$entries/isotherm-a.new.version")" = 0.1.0-10 ] || {
     echo 'FAILED: check-update does not copy the kernel image of a good update'
     exit 1
 }
-echo '    check-update: for another board, older, the same, newer'
+echo '    check-update: for another board, older, the same, on trial, newer'

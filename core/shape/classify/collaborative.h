@@ -6,8 +6,9 @@
  *
  * Features are brought to a common mean and size first (standard.h). How they are compressed, and
  * the penalty lambda of the codes, are chosen for each training set by leave-one-out: each shape is
- * coded over all others, and the choice is made by the share of shapes that are told to be of their
- * class plus the mean share of a shape's class among its nearest (first tier). */
+ * coded over all others (their mean and size are those of all shapes), and the choice is made by
+ * the share of shapes that are told to be of their class plus the mean share of a shape's class
+ * among its nearest (first tier). */
 #ifndef ISO_CORE_SHAPE_CLASSIFY_COLLABORATIVE_H
 #define ISO_CORE_SHAPE_CLASSIFY_COLLABORATIVE_H
 

@@ -4,11 +4,13 @@
 
 #include "core/shape/classify/collaborative.h"
 
-/* What is tried, first what is taken if nothing can be learnt: a code of features of length 1. */
+/* Penalties that are tried, for features of length 1. The first one is used if no class has two
+ * shapes. */
 static const double lambdas[] = {2.0, 8.0, 0.5, 0.1};
 enum { LAMBDAS = sizeof lambdas / sizeof *lambdas };
 
-/* At most so many shapes, spread evenly over the training set, are left out in turn. */
+/* At most so many shapes are left out in turn, which bounds the time: every k-th of the training
+ * set. */
 enum { LEFT_OUT_MAX = 60 };
 
 /* The working memory. */

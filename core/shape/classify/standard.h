@@ -6,8 +6,7 @@
  *  1. parts without negative values are compressed by their root or logarithm. The root makes the
  *     Euclidean distance of histograms the one of Hellinger (Rao, Qüestiió 19, 1995); the logarithm
  *     makes the factors of eigenvalues differences;
- *  2. the mean feature is subtracted. A code of the rest is a code with an intercept: the mean is
- * one more atom, whose coefficient is not penalised and for the whole training set is 1;
+ *  2. the mean feature is subtracted: what is coded is how a feature differs from the mean;
  *  3. each part is divided by its root mean square over the training set, so that all parts count
  *     alike. Logarithms are divided by the standard deviation of each value before that;
  *  4. the feature is scaled to a given length. */

@@ -37,7 +37,8 @@ enum cli_exit cli_installer_slots(struct cli_installer *installer, struct cli_sl
  * progress on standard error. cli_interrupt_catch() must have been called. Besides the faults of
  * cli_installer_open:
  *   CLI_EXIT_NO          foreign-key: no bundle that is signed with a key of this image;
- *                        other-board; not-newer: check-update (board/image/programs) refuses it
+ *                        other-board; not-newer; on-trial (the running version is not yet found to
+ *                        be good): check-update (board/image/programs) refuses it
  *   CLI_EXIT_FAULT       busy; not-installed: any other reason, in RAUC's words; update-fault: RAUC
  *                        has ended
  *   CLI_EXIT_TIMED_OUT   no-reply: RAUC has reported nothing for ten minutes

@@ -155,6 +155,13 @@ static enum cli_exit refusal(struct cli_installer *installer, const char *path,
         return cli_fault_set(fault, CLI_EXIT_NO, "other-board", "%.160s: it is for another board",
                              path);
     }
+    if (strcmp(said, HANDLER_ENDED "5") == 0) {
+        return cli_fault_set(
+            fault, CLI_EXIT_NO, "on-trial",
+            "%.100s: the running version is not yet found to be good: try again in "
+            "some minutes",
+            path);
+    }
     return cli_fault_set(fault, CLI_EXIT_FAULT, "not-installed", "%.70s: not installed: %.160s",
                          path, *said ? said : "RAUC gives no reason (journalctl --unit=rauc)");
 }

@@ -30,9 +30,10 @@ struct sim_shapes_study_options {
 };
 
 /* Looks at every mesh before the work begins; those that cannot be used are named and left out.
- * If the queries are distorted or not all shapes, classifiers learn from all shapes but the query's
- * own, otherwise in ten folds. Prints a line for each method and classifier, and writes below
- * `out`:
+ * If the queries are distorted or not all shapes, classifiers that tell classes learn from all
+ * shapes but the query's own, otherwise in ten folds. For the ranking a collaborative classifier
+ * chooses its compression and penalty by the classes of all shapes. Prints a line for each method
+ * and classifier, and writes below `out`:
  *
  *   measures.csv                       all measures, and times
  *   meshes.csv                         what was found in each mesh (describe/corpus.h)

@@ -69,9 +69,6 @@ static void factor_is_that_of_the_plain_loop(void **state)
                 assert_true(fabs(a[i * n + j] - plain[i * n + j]) <= 1e-12 * (n + 1.0));
 #endif
             }
-            for (int j = i + 1; j < n; j++) {
-                assert_true(isnan(a[i * n + j])); /* it is not written either */
-            }
         }
     }
 }

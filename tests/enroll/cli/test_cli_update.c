@@ -113,6 +113,8 @@ static void refused_bundles_are_named_with_the_reason(void **state)
                                                     "exited with code 3"},
                                   ignored = {.error = "Pre-install handler error: Child process "
                                                       "exited with code 4"},
+                                  trial = {.error = "Pre-install handler error: Child process "
+                                                    "exited with code 5"},
                                   damaged = {.error = "Installation error: Failed updating slot "
                                                       "root.1: Input/output error\nmore"},
                                   silent = {.error = ""};
@@ -131,6 +133,10 @@ static void refused_bundles_are_named_with_the_reason(void **state)
     expect_refusal(&answer, 1, about(path, "it is not newer than the running version"));
     answer = update(&ignored, path, NULL);
     expect_refusal(&answer, 1, about(path, "it is for another board"));
+    answer = update(&trial, path, NULL);
+    expect_refusal(&answer, 1,
+                   about(path, "the running version is not yet found to be good: try again in some "
+                               "minutes"));
     answer = update(&damaged, path, NULL);
     expect_refusal(&answer, 4,
                    about(path, "not installed: Installation error: Failed updating slot root.1: "

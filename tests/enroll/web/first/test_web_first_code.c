@@ -1,5 +1,5 @@
 /* The code for the first account that the server makes itself: it waits while there is no account,
- * makes room for one of root, is made anew after its day, and the server notices that a factory
+ * makes room for one of root, ends an hour after the start, and the server notices that a factory
  * reset has removed the accounts. */
 #include <errno.h>
 #include <stdio.h>
@@ -25,7 +25,12 @@ static struct {
     char accounts_path[256], code_path[256], shown_path[256];
 } rig;
 
-static int64_t now_s;
+static int64_t now_s, up_s;
+
+static int64_t up(void)
+{
+    return up_s;
+}
 
 static int64_t now(void)
 {
@@ -40,6 +45,7 @@ static void start(bool makes_codes)
                                                .code_path = rig.code_path,
                                                .makes_codes = makes_codes,
                                                .now_s = now,
+                                               .up_s = up,
                                                .every_us = 1000};
 
     assert_int_equal(web_first_code_new(&setup, &rig.first), 0);
@@ -52,6 +58,7 @@ static int setup(void **state)
     assert_int_equal(scratch_setup(state), 0);
     assert_true(sodium_init() >= 0);
     now_s = 1000000;
+    up_s = 100;
     (void)snprintf(rig.accounts_path, sizeof rig.accounts_path, "%s/accounts.json",
                    (const char *)*state);
     (void)snprintf(rig.code_path, sizeof rig.code_path, "%s/setup.code", (const char *)*state);
@@ -141,6 +148,50 @@ static void a_code_that_has_ended_is_followed_by_the_next(void **state)
     free(before);
 }
 
+/* Also if the clock is set meanwhile. */
+static void after_an_hour_there_is_no_code_until_the_next_start(void **state)
+{
+    (void)state;
+    start(true);
+    assert_int_equal(look(), 1);
+    char *before = shown();
+    up_s += WEB_FIRST_CODE_HELD_S - 1;
+    now_s += 1000000000;
+    assert_int_equal(look(), 1);
+    expect_shown_and_valid();
+    now_s -= 1000000000;
+    up_s++;
+    assert_int_equal(look(), 1);
+    assert_null(shown());
+    assert_false(web_setup_code_waits(rig.code_path, now_s));
+    assert_int_equal(look(), 1);
+    assert_null(shown());
+    web_first_code_free(rig.first);
+    start(true);
+    assert_int_equal(look(), 1);
+    expect_shown_and_valid();
+    char *after = shown();
+    assert_string_not_equal(before, after);
+    free(before);
+    free(after);
+}
+
+/* An hour after the start, a code of root is not touched. */
+static void the_code_of_root_outlives_the_hour(void **state)
+{
+    char code[WEB_SETUP_CODE_SIZE];
+    struct iso_fault fault = {.text = ""};
+    (void)state;
+
+    start(true);
+    assert_int_equal(look(), 1);
+    assert_int_equal(web_setup_code_make(rig.code_path, now_s, code, &fault), 0);
+    assert_int_equal(look(), 1);
+    up_s += WEB_FIRST_CODE_HELD_S;
+    assert_int_equal(look(), 1);
+    assert_true(web_setup_code_is(rig.code_path, now_s, code));
+}
+
 /* Nobody can read the code of an earlier start any more. */
 static void a_start_makes_a_new_code(void **state)
 {
@@ -197,6 +248,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         ON_RIG(a_code_waits_until_there_is_an_account),
         ON_RIG(a_code_that_has_ended_is_followed_by_the_next),
+        ON_RIG(after_an_hour_there_is_no_code_until_the_next_start),
+        ON_RIG(the_code_of_root_outlives_the_hour),
         ON_RIG(a_start_makes_a_new_code),
         ON_RIG(a_code_of_root_stays),
         ON_RIG(without_the_option_there_is_no_code),

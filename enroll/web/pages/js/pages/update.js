@@ -29,6 +29,7 @@ const REFUSALS = {
     'too-large': N_('It is too large.'),
     'no-room': N_('The disk of the appliance has no room for this file.'),
     unreadable: N_('It cannot be read from the USB stick.'),
+    'on-trial': N_('The version that runs is not yet found to be good. Try again in some minutes.'),
     busy: N_('Another update was being installed.'),
 };
 
