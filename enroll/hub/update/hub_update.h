@@ -46,7 +46,9 @@ void hub_update_path(const struct hub_store *store, const uint8_t sha256[32],
 int hub_update_add(struct hub_store *store, const struct hub_update_file *file,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Deletes the rows and the files of a version. -ENOENT; -EALREADY a zone is on the way to it. */
+/* Deletes the rows and the files of a version. -ENOENT; -EALREADY a rollout of it runs or was
+ * stopped.
+ */
 int hub_update_remove(struct hub_store *store, const char *version, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -72,8 +74,16 @@ int hub_rollout_start(struct hub_store *store, const struct hub_rollout_options 
 int hub_rollout_stop(struct hub_store *store, const char *zone, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Lets a stopped one go on. What has failed so far does not count any more. */
+/* Lets a stopped one go on. What has failed so far does not count any more. -EALREADY none was
+ * stopped, or a door takes part in a running one of another zone; -ENOENT also: its version was
+ * removed. */
 int hub_rollout_resume(struct hub_store *store, const char *zone, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Looks at all running rollouts, whose doors may all be silent. The leader calls this once a minute
+ * as long as the broker is connected; without it a rollout is looked at when one of its doors asks.
+ */
+int hub_rollouts_look(struct hub_store *store, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 struct hub_rollout {

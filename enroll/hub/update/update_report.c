@@ -30,7 +30,7 @@ void hub__update_report_read(const char *health, struct iso_fleet_update_report 
         }
         take_word(object, ISO_FLEET_UPDATE_VERSION, out->version);
         take_word(object, ISO_FLEET_UPDATE_BOARD, out->board);
-        (void)snprintf(out->fault, sizeof out->fault, "%s", member(object, ISO_FLEET_UPDATE_FAULT));
+        iso_fleet_update_fault_copy(out->fault, member(object, ISO_FLEET_UPDATE_FAULT));
     }
     json_decref(object);
 }

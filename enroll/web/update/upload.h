@@ -5,8 +5,9 @@
  *
  *   DIR/page/            of the web server
  *     bundle.part        comes just now
- *     bundle.raucb       complete; the unit has it
+ *     bundle.raucb       complete; the unit takes it
  *     restart            a wish: the machine shall restart into the update
+ *   DIR/page.raucb       of root: the bundle that is being installed
  *   DIR/result.json      of root: what became of the last update (programs/install-update)
  *
  * One bundle at a time. Nothing is synchronised to the disk: after a power cut the image empties

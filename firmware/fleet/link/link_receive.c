@@ -1,4 +1,5 @@
 #include <errno.h>
+#include <sodium.h>
 #include <string.h>
 
 #include "firmware/fleet/link/link_inner.h"
@@ -109,6 +110,7 @@ static void take_lease(struct link_door *door, const struct iso_fleet_lease *lea
     const bool is_first = !door->has_lease;
 
     link_answered(door);
+    memcpy(door->answered_nonce, lease->nonce, sizeof door->answered_nonce);
     if (door->answered) {
         door->answered(door->update_context);
     }
@@ -258,7 +260,10 @@ void link_receive(struct link_door *door, const char *topic, const void *bytes, 
         return;
     }
     if (letter.kind == ISO_FLEET_UPDATE) {
-        if (door->ordered) {
+        /* An order is for the answer that was taken last: nobody can repeat an earlier one. */
+        if (door->ordered && door->has_lease &&
+            sodium_memcmp(letter.update.nonce, door->answered_nonce, sizeof door->answered_nonce) ==
+                0) {
             door->ordered(door->update_context, &letter.update);
         }
         return;

@@ -29,6 +29,7 @@ enum {
 /* The unit isotherm-restart.path of the image looks for it. /run is empty after a restart. */
 /* Of the image (board/image/etc/image.tmpfiles). */
 #define INBOX       "/var/lib/isotherm-update/hub"
+#define TAKEN_FILE  "/var/lib/isotherm-update/hub.raucb"
 #define RESULT_FILE "/var/lib/isotherm-update/result.json"
 
 struct service {
@@ -83,6 +84,7 @@ static int start_update(struct service *service, const char *ca, struct iso_faul
                                             .folder = options->state,
                                             .program = ISOTHERM_PROGRAM,
                                             .inbox = INBOX,
+                                            .taken_file = TAKEN_FILE,
                                             .result_file = RESULT_FILE,
                                             .from_hour = options->from_hour,
                                             .until_hour = options->until_hour,

@@ -62,7 +62,7 @@ void link_update_set(struct link_update *u, enum iso_fleet_update_state state, c
     struct iso_fault fault = {.text = ""};
 
     u->record.state = state;
-    (void)snprintf(u->record.fault, sizeof u->record.fault, "%.*s", (int)strcspn(text, "\n"), text);
+    iso_fleet_update_fault_copy(u->record.fault, text);
     if (link_update_record_write(u->record_file, &u->record, &fault) < 0) {
         link_update_note(u, fault.text);
     }
@@ -270,10 +270,11 @@ static int copy_setup(struct link_update *u, const struct link_update_setup *set
     u->setup.folder = copy(setup->folder);
     u->setup.program = copy(setup->program);
     u->setup.inbox = copy(setup->inbox);
+    u->setup.taken_file = copy(setup->taken_file);
     u->setup.result_file = copy(setup->result_file);
     u->setup.event = sd_event_ref(setup->event);
     if (!u->setup.hub_url || !u->setup.folder || !u->setup.program || !u->setup.inbox ||
-        !u->setup.result_file || !u->setup.ca_file != !setup->ca_file) {
+        !u->setup.taken_file || !u->setup.result_file || !u->setup.ca_file != !setup->ca_file) {
         return -ENOMEM;
     }
     const bool fits = join(u->file, setup->inbox, "bundle.part") &&
@@ -320,6 +321,7 @@ void link_update_free(struct link_update *u)
     free((char *)(uintptr_t)u->setup.folder);
     free((char *)(uintptr_t)u->setup.program);
     free((char *)(uintptr_t)u->setup.inbox);
+    free((char *)(uintptr_t)u->setup.taken_file);
     free((char *)(uintptr_t)u->setup.result_file);
     free(u);
 }

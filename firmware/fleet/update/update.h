@@ -27,8 +27,8 @@
  * the inbox, which units of root look at (board/image/README.md):
  *
  *   bundle.part    comes just now; after a restart the rest is fetched if the same file is ordered
- *   bundle.raucb   complete; isotherm-update@hub.service installs and removes it, and says in the
- *                  result file what became of it
+ *   bundle.raucb   complete; isotherm-update@hub.service takes it away, installs it, and says in
+ *                  the result file what became of it. As long as it works, the taken file is there
  *   restart        isotherm-restart@hub.service restarts the machine if an update waits */
 #ifndef ISO_FIRMWARE_FLEET_UPDATE_UPDATE_H
 #define ISO_FIRMWARE_FLEET_UPDATE_UPDATE_H
@@ -48,6 +48,7 @@ struct link_update_setup {
     const char *ca_file;       /* its authority; NULL: plain HTTP, for tests */
     const char *folder;        /* of the record */
     const char *inbox;         /* the folder that the image looks at */
+    const char *taken_file;    /* the name of the file while the image installs it */
     const char *result_file;   /* what became of the last file that the image has taken */
     const char *program;       /* isotherm(1), which shows the slots */
     int from_hour, until_hour; /* when the machine may restart, in local time; equal: always */

@@ -32,6 +32,12 @@ static bool is_same(const struct link_update_stamp *a, const struct link_update_
            a->changed.tv_nsec == b->changed.tv_nsec;
 }
 
+/* Whether the image has still to take the file, or has not done with it. */
+static bool is_with_image(const struct link_update *u)
+{
+    return access(u->bundle, F_OK) == 0 || access(u->setup.taken_file, F_OK) == 0;
+}
+
 static void begin_to_wait(struct link_update *u)
 {
     u->stamp = stamp_of(u->setup.result_file);
@@ -40,7 +46,7 @@ static void begin_to_wait(struct link_update *u)
 
 bool link_update_is_handed_over(struct link_update *u)
 {
-    if (access(u->bundle, F_OK) != 0) {
+    if (!is_with_image(u)) {
         return false;
     }
     begin_to_wait(u);
@@ -69,7 +75,7 @@ int link_update_result_read(const char *path, char why[ISO_FLEET_UPDATE_FAULT_SI
     return is_read ? 0 : -EBADMSG;
 }
 
-/* The image has removed the file. */
+/* The image has done with the file. */
 static void take_result(struct link_update *u)
 {
     const struct link_update_stamp now = stamp_of(u->setup.result_file);
@@ -100,7 +106,7 @@ void link_update_install(struct link_update *u)
 {
     if (!u->handed_us) {
         hand_over(u);
-    } else if (access(u->bundle, F_OK) != 0) {
+    } else if (!is_with_image(u)) {
         take_result(u);
     } else if (link_update_now_us(u) - u->handed_us > MOST_S * LINK_UPDATE_S_US) {
         (void)unlink(u->bundle);

@@ -114,7 +114,11 @@ static void a_bundle_is_handed_over(void **state)
     json_t *seen = update_rig_look();
     assert_true(json_is_true(json_object_get(seen, "handed_over")));
     json_decref(seen);
-    assert_int_equal(unlink(update_rig_page("bundle.raucb")), 0);
+    const char *taken = scratch_path(update_rig.folder, "page.raucb");
+    assert_int_equal(rename(update_rig_page("bundle.raucb"), taken), 0);
+    update_rig_announce(&client, 5);
+    update_rig_expect_answer(&client, 409, "update-running");
+    assert_int_equal(unlink(taken), 0);
     update_rig_announce(&client, 5);
     https_send(&client, "fresh");
     update_rig_expect_answer(&client, 202, "");

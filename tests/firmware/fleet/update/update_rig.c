@@ -134,8 +134,9 @@ void update_rig_turn(struct update_rig *rig)
 
 void update_rig_start(struct update_rig *rig)
 {
-    char inbox[340], result[340];
+    char inbox[340], taken[340], result[340];
     (void)snprintf(inbox, sizeof inbox, "%s/hub", rig->state);
+    (void)snprintf(taken, sizeof taken, "%s/hub.raucb", rig->state);
     (void)snprintf(result, sizeof result, "%s/result.json", rig->state);
     const struct link_update_setup setup = {
         .event = rig->event,
@@ -144,6 +145,7 @@ void update_rig_start(struct update_rig *rig)
         .hub_url = rig->server.url,
         .folder = rig->folder,
         .inbox = inbox,
+        .taken_file = taken,
         .result_file = result,
         .program = rig->program};
     struct iso_fault fault = {.text = ""};
