@@ -30,7 +30,8 @@ struct iso__grid_band {
     uint32_t least, most;          /* keys; most is 0 if no vertex has heat */
     float key_mm2[ISO__GRID_KEYS]; /* 0 below `least` and above `most` */
 
-    /* Cells outside of the run of their row are colder than run_heat at all corners. */
+    /* Each row has a run of columns. A cell outside of it is colder than run_heat at its four
+     * corners. */
     struct iso__grid_run *run; /* [grid->height] */
     float run_heat;
 

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* The values of a linear function at the corners of a triangle, by size. */
+/* The temperatures at the three corners of a triangle, in ascending order. */
 struct iso__corner_heat {
     double low, middle, high;
 };

@@ -130,9 +130,9 @@ struct iso_curve iso_tracer_curve(const struct iso_tracer *tracer, int index)
                               &tracer->points[from]};
 }
 
-/* How many times a curve, closed by a chord if it is open, turns about a place seen from the front:
- * how often it crosses the ray along +x upwards, less how often downwards. *area: twice the area
- * that it encloses. */
+/* The winding number of a curve about `centre`, seen from the front: the number of its upward
+ * crossings of the ray along +x minus the number of its downward crossings. A chord closes an open
+ * curve. *area receives twice the area that the curve encloses. */
 static int turns_about(struct iso_curve curve, struct iso_vec3 centre, double *area)
 {
     double sum = 0.0;

@@ -4,7 +4,9 @@
 
 #include "isotherm/head_model.h"
 
-/* Adds the normal of each triangle, twice its area long, to the sums of its corners. */
+/* Adds the normal of each triangle to the sum of each of its three corners. The length of a normal
+ * is twice the area of its triangle, mm2. shape_mm and sum have an entry for each vertex; the
+ * caller sets sum to zero before. */
 void iso_triangle_normals(const uint32_t (*triangles)[3], uint32_t n_triangles,
                           const struct iso_vec3 *shape_mm, struct iso_vec3 *sum);
 

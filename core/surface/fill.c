@@ -179,7 +179,7 @@ void iso_fill_free(struct iso_fill *fill)
             iso_wipe_free(fill->level[i].weight);
         }
         free(fill->domain);
-        free(fill->hole);
+        iso_wipe_free(fill->hole); /* where the last face was not measured */
         free(fill->weight);
         iso_wipe_free(fill->plane);
         iso_wipe_free(fill->between);

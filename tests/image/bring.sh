@@ -50,17 +50,6 @@ exec "$(command -v busctl)" --address="$story_address" "\$@"
 END
 PATH=$root/bin:$PATH
 
-# waits_for WHAT COMMAND...
-waits_for() {
-    what=$1 tries=300
-    shift
-    until "$@" >/dev/null 2>&1; do
-        tries=$((tries - 1))
-        [ $tries -gt 0 ] || die "$what"
-        sleep 0.2
-    done
-}
-
 # rauc_is OPTIONS...: the stand-in for RAUC, with these options
 rauc_is() {
     if [ -n "$rauc_pid" ]; then
@@ -78,7 +67,7 @@ says() {
     grep -q "$1" "$root/said" || die "it does not say '$1'"
 }
 
-# The result for the pages, and the last act on record.
+# The result for the pages; an act that must be on record.
 result_is() {
     tr -d '\n' <"$state/result.json" | grep -q "$1" || die "the result is $(cat "$state/result.json"), and not $1"
     grep -q '"at_s":[1-9][0-9]*,' "$state/result.json" || die 'the result has no time'

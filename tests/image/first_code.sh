@@ -25,16 +25,6 @@ die() {
     exit 1
 }
 
-waits_for() {
-    what=$1 tries=300
-    shift
-    until "$@" >/dev/null 2>&1; do
-        tries=$((tries - 1))
-        [ $tries -gt 0 ] || die "$what"
-        sleep 0.2
-    done
-}
-
 # The options are those of the image.
 options=$(sed -n 's/^Environment=ISOTHERM_WEB_OPTIONS=//p' "$source_dir/board/image/units/isotherm-web.service.d/image.conf")
 port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')

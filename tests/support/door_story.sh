@@ -73,3 +73,14 @@ has_logged() {
 count_logged() {
     log_records | { grep -o "$1" || true; } | wc -l
 }
+
+# waits_for WHAT COMMAND...: until the command succeeds. After a minute it calls `die WHAT`, which the script defines.
+waits_for() {
+    what=$1 tries=300
+    shift
+    until "$@" >/dev/null 2>&1; do
+        tries=$((tries - 1))
+        [ $tries -gt 0 ] || die "$what"
+        sleep 0.2
+    done
+}

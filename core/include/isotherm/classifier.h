@@ -47,9 +47,10 @@ struct iso_classifier_ops {
  *     nn-l1, nn-l2   nearest neighbour
  *     crc-rls        collaborative representation, regularised least squares
  *     rcr            relaxed collaborative representation, weights of the parts optimised
- *                    (both subtract the mean feature, give all parts the same size, and choose by
- *                    leave-one-out whether parts without negative values are compressed by their
- *                    root or logarithm, and the penalty of the codes among 0.1, 0.5, 2 and 8)
+ *                    (crc-rls and rcr subtract the mean feature and give all parts the same size.
+ *                    By leave-one-out they choose the penalty of the codes from 0.1, 0.5, 2 and 8,
+ *                    and how they compress parts without negative values: by the square root, by
+ *                    the logarithm, or not at all)
  *     naive-bayes    independent normal densities
  */
 extern const struct iso_classifier_ops *const iso_classifiers[];
@@ -86,7 +87,7 @@ int iso_classifier_score(const struct iso_classifier *classifier, const float *f
  *
  * @param classifier  The classifier.
  * @param feature     [layout->size]: the feature, finite.
- * @param left        Index of a training feature that is left out; -1: none.
+ * @param left        Index of the training feature that the ranking leaves out; -1: it uses all.
  * @param distance    [n]: receives the distances; lower is more alike. It is 0 for the feature that
  *                    is left out.
  * @return 0; -ENOSYS for a kind that cannot rank; errors of the kind. */

@@ -66,8 +66,9 @@ int iso_collaborative_score(const void *model, const float *feature, double *sco
 int iso_collaborative_rank(const void *model, const float *feature, int32_t left, double *distance)
     __attribute__((warn_unused_result));
 
-/* Chooses model->lambda for the model's dictionaries (collaborative_choice.c). `quality` receives
- * what the choice was made by, 0..2, or 0 if no class has two shapes. -ENOMEM. */
+/* Chooses model->lambda for the model's dictionaries (collaborative_choice.c). *quality receives
+ * the quality of the chosen one, 0..2: the share of shapes whose class is told plus the mean first
+ * tier. It is 0 if no class has two shapes. -ENOMEM. */
 int iso_collaborative_choose(struct iso_collaborative *model, double *quality)
     __attribute__((warn_unused_result));
 

@@ -3,13 +3,13 @@
  * Without this, features that have a large part in common, such as the eigenvalues of Shape-DNA,
  * are nearly parallel: a code over them is then determined by what all shapes share. In steps:
  *
- *  1. parts without negative values are compressed by their root or logarithm. The root makes the
- *     Euclidean distance of histograms the one of Hellinger (Rao, Qüestiió 19, 1995); the logarithm
- *     makes the factors of eigenvalues differences;
- *  2. the mean feature is subtracted: what is coded is how a feature differs from the mean;
- *  3. each part is divided by its root mean square over the training set, so that all parts count
- *     alike. Logarithms are divided by the standard deviation of each value before that;
- *  4. the feature is scaled to a given length. */
+ *  1. The square root or the logarithm compresses parts without negative values. With the square
+ *     root, the Euclidean distance of two histograms is their Hellinger distance (Rao, Qüestiió 19,
+ *     1995). With the logarithm, eigenvalues that differ by a factor differ by a constant.
+ *  2. The mean feature is subtracted, so a code describes how a feature differs from the mean.
+ *  3. Each logarithm is divided by its standard deviation. Then each part is divided by its root
+ *     mean square over the training set, so that all parts have the same weight.
+ *  4. The feature is scaled to a given length. */
 #ifndef ISO_CORE_SHAPE_CLASSIFY_STANDARD_H
 #define ISO_CORE_SHAPE_CLASSIFY_STANDARD_H
 

@@ -12,7 +12,7 @@ struct hub_outbox_zone {
     uint64_t published, published_epoch;
 };
 
-/* How far the keys of a zone's new epoch are: the doors up to `last` have been emitted theirs. */
+/* The progress of a zone's new epoch: the keys of the doors up to `last` were emitted. */
 struct hub_outbox_keys {
     struct iso_fleet_id zone;
     uint64_t epoch;
@@ -29,7 +29,8 @@ struct hub_outbox {
     size_t n_keys;
 };
 
-enum { HUB_OUTBOX_KEYS = 200 }; /* of a zone at once: the caller's loop stands still for them */
+/* Keys of a zone in one call; the caller's event loop waits for them. */
+enum { HUB_OUTBOX_KEYS = 200 };
 
 /* Emits what the broker does not have: for each zone the KEY of a new epoch for each of its doors,
  * at most HUB_OUTBOX_KEYS at once; if all doors have theirs, the new deltas in their order, at most

@@ -1,8 +1,8 @@
 /* The messages of doors that wait for the database. They are taken one at a time, so that other
  * sources of the event loop get their turn. A queue that is full drops the newest message: each
- * door says the same again as long as it has no answer. A door that asks again needs no
- * answer to its earlier question, so a QUESTION takes the place of one of the same door that still
- * waits. One thread. */
+ * door says the same again as long as it has no answer. A door that asks again needs no answer to
+ * its earlier question, so a QUESTION replaces the one of the same door that still waits. One
+ * thread. */
 #ifndef HUB_SERVE_MAIL_QUEUE_H
 #define HUB_SERVE_MAIL_QUEUE_H
 
@@ -33,8 +33,8 @@ struct hub_mail_queue {
 /* The door of a topic isotherm/door/ID/out or .../online. False: it is another topic. */
 bool hub_mail_topic(const char *topic, struct iso_fleet_id *door, bool *is_presence);
 
-/* Copies a message to the end, or a QUESTION over the earlier one of its door. False: the queue is
- * full, or there is no memory. */
+/* Copies a message to the end. A QUESTION replaces the earlier one of its door, if that still
+ * waits. False: the queue is full, or there is no memory. */
 bool hub_mail_put(struct hub_mail_queue *queue, const struct iso_fleet_id *door, bool is_presence,
                   const void *bytes, size_t size);
 

@@ -52,7 +52,7 @@ static void write_totals(FILE *out, const struct hub_service *service)
         {"messages_refused_total", "", "Messages of doors that were refused", t->refused},
         {"messages_dropped_total", "", "Messages for which there was no room",
          service->mail.dropped},
-        {"questions_replaced_total", "", "Questions in whose place a later one was answered",
+        {"questions_replaced_total", "", "Questions that a later one of the same door has replaced",
          service->mail.replaced},
         {"messages_waiting", "", "Messages that wait for the database", service->mail.n},
         {"emitted_total", "", "Messages that were handed to the broker", t->emitted},

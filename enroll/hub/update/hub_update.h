@@ -3,7 +3,8 @@
  *
  * A door counts as failed when it says so, when it runs its former version again, or when it has
  * not reported for HUB_UPDATE_SILENT_S after it was told. A time in which the hub itself did not
- * look does not count.
+ * look does not count. The hub looks when a door of the rollout asks, and once a minute
+ * (hub_rollouts_look()).
  *
  *   state of a door   what it means
  *   waiting           it was not told yet; doors are told in the order in which they ask

@@ -151,9 +151,9 @@ static int store_state(const struct step *s, enum hub__door_state state, bool co
 
 /* ---- the rollout ---- */
 
-/* Behind this lock nobody else tells doors of the rollout. Nobody waits for it, because rows of
- * doors are locked already, and two hubs could wait for each other in a circle: whoever does not
- * get it leaves the rollout as it is, and the next question of the door comes within a minute. */
+/* While this lock is held, nobody else tells doors of the rollout. The transaction has locked rows
+ * of doors before. So nobody waits for the lock, because two hubs could then wait for each other:
+ * whoever does not get it leaves the rollout as it is, and the door asks again within a minute. */
 static int lock(struct step *s, bool *is_locked, struct iso_fault *fault)
 {
     struct hub_values values = {.n = 0};

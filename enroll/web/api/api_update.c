@@ -1,6 +1,5 @@
-/* Updates of the image: their state, a bundle that comes as the body of a request, and the restart
- * into an update. The acts are on record before the bundle is handed over and before the machine is
- * asked to restart. */
+/* Updates of the image: their state, the upload of a bundle, and the restart into an update. The
+ * audit log records the act first. Then the bundle is handed over, or the restart is asked for. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

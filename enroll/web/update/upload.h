@@ -4,11 +4,11 @@
  * makes:
  *
  *   DIR/page/            of the web server
- *     bundle.part        comes just now
- *     bundle.raucb       complete; the unit takes it
- *     restart            a wish: the machine shall restart into the update
+ *     bundle.part        is being received
+ *     bundle.raucb       is complete; the unit installs it
+ *     restart            asks for a restart into the update (isotherm-restart@.path)
  *   DIR/page.raucb       of root: the bundle that is being installed
- *   DIR/result.json      of root: what became of the last update (programs/install-update)
+ *   DIR/result.json      of root: what became of the last update (install-update)
  *
  * One bundle at a time. Nothing is synchronised to the disk: after a power cut the image empties
  * the folder. */

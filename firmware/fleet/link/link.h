@@ -17,8 +17,8 @@
  * arrives.
  *
  * UPDATE goes to whoever installs updates, and to no daemon. A message of the broker reaches the
- * daemon only if its kind fits its topic, the hub has signed
- * it, and it names this door or a zone of it. What the daemon then says decides:
+ * daemon only if its kind fits its topic, the hub has signed it, and it names this door or a zone
+ * of it. What the daemon then says decides:
  *
  *   APPLIED   a change is confirmed by a QUESTION; after a KEY, a LEASE or a snapshot the zones of
  *             the door are read and compared again

@@ -36,7 +36,8 @@ struct iso_link_outcome {
 struct iso_link_daemon {
     void *context;
     int (*status)(void *context, struct iso_link_status *out, struct iso_fault *fault);
-    /* A QUESTION with a new nonce; the door accepts the answers to the last four. */
+    /* Makes a QUESTION with a new nonce. The daemon accepts the answers to the last four questions.
+     */
     int (*question)(void *context, struct iso_fleet_bytes *out, struct iso_fault *fault);
     /* Hands over a message of the hub. A message that is refused is no error. */
     int (*receive)(void *context, const void *bytes, size_t size, struct iso_link_outcome *out,

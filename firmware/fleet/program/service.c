@@ -26,7 +26,6 @@ enum {
     QUIET_S = 60, /* nobody was at the door, before a restart */
 };
 
-/* The unit isotherm-restart.path of the image looks for it. /run is empty after a restart. */
 /* Of the image (board/image/etc/image.tmpfiles). */
 #define INBOX       "/var/lib/isotherm-update/hub"
 #define TAKEN_FILE  "/var/lib/isotherm-update/hub.raucb"

@@ -127,7 +127,8 @@ static int cross_validate(const struct machine *m, double cost, int32_t *right)
         }
         struct svm_model *model = part.l > 0 ? learn(&part, cost) : NULL;
         for (int32_t i = fold; model && i < m->n; i += FOLDS) {
-            *right += (int)svm_predict(model, m->row[i]) == (int)m->label[i];
+            const int told = (int)svm_predict(model, m->row[i]);
+            *right += told == (int)m->label[i];
         }
         svm_free_and_destroy_model(&model);
     }

@@ -20,7 +20,7 @@ static double value(uint32_t *state)
     return (double)*state / 2147483648.0 - 1.0;
 }
 
-/* B B' + a diagonal, with NaN above the diagonal, which is not to be read. */
+/* B B' + a diagonal. NaN above the diagonal would be in the factor if it had an influence. */
 static void make_matrix(int n, uint32_t seed, double *a)
 {
     static double b[N_MAX * N_MAX];

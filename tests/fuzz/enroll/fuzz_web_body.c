@@ -16,6 +16,7 @@
 #include "enroll/web/daemon/last_seen.h"
 #include "enroll/web/http/now.h"
 #include "enroll/web/login/turns.h"
+#include "enroll/web/update/update.h"
 #include "firmware/contract/contract.h"
 #include "tests/fuzz/enroll/web_stand_in.h"
 #include "tests/fuzz/fuzz.h"
@@ -85,6 +86,10 @@ static void begin_world(void)
                                               .feed = api->feed,
                                               .sessions = &world.sessions};
     fuzz_check(web_enrolment_new(&setup, &api->enrolment) == 0, "the enrolment is made");
+    /* A machine without an image: RAUC is never asked. */
+    const struct web_update_setup update = {
+        .event = world.event, .bus = "", .folder = "/nonexistent", .os_release = "/nonexistent"};
+    fuzz_check(web_update_new(&update, &api->update) == 0, "the updates are made");
     open_accounts();
     begin_session();
     for (const struct web_route *route = web_api_routes; route->method; route++) {

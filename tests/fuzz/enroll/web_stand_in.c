@@ -232,6 +232,17 @@ void web_exchange_problem(struct web_exchange *exchange, unsigned status, const 
     web_exchange_json(exchange, status, json_pack("{s:s, s:s}", "code", code, "detail", detail));
 }
 
+/* Of an intake (route.h), which begins before there is a body. */
+void web_exchange_refuse(struct web_exchange *exchange, unsigned status, const char *code,
+                         const char *detail)
+{
+    (void)exchange;
+    (void)status;
+    (void)code;
+    (void)detail;
+    fuzz_check(false, "a handler of a body does not begin an intake");
+}
+
 void web_exchange_header(struct web_exchange *exchange, const char *name, const char *value)
 {
     (void)exchange;

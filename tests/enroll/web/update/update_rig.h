@@ -41,7 +41,8 @@ const char *update_rig_word(const json_t *state, const char *member);
 /* Sends the head of a request for a bundle of `size` bytes on a connection of its own. */
 void update_rig_announce(struct https *client, size_t size);
 
-/* Reads the answer, compares the status and the code of the problem ("": none), and closes. */
+/* Reads the answer and closes the connection. Fails unless the answer has this status and this code
+ * of a problem ("": it has none). */
 void update_rig_expect_answer(struct https *client, int status, const char *code);
 
 #endif
