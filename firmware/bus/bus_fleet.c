@@ -250,6 +250,66 @@ int iso__bus_fleet_fetch(sd_bus_message *call, void *context, sd_bus_error *out)
     return iso__bus_send_reply(reply, r);
 }
 
+/* Copies a text that must fit. */
+static bool take(const char *text, char *out, size_t size)
+{
+    const size_t length = strlen(text);
+    if (length < size) {
+        memcpy(out, text, length + 1);
+    }
+    return length < size;
+}
+
+int iso__bus_fleet_update(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    struct iso_fleet *fleet = fleet_of(context, out);
+    struct iso_fault fault = {.text = ""};
+    struct iso_fleet_update_report report = {.is_known = true};
+    const char *state, *rollout, *version, *board, *why;
+    bool busy = false;
+    int r = fleet ? sd_bus_message_read(call, "sssss", &state, &rollout, &version, &board, &why)
+                  : -EIO;
+    if (r < 0) {
+        return r;
+    }
+    if (iso_fleet_update_state_read(state, &report.state) ||
+        iso_fleet_id_read(rollout, &report.rollout) ||
+        !take(version, report.version, sizeof report.version) ||
+        !take(board, report.board, sizeof report.board) ||
+        !take(why, report.fault, sizeof report.fault)) {
+        return sd_bus_error_setf(out, ISO_CONTRACT_ERROR_INVALID_ARGUMENT,
+                                 "'%.20s', '%.40s': no state of an update, or no rollout", state,
+                                 rollout);
+    }
+    r = iso_fleet_set_update(fleet, &report, &busy, &fault);
+    return r < 0 ? refuse(out, r, &fault) : sd_bus_reply_method_return(call, "b", (int)busy);
+}
+
+int iso__bus_fleet_fetch_update(sd_bus_message *call, void *context, sd_bus_error *out)
+{
+    struct iso_fleet *fleet = fleet_of(context, out);
+    struct iso_fault fault = {.text = ""};
+    struct iso_fleet_bytes bytes = {.bytes = NULL};
+    struct iso_fleet_id rollout;
+    const char *id;
+    uint64_t after;
+    sd_bus_message *reply = NULL;
+    int r = fleet ? sd_bus_message_read(call, "st", &id, &after) : -EIO;
+    if (r < 0) {
+        return r;
+    }
+    if (iso_fleet_id_read(id, &rollout)) {
+        return sd_bus_error_setf(out, ISO_CONTRACT_ERROR_INVALID_ARGUMENT, "'%.40s': no rollout",
+                                 id);
+    }
+    r = iso_fleet_fetch_update(fleet, &rollout, after, &bytes, &fault);
+    if (r < 0) {
+        return refuse(out, r, &fault);
+    }
+    r = new_reply(call, &bytes, &reply);
+    return iso__bus_send_reply(reply, r);
+}
+
 int iso__bus_fleet_events(sd_bus_message *call, void *context, sd_bus_error *out)
 {
     struct iso_fleet *fleet = fleet_of(context, out);

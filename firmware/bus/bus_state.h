@@ -171,6 +171,8 @@ int iso__bus_fleet_fetch(sd_bus_message *call, void *context, sd_bus_error *out)
 int iso__bus_fleet_snapshot(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_fleet_events(sd_bus_message *call, void *context, sd_bus_error *out);
 int iso__bus_fleet_requests(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_fleet_update(sd_bus_message *call, void *context, sd_bus_error *out);
+int iso__bus_fleet_fetch_update(sd_bus_message *call, void *context, sd_bus_error *out);
 void iso__bus_on_fleet_work(void *context, const char *what);
 
 /* The methods of an administrator (bus_admin.c). */

@@ -15,6 +15,12 @@
  *   FleetEvents(t after, u most) -> ayt  EVENTS with the records after this number, and the number of
  *                                   the last one (0: there are none)
  *   FleetRequests() -> aay          REQUESTs for people who were enrolled here and are not approved
+ *   FleetUpdate(s state, s rollout, s version, s board, s fault) -> b
+ *                                   what the next QUESTIONs tell about the image of the door
+ *                                   (firmware/fleet/order/update_order.h); whether somebody is at the
+ *                                   door, so that the machine must not restart now
+ *   FleetFetchUpdate(s rollout, t after) -> ay  FETCH for the part of an update that begins after so
+ *                                   many bytes
  *
  *   signal FleetWork(s what)        something waits: "events", "requests" or "places"; at most once a
  *                                   second each */
@@ -22,16 +28,18 @@
 #ifndef ISO_FIRMWARE_CONTRACT_FLEET_WORDS_H
 #define ISO_FIRMWARE_CONTRACT_FLEET_WORDS_H
 
-#define ISO_CONTRACT_GET_FLEET      "GetFleet"
-#define ISO_CONTRACT_FLEET_JOIN     "FleetJoin"
-#define ISO_CONTRACT_FLEET_LEAVE    "FleetLeave"
-#define ISO_CONTRACT_FLEET_QUESTION "FleetQuestion"
-#define ISO_CONTRACT_FLEET_RECEIVE  "FleetReceive"
-#define ISO_CONTRACT_FLEET_FETCH    "FleetFetch"
-#define ISO_CONTRACT_FLEET_SNAPSHOT "FleetSnapshot"
-#define ISO_CONTRACT_FLEET_EVENTS   "FleetEvents"
-#define ISO_CONTRACT_FLEET_REQUESTS "FleetRequests"
-#define ISO_CONTRACT_FLEET_WORK     "FleetWork"
+#define ISO_CONTRACT_GET_FLEET          "GetFleet"
+#define ISO_CONTRACT_FLEET_JOIN         "FleetJoin"
+#define ISO_CONTRACT_FLEET_LEAVE        "FleetLeave"
+#define ISO_CONTRACT_FLEET_QUESTION     "FleetQuestion"
+#define ISO_CONTRACT_FLEET_RECEIVE      "FleetReceive"
+#define ISO_CONTRACT_FLEET_FETCH        "FleetFetch"
+#define ISO_CONTRACT_FLEET_SNAPSHOT     "FleetSnapshot"
+#define ISO_CONTRACT_FLEET_EVENTS       "FleetEvents"
+#define ISO_CONTRACT_FLEET_REQUESTS     "FleetRequests"
+#define ISO_CONTRACT_FLEET_UPDATE       "FleetUpdate"
+#define ISO_CONTRACT_FLEET_WORK         "FleetWork"
+#define ISO_CONTRACT_FLEET_FETCH_UPDATE "FleetFetchUpdate"
 
 /* The door belongs to no fleet; of all methods but GetFleet and FleetJoin. */
 #define ISO_CONTRACT_ERROR_NO_FLEET "org.isotherm.Error.NoFleet"

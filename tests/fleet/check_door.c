@@ -14,10 +14,12 @@
 #include "firmware/appliance/administration/administration.h"
 #include "firmware/appliance/appliance.h"
 #include "firmware/fleet/door/fleet_direct.h"
+#include "firmware/fleet/update/update.h"
 #include "firmware/policy/zones/zone_file.h"
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/fleet/check_events.h"
 #include "tests/fleet/check_files.h"
+#include "tests/fleet/check_update.h"
 
 /* LEFT_MS: after this time without a frame a visit is over. */
 enum { PEOPLE_MOST = 20000, VISIT_MS = 3000, LEFT_MS = 4500, FRAMES = 5 };
@@ -40,6 +42,7 @@ struct check_door {
     struct check_files files;
     int64_t shown_ns; /* when a face was shown last; 0: never */
     struct check_heard heard;
+    struct link_update *update; /* NULL: there is no link */
 };
 
 static const struct iso_zone_source zones = {iso_zone_file_read, ISO_ZONE_FOLDER};
@@ -153,7 +156,7 @@ static void start_link(struct check_door *door)
     if (!check_files_read(door->folder, &door->files)) {
         return;
     }
-    const struct link_setup setup = {
+    struct link_setup setup = {
         .event = door->setup.event,
         .daemon = iso_fleet_direct(iso_appliance_fleet(door->appliance)),
         .http = door->setup.http,
@@ -169,7 +172,17 @@ static void start_link(struct check_door *door)
         .note_context = door,
         .note = note,
     };
+    expect(door, check_update_start(door->folder, &setup, &door->update, &fault), "updates",
+           &fault);
     expect(door, link_door_new(&setup, &door->heard.link, &fault), "link", &fault);
+}
+
+static void stop_link(struct check_door *door)
+{
+    link_door_free(door->heard.link);
+    door->heard.link = NULL;
+    link_update_free(door->update);
+    door->update = NULL;
 }
 
 struct check_door *check_door_new(const struct check_door_setup *setup)
@@ -192,7 +205,7 @@ struct check_door *check_door_new(const struct check_door_setup *setup)
 
 void check_door_free(struct check_door *door)
 {
-    link_door_free(door->heard.link);
+    stop_link(door);
     iso_appliance_free(door->appliance);
     iso_audit_close(door->audit);
     iso_gallery_close(door->gallery);
@@ -230,6 +243,23 @@ void check_door_join(struct check_door *door, const char *path, char *answer, si
         start_link(door);
     }
     (void)snprintf(answer, size, "%s", error ? fault.text : "ok");
+}
+
+void check_door_link(struct check_door *door, bool runs)
+{
+    stop_link(door);
+    if (runs) {
+        start_link(door);
+    }
+}
+
+void check_door_update(const struct check_door *door, char *answer, size_t size)
+{
+    if (door->update) {
+        check_update_describe(door->update, answer, size);
+    } else {
+        (void)snprintf(answer, size, "none");
+    }
 }
 
 /* Steps doors for some time, or until all have a verdict. */

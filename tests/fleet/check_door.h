@@ -35,6 +35,14 @@ void check_door_address(const struct check_door *door, char address[ISO_TRANSFER
 /* Joins the fleet with the membership in a file, and starts the link. Writes "ok" or a fault. */
 void check_door_join(struct check_door *door, const char *path, char *answer, size_t size);
 
+/* Stops the link and the updates of a door that has joined, and starts them again if they shall
+ * run. */
+void check_door_link(struct check_door *door, bool runs);
+
+/* Writes how far the door is with an update (check_update_describe()); "none": the link does not
+ * run. */
+void check_door_update(const struct check_door *door, char *answer, size_t size);
+
 /* Shows usable frames of a face at n doors, one after the other person has left, and steps the
  * doors until each visit has a verdict, at most three seconds. check_door_answer() then is "allow
  * NAME", "deny REASON" or "nothing". */

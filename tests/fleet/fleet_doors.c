@@ -1,8 +1,8 @@
 /* Many doors of a fleet in one process, for tests/fleet/fleet_check.sh.
  *
- *   fleet_doors run FOLDER FIRST COUNT      doors FIRST ... FIRST + COUNT - 1, in FOLDER/NUMBER
- * each, until SIGTERM; commands come over FOLDER/FIRST.socket fleet_doors ask SOCKET WORD... sends
- * one command, and prints the answer
+ *   fleet_doors run FOLDER FIRST COUNT   doors FIRST ... FIRST + COUNT - 1, in FOLDER/NUMBER each,
+ *                                        until SIGTERM; commands come over FOLDER/FIRST.socket
+ *   fleet_doors ask SOCKET WORD...       sends one command, and prints the answer
  *
  * Commands (NUMBER: of a door, or "all"):
  *   show NUMBER FACE          "allow NAME", "deny REASON" or "nothing", one line a door
@@ -10,6 +10,8 @@
  *   address NUMBER            the appliance's address
  *   join NUMBER FILE          "ok" or a fault; FILE: the membership
  *   advance NUMBER SECONDS    moves the clock since the boot forward
+ *   link NUMBER on|off        "ok"; stops the link, and starts it anew if it is on
+ *   update NUMBER             check_door_update()
  *   state NUMBER              check_door_describe()
  */
 #include <errno.h>
@@ -69,6 +71,11 @@ static void answer_for(struct check_door *door, char *const words[], int n, char
     } else if (strcmp(words[0], "advance") == 0 && n == 3) {
         check_door_advance(door, atoll(words[2]));
         (void)snprintf(answer, size, "ok");
+    } else if (strcmp(words[0], "link") == 0 && n == 3) {
+        check_door_link(door, strcmp(words[2], "on") == 0);
+        (void)snprintf(answer, size, "ok");
+    } else if (strcmp(words[0], "update") == 0) {
+        check_door_update(door, answer, size);
     } else if (strcmp(words[0], "state") == 0) {
         check_door_describe(door, answer, size);
     } else {

@@ -13,7 +13,7 @@ export ISOTHERM_ROOT
 story_directory=$ISOTHERM_ROOT/story story_source=$source_dir
 root=$ISOTHERM_ROOT bus_pid='' daemon_pid='' rauc_pid='' loop=''
 state=$root/var/lib/isotherm-update
-mkdir -p "$root/bin" "$root/story" "$state/incoming"
+mkdir -p "$root/bin" "$root/story" "$state/page"
 . "$source_dir/tests/support/door_story.sh"
 
 # shellcheck disable=SC2317 # called by the trap
@@ -94,9 +94,9 @@ dbus_begins() {
 # ---- the pages ----
 
 page() {
-    echo "$1" >"$state/incoming/bundle.raucb"
-    "$source_dir/board/image/programs/install-update" page "$state/incoming/bundle.raucb" >"$root/said" 2>&1 || die 'install-update fails'
-    [ ! -e "$state/incoming/bundle.raucb" ] || die 'the bundle is not removed'
+    echo "$1" >"$state/page/bundle.raucb"
+    "$source_dir/board/image/programs/install-update" page "$state/page/bundle.raucb" >"$root/said" 2>&1 || die 'install-update fails'
+    [ ! -e "$state/page/bundle.raucb" ] && [ ! -e "$state/page.raucb" ] || die 'the bundle is not removed'
 }
 
 dbus_begins
@@ -105,7 +105,7 @@ page good
 says 'the update by page is installed'
 result_is '"from":"page",.*"installed": true,.*"slot": "b",.*"version": "2.0.0"'
 act_is update-installed page
-grep -q "InstallBundle $state/incoming/bundle.raucb" "$root/rauc.log" || die 'RAUC is not asked'
+grep -q "InstallBundle $state/page.raucb" "$root/rauc.log" || die 'RAUC is not asked'
 
 rauc_is --error 'Pre-install handler error: Child process exited with code 3'
 page old
@@ -120,14 +120,16 @@ if grep -q InstallBundle "$root/rauc.log"; then
     die 'RAUC is asked to install a foreign bundle'
 fi
 # What whoever has taken over the web server could put there: a folder, or a link to another file, which stays.
-mkdir "$state/incoming/bundle.raucb"
-"$source_dir/board/image/programs/install-update" page "$state/incoming/bundle.raucb" >"$root/said" 2>&1 || die 'install-update fails'
-result_is '"code": "bad-file"'
+rauc_is
+mkdir "$state/page/bundle.raucb"
+"$source_dir/board/image/programs/install-update" page "$state/page/bundle.raucb" >"$root/said" 2>&1 || die 'install-update fails'
+result_is '"code":"bad-file"'
 echo kept >"$root/kept"
-ln -s "$root/kept" "$state/incoming/bundle.raucb"
-"$source_dir/board/image/programs/install-update" page "$state/incoming/bundle.raucb" >"$root/said" 2>&1 || die 'install-update fails'
-result_is '"code": "foreign-key"'
-[ ! -L "$state/incoming/bundle.raucb" ] || die 'the link is not removed'
+ln -s "$root/kept" "$state/page/bundle.raucb"
+"$source_dir/board/image/programs/install-update" page "$state/page/bundle.raucb" >"$root/said" 2>&1 || die 'install-update fails'
+result_is '"code":"bad-file"'
+[ ! -s "$root/rauc.log" ] || die 'RAUC is asked for what is no file'
+[ ! -L "$state/page/bundle.raucb" ] || die 'the link is not removed'
 [ -e "$root/kept" ] || die 'what the link names is removed'
 echo '    install-update: a good bundle, an older one, a foreign one, what is none'
 
@@ -135,9 +137,9 @@ echo '    install-update: a good bundle, an older one, a foreign one, what is no
 
 restart() {
     rm -f "$root/asked"
-    : >"$state/incoming/restart"
-    "$source_dir/board/image/programs/restart-into-update" >"$root/said" 2>&1 || die 'restart-into-update fails'
-    [ ! -e "$state/incoming/restart" ] || die 'the wish is not removed'
+    : >"$state/page/restart"
+    "$source_dir/board/image/programs/restart-into-update" page >"$root/said" 2>&1 || die 'restart-into-update fails'
+    [ ! -e "$state/page/restart" ] || die 'the wish is not removed'
     [ "$(cat "$root/asked" 2>/dev/null)" = "$1" ] || die "systemd is asked: $(cat "$root/asked" 2>/dev/null), and not: $1"
 }
 
@@ -198,7 +200,7 @@ put_in
 says 'the update by stick is installed'
 result_is '"from":"stick",.*"installed": true'
 act_is update-installed stick
-grep -q "InstallBundle $state/stick-$(basename "$loop").raucb" "$root/rauc.log" || die 'RAUC is not asked'
+grep -q "InstallBundle $state/stick.raucb" "$root/rauc.log" || die 'RAUC is not asked'
 rauc_is --error 'Pre-install handler error: Child process exited with code 4'
 put_in
 result_is '"from":"stick",.*"code": "other-board"'

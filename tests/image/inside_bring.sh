@@ -7,10 +7,10 @@ update_result() {
 
 # As the web server would do it.
 page_brings() {
-    cp "$VM_SOURCE/build/image/bundles/$1" /var/lib/isotherm-update/incoming/bundle.part
-    chown isotherm-web:isotherm-web /var/lib/isotherm-update/incoming/bundle.part
-    chmod 0600 /var/lib/isotherm-update/incoming/bundle.part
-    mv /var/lib/isotherm-update/incoming/bundle.part /var/lib/isotherm-update/incoming/bundle.raucb
+    cp "$VM_SOURCE/build/image/bundles/$1" /var/lib/isotherm-update/page/bundle.part
+    chown isotherm-web:isotherm-web /var/lib/isotherm-update/page/bundle.part
+    chmod 0600 /var/lib/isotherm-update/page/bundle.part
+    mv /var/lib/isotherm-update/page/bundle.part /var/lib/isotherm-update/page/bundle.raucb
 }
 
 nothing_is_left() {

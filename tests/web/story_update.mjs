@@ -10,7 +10,7 @@ import { examineAll } from './story_pages.mjs';
 
 const NOT_NEWER = 'Pre-install handler error: Child process exited with code 3';
 const folder = (run) => join(run.rig.scratch, 'root/var/lib/isotherm-update');
-const incoming = (run, name) => join(folder(run), 'incoming', name);
+const pageFile = (run, name) => join(folder(run), 'page', name);
 
 async function raucIs(run, ...words) {
   await stop(run.rauc);
@@ -34,10 +34,10 @@ function program(run, name, ...words) {
     { PATH: `${bin}:${process.env.PATH}`, ISOTHERM_ROOT: join(run.rig.scratch, 'root') });
 }
 
-// What isotherm-update.path and its service do.
+// What isotherm-update@page.path and its service do.
 async function install(run) {
-  await eventually('a bundle that is handed over', () => existsSync(incoming(run, 'bundle.raucb')));
-  return program(run, 'install-update', 'page', incoming(run, 'bundle.raucb'));
+  await eventually('a bundle that is handed over', () => existsSync(pageFile(run, 'bundle.raucb')));
+  return program(run, 'install-update', 'page', pageFile(run, 'bundle.raucb'));
 }
 
 async function choose(run, page, name, contents) {
@@ -58,7 +58,7 @@ async function noImage(run) {
 
 async function refused(run) {
   const page = run.first;
-  mkdirSync(join(folder(run), 'incoming'), { recursive: true });
+  mkdirSync(join(folder(run), 'page'), { recursive: true });
   await raucIs(run, '--error', NOT_NEWER);
   await goTo(page, /^update$/i);
   await seesText(page, /in use/i);
@@ -68,7 +68,7 @@ async function refused(run) {
   await examineAll(run, page, 'update-refused');
   await choose(run, page, 'empty.raucb', '');
   await seesAlert(page, /has not arrived whole/i);
-  expect(!existsSync(incoming(run, 'bundle.part')) && !existsSync(incoming(run, 'bundle.raucb')), 'nothing was expected to stay');
+  expect(!existsSync(pageFile(run, 'bundle.part')) && !existsSync(pageFile(run, 'bundle.raucb')), 'nothing was expected to stay');
 }
 
 async function installed(run) {
@@ -78,8 +78,8 @@ async function installed(run) {
   writeFileSync(hold, '');
   await raucIs(run, '--hold', hold);
   await choose(run, page, 'isotherm-2.raucb', bundle);
-  await eventually('the bundle is handed over', () => existsSync(incoming(run, 'bundle.raucb')), 60000);
-  expect(readFileSync(incoming(run, 'bundle.raucb')).equals(bundle), 'the bundle was expected to arrive as it is');
+  await eventually('the bundle is handed over', () => existsSync(pageFile(run, 'bundle.raucb')), 60000);
+  expect(readFileSync(pageFile(run, 'bundle.raucb')).equals(bundle), 'the bundle was expected to arrive as it is');
   const unit = await install(run);
   await seesText(page, /is being checked and installed.*40\s?%/is, 20000);
   await examineAll(run, page, 'update-installing');
@@ -100,10 +100,10 @@ async function restarts(run) {
   await find(page, 'dialog', /restart now/i);
   await examineAll(run, page, 'update-restart');
   await press(page, 'button', /^restart$/i);
-  await eventually('the wish for a restart', () => existsSync(incoming(run, 'restart')));
-  expectEqual(await program(run, 'restart-into-update').ended, 0, 'the exit code of restart-into-update');
+  await eventually('the wish for a restart', () => existsSync(pageFile(run, 'restart')));
+  expectEqual(await program(run, 'restart-into-update', 'page').ended, 0, 'the exit code of restart-into-update');
   expectEqual(readFileSync(join(run.rig.scratch, 'systemctl.asked'), 'utf8').trim(), 'reboot', 'what systemd is asked');
-  expect(!existsSync(incoming(run, 'restart')), 'the wish was expected to be removed');
+  expect(!existsSync(pageFile(run, 'restart')), 'the wish was expected to be removed');
   expectEqual((await alerts(page)).join(''), '', 'faults on the page');
 }
 
@@ -114,9 +114,9 @@ async function leftAlone(run) {
   await session.send('Network.enable');
   await session.send('Network.emulateNetworkConditions', { offline: false, latency: 0, downloadThroughput: -1, uploadThroughput: 1 << 20 });
   await choose(run, page, 'isotherm-3.raucb', Buffer.alloc(60 << 20, 'x'));
-  await eventually('a bundle that comes', () => existsSync(incoming(run, 'bundle.part')), 30000);
+  await eventually('a bundle that comes', () => existsSync(pageFile(run, 'bundle.part')), 30000);
   await goTo(page, /^door$/i);
-  await eventually('nothing stays', () => !existsSync(incoming(run, 'bundle.part')), 30000);
+  await eventually('nothing stays', () => !existsSync(pageFile(run, 'bundle.part')), 30000);
   await session.send('Network.emulateNetworkConditions', { offline: false, latency: 0, downloadThroughput: -1, uploadThroughput: -1 });
   await session.detach();
   await pause(500);

@@ -47,9 +47,10 @@ json_t *cli_update_json(const struct cli_update_view *view)
                              cli_report_text(version), "running", slot->running, "good", slot->good,
                              "next", slot->next));
     }
-    return json_pack("{s:o, s:o, s:s, s:i, s:o}", "image", cli_report_text(view->running.image),
-                     "version", cli_report_text(view->running.version), "operation",
-                     view->state->operation, "percent", view->state->percent, "slots", slots);
+    return json_pack("{s:o, s:s, s:o, s:s, s:i, s:o}", "image",
+                     cli_report_text(view->running.image), "board", view->state->board, "version",
+                     cli_report_text(view->running.version), "operation", view->state->operation,
+                     "percent", view->state->percent, "slots", slots);
 }
 
 const struct cli_slot *cli_update_waiting(const struct cli_slots *slots)

@@ -275,7 +275,9 @@ static int emit_update(const struct work *w, const struct hub_emit *emit, struct
 {
     struct iso_fleet_bytes bytes = {.bytes = NULL};
     char topic[ISO_FLEET_TOPIC_SIZE];
-    int error = iso_fleet_make_update(&w->update, &w->store->keys.signs, &bytes);
+    struct iso_fleet_update order = w->update;
+    memcpy(order.nonce, w->question->nonce, sizeof order.nonce);
+    int error = iso_fleet_make_update(&order, &w->store->keys.signs, &bytes);
     if (error) {
         return iso_fault_set(fault, error, "door %s: an order: no memory", w->door->name);
     }

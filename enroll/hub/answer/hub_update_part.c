@@ -28,14 +28,12 @@ static int find_file(struct hub_store *store, const struct hub_door *door,
     PGresult *rows = NULL;
     hub_value_id(&values, &fetch->zone);
     hub_value_id(&values, &door->id);
-    /* The board is that of the last report, by which the order was made. */
     int error = hub_db_run_often(
         store->db,
         "SELECT f.sha256, f.size FROM rollout r JOIN rollout_door d ON d.rollout = r.id "
-        "JOIN door ON door.id = d.door JOIN update_file f ON f.version = r.version "
+        "JOIN update_file f ON f.version = r.version AND f.board = d.board "
         "WHERE r.id = $1 AND d.door = $2 AND r.state = 'running' AND d.state IN ('told', "
-        "'fetching', 'installed') AND f.board = (CASE WHEN door.health = '' THEN NULL ELSE "
-        "door.health::json END)->>'" ISO_FLEET_UPDATE_BOARD "'",
+        "'fetching', 'installed')",
         &values, &rows, fault);
     if (error) {
         return error;
@@ -90,6 +88,8 @@ int hub_answer_update(struct hub_store *store, const void *bytes, size_t size, i
         const uint64_t left = fetch.after < file_size ? file_size - fetch.after : 0;
         *offset = fetch.after < file_size ? fetch.after : file_size;
         *length = left < ISO_FLEET_UPDATE_PART_BYTES ? left : ISO_FLEET_UPDATE_PART_BYTES;
+        /* The event loop sends it, and shall not wait for the disk. */
+        (void)posix_fadvise(*fd, (off_t)*offset, (off_t)*length, POSIX_FADV_WILLNEED);
     }
     return error;
 }

@@ -42,6 +42,10 @@ void hub__api_list_requests(void *api, struct web_exchange *exchange);
 void hub__api_approve_request(void *api, struct web_exchange *exchange);
 void hub__api_reject_request(void *api, struct web_exchange *exchange);
 
+/* ---- api_updates.c ---- */
+void hub__api_list_updates(void *api, struct web_exchange *exchange);
+void hub__api_list_rollout_doors(void *api, struct web_exchange *exchange);
+
 /* ---- api_events.c ---- */
 void hub__api_list_events(void *api, struct web_exchange *exchange);
 

@@ -10,12 +10,14 @@
 #include "enroll/hub/broker/broker_config.h"
 #include "enroll/hub/serve/service.h"
 #include "enroll/hub/store/hub_door.h"
+#include "enroll/hub/update/hub_update.h"
 
 enum {
     DELTAS_LEAST = 4, /* of a zone at once */
     DELTAS_MOST = 200,
     LATE_S = 5,
     FOLLOW_S = 60, /* the broker's folder is compared with the doors at least so often */
+    ROLLOUTS_S = 60,
 };
 
 #define SLOW_S 1.0 /* for the acknowledgement of what was published at once */
@@ -316,6 +318,25 @@ static void follow_broker(struct hub_service *service)
     }
 }
 
+/* Silence of doors says nothing while the broker is away. */
+static void look_at_rollouts(struct hub_service *service)
+{
+    const double begun_s = hub__clock_s();
+    struct iso_fault fault = {.text = ""};
+
+    if (!service->is_leader || !hub_mqtt_is_connected(service->mqtt) ||
+        (int64_t)begun_s < service->rollouts_s) {
+        return;
+    }
+    service->rollouts_s = (int64_t)begun_s + ROLLOUTS_S;
+    const int r = hub_rollouts_look(&service->store, &fault);
+    hub__measured(service, "the look at rollouts", begun_s);
+    hub__database_state(service, r, &fault);
+    if (r && r != -ENOTCONN) {
+        fprintf(stderr, SD_WARNING "isotherm-hub: rollouts: %s\n", fault.text);
+    }
+}
+
 static int on_tick(sd_event_source *source, uint64_t usec, void *context)
 {
     struct hub_service *service = context;
@@ -332,6 +353,7 @@ static int on_tick(sd_event_source *source, uint64_t usec, void *context)
     start_outlets(service);
     publish(service);
     follow_broker(service);
+    look_at_rollouts(service);
     hub__look_for_notes(service);
     hub__home_publish(service, false);
     hub__scim_mend(service);

@@ -94,6 +94,7 @@ struct hub_service {
     sd_event_source *hourly;
     int64_t followed;   /* the newest act that the broker's folder follows */
     int64_t follow_s;   /* when the folder is compared in any case */
+    int64_t rollouts_s; /* when the rollouts are looked at next */
     int64_t pruned_s;   /* when old rows were deleted last */
     bool prunes;        /* a task does it now */
     int64_t mended_s;   /* when people of identity providers were linked last */

@@ -3,8 +3,8 @@
  *
  * A door counts as failed when it says so, when it runs its former version again, or when it has
  * not reported for HUB_UPDATE_SILENT_S after it was told. A time in which the hub itself did not
- * look does not count. The hub looks when a door of the rollout asks: if no door of it asks any
- * more, nothing changes.
+ * look does not count. The hub looks when a door of the rollout asks, and once a minute
+ * (hub_rollouts_look()).
  *
  *   state of a door   what it means
  *   waiting           it was not told yet; doors are told in the order in which they ask
@@ -47,7 +47,9 @@ void hub_update_path(const struct hub_store *store, const uint8_t sha256[32],
 int hub_update_add(struct hub_store *store, const struct hub_update_file *file,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Deletes the rows and the files of a version. -ENOENT; -EALREADY a zone is on the way to it. */
+/* Deletes the rows and the files of a version. -ENOENT; -EALREADY a rollout of it runs or was
+ * stopped.
+ */
 int hub_update_remove(struct hub_store *store, const char *version, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -73,8 +75,16 @@ int hub_rollout_start(struct hub_store *store, const struct hub_rollout_options 
 int hub_rollout_stop(struct hub_store *store, const char *zone, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Lets a stopped one go on. What has failed so far does not count any more. */
+/* Lets a stopped one go on. What has failed so far does not count any more. -EALREADY none was
+ * stopped, or a door takes part in a running one of another zone; -ENOENT also: its version was
+ * removed. */
 int hub_rollout_resume(struct hub_store *store, const char *zone, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Looks at all running rollouts, whose doors may all be silent. The leader calls this once a minute
+ * as long as the broker is connected; without it a rollout is looked at when one of its doors asks.
+ */
+int hub_rollouts_look(struct hub_store *store, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 struct hub_rollout {

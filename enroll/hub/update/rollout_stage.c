@@ -24,10 +24,11 @@ void hub_rollout_move(struct hub_rollout_stage *stage, const struct hub_rollout_
     }
 }
 
-uint32_t hub_rollout_spread_s(const struct hub_rollout_stage *stage, uint64_t bytes)
+uint32_t hub_rollout_spread_s(const struct hub_rollout_stage *stage, int64_t doors, uint64_t bytes)
 {
     /* Half of all doors that were told are of the present stage, but for the first one. */
-    const int64_t doors = stage->stage == 1 ? stage->most : stage->most / 2;
-    const double seconds = (double)doors * (double)bytes / HUB_ROLLOUT_BYTES_PER_S;
+    const int64_t most = stage->most < doors ? stage->most : doors;
+    const int64_t fetching = stage->stage == 1 ? most : most - stage->most / 2;
+    const double seconds = (double)fetching * (double)bytes / HUB_ROLLOUT_BYTES_PER_S;
     return seconds < HUB_ROLLOUT_SPREAD_MOST_S ? (uint32_t)seconds : HUB_ROLLOUT_SPREAD_MOST_S;
 }

@@ -38,8 +38,8 @@ void hub_rollout_move(struct hub_rollout_stage *stage, const struct hub_rollout_
                       int64_t now_s);
 
 /* Within which time the doors of a stage begin to fetch, so that they need HUB_ROLLOUT_BYTES_PER_S
- * together, in seconds; HUB_ROLLOUT_SPREAD_MOST_S at most. */
+ * together, in seconds; HUB_ROLLOUT_SPREAD_MOST_S at most. `doors`: that take part in all. */
 enum { HUB_ROLLOUT_BYTES_PER_S = 12500000, HUB_ROLLOUT_SPREAD_MOST_S = 4 * 3600 };
-uint32_t hub_rollout_spread_s(const struct hub_rollout_stage *stage, uint64_t bytes);
+uint32_t hub_rollout_spread_s(const struct hub_rollout_stage *stage, int64_t doors, uint64_t bytes);
 
 #endif

@@ -19,18 +19,18 @@ static void take_word(const json_t *object, const char *name, char out[ISO_FLEET
     }
 }
 
-void hub__update_report_read(const char *health, struct hub__update_report *out)
+void hub__update_report_read(const char *health, struct iso_fleet_update_report *out)
 {
     json_t *object = json_loads(health, 0, NULL);
-    *out = (struct hub__update_report){.is_given = false};
+    *out = (struct iso_fleet_update_report){.is_known = false};
     if (iso_fleet_update_state_read(member(object, ISO_FLEET_UPDATE_STATE), &out->state) == 0) {
-        out->is_given = true;
+        out->is_known = true;
         if (iso_fleet_id_read(member(object, ISO_FLEET_UPDATE_ROLLOUT), &out->rollout)) {
             out->rollout = (struct iso_fleet_id){.bytes = {0}};
         }
         take_word(object, ISO_FLEET_UPDATE_VERSION, out->version);
         take_word(object, ISO_FLEET_UPDATE_BOARD, out->board);
-        (void)snprintf(out->fault, sizeof out->fault, "%s", member(object, ISO_FLEET_UPDATE_FAULT));
+        iso_fleet_update_fault_copy(out->fault, member(object, ISO_FLEET_UPDATE_FAULT));
     }
     json_decref(object);
 }

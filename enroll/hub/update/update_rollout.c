@@ -106,8 +106,7 @@ static int start(void *context, struct iso_fault *fault)
 {
     struct work *w = context;
     const struct hub_rollout_options *o = w->options;
-    int error = hub_db_script(w->store->db, "LOCK TABLE rollout IN SHARE ROW EXCLUSIVE MODE",
-                              fault);
+    int error = hub_db_script(w->store->db, "LOCK TABLE rollout IN EXCLUSIVE MODE", fault);
     error = error ? error : check_version(w, fault);
     error = error ? error : hub_zone_find(w->store, o->zone, &w->zone, fault);
     error = error ? error : check_free(w, fault);
@@ -136,7 +135,17 @@ int hub_rollout_start(struct hub_store *store, const struct hub_rollout_options 
 struct turn {
     struct hub_store *store;
     const char *zone, *from, *sql, *act, *unfit;
+    bool begins; /* it must still be possible, as at its start */
 };
+
+static int check_again(const struct turn *t, const struct hub_zone *zone, const char *version,
+                       struct iso_fault *fault)
+{
+    const struct hub_rollout_options options = {.version = version};
+    const struct work w = {.store = t->store, .options = &options, .zone = *zone};
+    const int error = check_version(&w, fault);
+    return error ? error : check_free(&w, fault);
+}
 
 /* Runs the statement for the rollout of the zone that has the state `from`; its $1 is the id, its
  * $2 the actor. */
@@ -146,7 +155,8 @@ static int turn(void *context, struct iso_fault *fault)
     struct hub_zone zone;
     struct hub_values find = {.n = 0}, values = {.n = 0};
     PGresult *rows = NULL;
-    int error = hub_zone_find(t->store, t->zone, &zone, fault);
+    int error = hub_db_script(t->store->db, "LOCK TABLE rollout IN EXCLUSIVE MODE", fault);
+    error = error ? error : hub_zone_find(t->store, t->zone, &zone, fault);
     if (error) {
         return error;
     }
@@ -159,6 +169,9 @@ static int turn(void *context, struct iso_fault *fault)
     if (!error && PQntuples(rows) == 0) {
         error = iso_fault_set(fault, -EALREADY, "zone %s has no rollout that %s", zone.name,
                               t->unfit);
+    }
+    if (!error && t->begins) {
+        error = check_again(t, &zone, hub_row_text(rows, 0, 1), fault);
     }
     if (!error) {
         const struct iso_fleet_id id = hub_row_id(rows, 0, 0);
@@ -197,6 +210,7 @@ int hub_rollout_resume(struct hub_store *store, const char *zone, struct iso_fau
                "WHERE id = $1 AND $2 <> ''",
         .act = "update-resume",
         .unfit = "was stopped",
+        .begins = true,
     };
     return hub_db_transaction(store->db, HUB_READ_COMMITTED, turn, &t, fault);
 }

@@ -14,12 +14,14 @@ enum {
 struct step {
     struct hub_store *store;
     const struct iso_fleet_id *door;
-    struct hub__update_report report;
+    struct iso_fleet_update_report report;
     /* Of the database. */
     struct iso_fleet_id rollout;
     char version[ISO_FLEET_UPDATE_WORD_SIZE], zone[HUB_NAME_SIZE];
+    char board[ISO_FLEET_UPDATE_WORD_SIZE]; /* that the door had when it was told; "": it was not */
     struct hub_rollout_stage stage;
     int64_t told, counted_s, watched_s;
+    int64_t doors; /* that were told or wait; 0: not counted now */
     enum hub__door_state state;
     bool counts;
     struct hub_update_file file; /* for the board of the door; size 0: there is none */
@@ -34,7 +36,7 @@ static int find(struct step *s, bool *found, struct iso_fault *fault)
     const int error = hub_db_run_often(
         s->store->db,
         "SELECT r.id, r.version, z.name, r.state, r.stage, r.most, r.stop_after, r.wait_s, "
-        "r.told, r.counted_s, r.watched_s, d.state, d.counts FROM rollout_door d "
+        "r.told, r.counted_s, r.watched_s, d.state, d.counts, d.board FROM rollout_door d "
         "JOIN rollout r ON r.id = d.rollout JOIN zone z ON z.id = r.zone WHERE d.door = $1 AND "
         "r.state IN ('running', 'stopped') ORDER BY r.state, r.started_s DESC LIMIT 1",
         &values, &rows, fault);
@@ -49,6 +51,7 @@ static int find(struct step *s, bool *found, struct iso_fault *fault)
         s->watched_s = hub_row_integer(rows, 0, 10);
         s->state = hub__door_state_read(hub_row_text(rows, 0, 11));
         s->counts = hub_row_switch(rows, 0, 12);
+        (void)snprintf(s->board, sizeof s->board, "%s", hub_row_text(rows, 0, 13));
     }
     PQclear(rows);
     return error;
@@ -59,7 +62,8 @@ static int find_file(struct step *s, struct iso_fault *fault)
     struct hub_values values = {.n = 0};
     PGresult *rows = NULL;
     hub_value_text(&values, s->version);
-    hub_value_text(&values, s->report.board);
+    /* After a restart a door asks before it knows its board. */
+    hub_value_text(&values, *s->report.board ? s->report.board : s->board);
     int error = hub_db_run_often(s->store->db,
                                  "SELECT version, board, size, sha256, added_s FROM update_file "
                                  "WHERE version = $1 AND board = $2",
@@ -94,14 +98,14 @@ static enum hub__door_state state_of_report(enum iso_fleet_update_state state,
 /* The state of the door by what it says, and why it is unable or has failed. */
 static enum hub__door_state new_state(const struct step *s, const char **why)
 {
-    const struct hub__update_report *report = &s->report;
+    const struct iso_fleet_update_report *report = &s->report;
     const bool is_this = iso_fleet_id_is_same(&report->rollout, &s->rollout);
     *why = "";
     /* A door that was told restarts, and its first question may come before it knows its state. */
-    if (s->counts && (!report->is_given || report->state == ISO_FLEET_UPDATE_NONE)) {
+    if (s->counts && (!report->is_known || report->state == ISO_FLEET_UPDATE_NONE)) {
         return s->state;
     }
-    if (!report->is_given) {
+    if (!report->is_known) {
         *why = "its release does not know updates by the hub";
         return HUB__DOOR_UNABLE;
     }
@@ -113,7 +117,8 @@ static enum hub__door_state new_state(const struct step *s, const char **why)
         (report->state == ISO_FLEET_UPDATE_HEALTHY || report->state == ISO_FLEET_UPDATE_IDLE)) {
         return HUB__DOOR_HEALTHY;
     }
-    if (is_this && report->state != ISO_FLEET_UPDATE_HEALTHY) {
+    if (is_this && report->state != ISO_FLEET_UPDATE_HEALTHY &&
+        report->state != ISO_FLEET_UPDATE_IDLE) {
         *why = report->fault;
         return state_of_report(report->state, s->state);
     }
@@ -137,33 +142,50 @@ static int store_state(const struct step *s, enum hub__door_state state, bool co
     hub_value_switch(&values, counts);
     hub_value_integer(&values, s->store->now_s());
     hub_value_text(&values, why);
+    hub_value_text(&values, s->file.board); /* "" without a file */
     return hub_db_run_often(s->store->db,
                             "UPDATE rollout_door SET state = $3, counts = $4, changed_s = $5, "
-                            "fault = $6 WHERE rollout = $1 AND door = $2",
+                            "fault = $6, board = $7 WHERE rollout = $1 AND door = $2",
                             &values, NULL, fault);
 }
 
 /* ---- the rollout ---- */
 
 /* While this lock is held, nobody else tells doors of the rollout. The transaction has locked rows
- * of doors before. So two hubs may wait for each other; PostgreSQL then ends one of the
- * transactions, and its messages are taken again. */
-static int lock(struct step *s, struct iso_fault *fault)
+ * of doors before. So nobody waits for the lock, because two hubs could then wait for each other:
+ * whoever does not get it leaves the rollout as it is, and the door asks again within a minute. */
+static int lock(struct step *s, bool *is_locked, struct iso_fault *fault)
 {
     struct hub_values values = {.n = 0};
     PGresult *rows = NULL;
     hub_value_id(&values, &s->rollout);
     const int error = hub_db_run_often(s->store->db,
                                        "SELECT state, stage, most, stop_after, wait_s, counted_s, "
-                                       "watched_s FROM rollout WHERE id = $1 FOR NO KEY UPDATE",
+                                       "watched_s FROM rollout WHERE id = $1 FOR NO KEY UPDATE "
+                                       "SKIP LOCKED",
                                        &values, &rows, fault);
-    if (!error && PQntuples(rows) > 0) {
+    *is_locked = !error && PQntuples(rows) > 0;
+    if (*is_locked) {
         hub__rollout_stage_row(rows, 0, 0, &s->stage);
         s->counted_s = hub_row_integer(rows, 0, 5);
         s->watched_s = hub_row_integer(rows, 0, 6);
     }
     PQclear(rows);
     return error;
+}
+
+/* A door that is expelled takes no part any more. */
+static int leave_out_expelled(const struct step *s, struct iso_fault *fault)
+{
+    struct hub_values values = {.n = 0};
+    hub_value_id(&values, &s->rollout);
+    hub_value_integer(&values, s->store->now_s());
+    return hub_db_run_often(s->store->db,
+                            "UPDATE rollout_door d SET state = 'unable', counts = false, "
+                            "changed_s = $2, fault = 'it is expelled' FROM door "
+                            "WHERE door.id = d.door AND d.rollout = $1 AND door.expelled_s > 0 "
+                            "AND d.state NOT IN ('unable', 'healthy')",
+                            &values, NULL, fault);
 }
 
 /* A door that was told and is silent has failed. */
@@ -221,11 +243,13 @@ static int move(struct step *s, struct iso_fault *fault)
     const struct hub_rollout_stage before = s->stage;
     struct hub_rollout_count count;
     char why[96] = "";
-    int error = fail_silent(s, fault);
+    int error = leave_out_expelled(s, fault);
+    error = error ? error : fail_silent(s, fault);
     error = error ? error : hub__rollout_count(s->store, &s->rollout, &count, fault);
     if (error) {
         return error;
     }
+    s->doors = count.told + count.waiting;
     hub_rollout_move(&s->stage, &count, s->store->now_s());
     const bool is_told = s->stage.state == HUB_ROLLOUT_RUNNING && s->state == HUB__DOOR_WAITING &&
                          count.told < s->stage.most;
@@ -250,8 +274,33 @@ static int move(struct step *s, struct iso_fault *fault)
 /* Whether something is to be written. */
 static bool is_due(const struct step *s, enum hub__door_state state)
 {
-    return state != s->state || (state == HUB__DOOR_WAITING && s->told < s->stage.most) ||
+    return state != s->state ||
+           (s->stage.state == HUB_ROLLOUT_RUNNING && state == HUB__DOOR_WAITING &&
+            s->told < s->stage.most) ||
            s->store->now_s() - s->counted_s >= COUNT_EVERY_S;
+}
+
+/* Stores what the door says, and moves the rollout on. */
+static int take_state(struct step *s, struct iso_fault *fault)
+{
+    const char *why = "";
+    const enum hub__door_state state = new_state(s, &why);
+    bool is_locked = false;
+    if (!is_due(s, state)) {
+        return 0;
+    }
+    int error = lock(s, &is_locked, fault);
+    if (error || !is_locked) {
+        return error;
+    }
+    if (state != s->state) {
+        /* A door that was not told counts if it acts by an order whose record was lost. */
+        const bool counts = s->counts || state == HUB__DOOR_FETCHING ||
+                            state == HUB__DOOR_INSTALLED;
+        error = store_state(s, state, counts && state != HUB__DOOR_UNABLE, why, fault);
+        s->state = state;
+    }
+    return error ? error : move(s, fault);
 }
 
 static void write_order(const struct step *s, bool *is_ordered, struct iso_fleet_update *order)
@@ -264,7 +313,8 @@ static void write_order(const struct step *s, bool *is_ordered, struct iso_fleet
             .door = *s->door,
             .rollout = s->rollout,
             .size = s->file.size,
-            .spread_s = hub_rollout_spread_s(&s->stage, s->file.size),
+            .spread_s = hub_rollout_spread_s(&s->stage, s->doors ? s->doors : s->told,
+                                             s->file.size),
         };
         memcpy(order->sha256, s->file.sha256, sizeof order->sha256);
         memcpy(order->version, s->file.version, sizeof order->version);
@@ -276,7 +326,6 @@ int hub__update_step(struct hub_store *store, const struct iso_fleet_id *door, c
                      bool *is_ordered, struct iso_fleet_update *order, struct iso_fault *fault)
 {
     struct step s = {.store = store, .door = door};
-    const char *why = "";
     bool found = false;
     *is_ordered = false;
     int error = find(&s, &found, fault);
@@ -288,20 +337,45 @@ int hub__update_step(struct hub_store *store, const struct iso_fleet_id *door, c
     if (error) {
         return error;
     }
-    const enum hub__door_state state = new_state(&s, &why);
-    if (is_due(&s, state)) {
-        error = lock(&s, fault);
-        if (!error && state != s.state) {
-            /* A door that was not told counts if it acts by an order whose record was lost. */
-            const bool counts = s.counts || state == HUB__DOOR_FETCHING ||
-                                state == HUB__DOOR_INSTALLED;
-            error = store_state(&s, state, counts && state != HUB__DOOR_UNABLE, why, fault);
-            s.state = state;
-        }
-        error = error ? error : move(&s, fault);
-    }
+    error = take_state(&s, fault);
     if (!error) {
         write_order(&s, is_ordered, order);
     }
+    return error;
+}
+
+/* ---- without a question ---- */
+
+static int look_at_one(void *context, struct iso_fault *fault)
+{
+    struct step *s = context;
+    struct hub_values values = {.n = 0};
+    PGresult *rows = NULL;
+    bool is_locked = false;
+    hub_value_id(&values, &s->rollout);
+    int error = hub_db_run_often(s->store->db,
+                                 "SELECT r.version, z.name FROM rollout r JOIN zone z "
+                                 "ON z.id = r.zone WHERE r.id = $1",
+                                 &values, &rows, fault);
+    if (!error && PQntuples(rows) > 0) {
+        (void)snprintf(s->version, sizeof s->version, "%s", hub_row_text(rows, 0, 0));
+        (void)snprintf(s->zone, sizeof s->zone, "%s", hub_row_text(rows, 0, 1));
+        error = lock(s, &is_locked, fault);
+    }
+    PQclear(rows);
+    return error || !is_locked || s->stage.state != HUB_ROLLOUT_RUNNING ? error : move(s, fault);
+}
+
+int hub_rollouts_look(struct hub_store *store, struct iso_fault *fault)
+{
+    PGresult *rows = NULL;
+    int error = hub_db_run_often(store->db, "SELECT id FROM rollout WHERE state = 'running'", NULL,
+                                 &rows, fault);
+    for (int i = 0; !error && i < PQntuples(rows); i++) {
+        struct step s = {
+            .store = store, .rollout = hub_row_id(rows, i, 0), .state = HUB__DOOR_HEALTHY};
+        error = hub_db_transaction(store->db, HUB_READ_COMMITTED, look_at_one, &s, fault);
+    }
+    PQclear(rows);
     return error;
 }

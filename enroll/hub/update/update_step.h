@@ -5,17 +5,8 @@
 
 #include "enroll/hub/update/hub_update.h"
 
-/* What a door says about itself in its health. */
-struct hub__update_report {
-    bool is_given; /* its release knows updates by the hub */
-    enum iso_fleet_update_state state;
-    struct iso_fleet_id rollout; /* zeros: none */
-    char version[ISO_FLEET_UPDATE_WORD_SIZE], board[ISO_FLEET_UPDATE_WORD_SIZE];
-    char fault[ISO_FLEET_UPDATE_FAULT_SIZE];
-};
-
 /* Reads the members of a health, which may be "" or lack some of them. */
-void hub__update_report_read(const char *health, struct hub__update_report *out);
+void hub__update_report_read(const char *health, struct iso_fleet_update_report *out);
 
 /* Stores the report, moves the rollout on, and sets *is_ordered and the order (but for its door) if
  * the door shall install something. Without a rollout of the door nothing is written. */

@@ -11,10 +11,11 @@
 #define PART    "bundle.part"
 #define BUNDLE  "bundle.raucb"
 #define RESTART "restart"
+#define TAKEN   "page.raucb"
 
 static void path_of(const struct web_upload *upload, const char *name, char path[PATH_MAX])
 {
-    (void)snprintf(path, PATH_MAX, "%s/incoming/%s", upload->folder, name);
+    (void)snprintf(path, PATH_MAX, "%s/page/%s", upload->folder, name);
 }
 
 void web_upload_init(struct web_upload *upload, const char *folder)
@@ -36,13 +37,15 @@ bool web_upload_is_coming(const struct web_upload *upload)
     return upload->fd >= 0;
 }
 
+/* The unit has still to take the bundle, or has taken it and has not done with it. */
 bool web_upload_is_handed_over(const struct web_upload *upload)
 {
     struct stat status;
-    char path[PATH_MAX];
+    char given[PATH_MAX], taken[PATH_MAX];
 
-    path_of(upload, BUNDLE, path);
-    return lstat(path, &status) == 0;
+    path_of(upload, BUNDLE, given);
+    (void)snprintf(taken, sizeof taken, "%s/" TAKEN, upload->folder);
+    return lstat(given, &status) == 0 || lstat(taken, &status) == 0;
 }
 
 uint64_t web_upload_room(const struct web_upload *upload)

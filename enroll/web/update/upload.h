@@ -1,12 +1,13 @@
 /* An update that comes by the pages: a bundle of RAUC, written to a folder as it comes. The web
  * server does not install it, and has no right to: once the file has its name, a unit of the image
- * (board/image/units/isotherm-update.path) installs and removes it. The folders, which the image
+ * (board/image/units/isotherm-update@.path) installs and removes it. The folders, which the image
  * makes:
  *
- *   DIR/incoming/        of the web server
+ *   DIR/page/            of the web server
  *     bundle.part        is being received
  *     bundle.raucb       is complete; the unit installs it
- *     restart            asks for a restart into the update (isotherm-restart.path)
+ *     restart            asks for a restart into the update (isotherm-restart@.path)
+ *   DIR/page.raucb       of root: the bundle that is being installed
  *   DIR/result.json      of root: what became of the last update (install-update)
  *
  * One bundle at a time. Nothing is synchronised to the disk: after a power cut the image empties
@@ -32,7 +33,7 @@ struct web_upload {
 /* Makes an upload that has not begun. */
 void web_upload_init(struct web_upload *upload, const char *folder);
 
-/* Whether the machine takes updates like this: DIR/incoming is a folder. */
+/* Whether the machine takes updates like this: DIR/page is a folder. */
 bool web_upload_is_possible(const struct web_upload *upload);
 
 /* Whether a bundle comes; and whether one is complete and the unit has not done with it. */

@@ -108,6 +108,15 @@ static void write_health(void *context, struct iso_json_line *line)
     iso_json_line_integer(line, "uptime-s", status.uptime_ns / ISO_NS_PER_S);
 }
 
+/* Somebody is at the door, passes through it, or has the camera. */
+static bool is_busy(void *context)
+{
+    const struct iso_appliance *appliance = context;
+    const struct iso_door_look door = iso_door_guard_look(appliance->door);
+    return appliance->mode != ISO_APPLIANCE_WATCH || door.state == ISO_DOOR_UNLOCKED ||
+           door.state == ISO_DOOR_OPENED || appliance->visit.decision.state != ISO_DECISION_IDLE;
+}
+
 static void say(void *context, int priority, const char *line)
 {
     iso__appliance_say(context, priority, "%s", line);
@@ -207,6 +216,7 @@ static int open_fleet(struct iso_appliance *appliance)
                  .lockdown = take_lockdown,
                  .changed = changed,
                  .health = write_health,
+                 .busy = is_busy,
                  .say = say},
         .algorithm = iso_appliance_status(appliance).algorithm,
     };

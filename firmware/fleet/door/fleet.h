@@ -47,6 +47,7 @@
 #include "firmware/fleet/door/fleet_term.h"
 #include "firmware/fleet/message/door_mail.h"
 #include "firmware/fleet/message/membership.h"
+#include "firmware/fleet/order/update_order.h"
 #include "firmware/policy/credential/credential_record.h"
 
 struct iso_fleet;
@@ -77,6 +78,8 @@ struct iso_fleet_host {
     void (*changed)(void *context, int64_t person, const char *name, int64_t now);
     /* Adds members about the door, for people, to the health that a QUESTION tells. NULL: none. */
     void (*health)(void *context, struct iso_json_line *line);
+    /* Whether somebody is at the door, or has the camera. NULL: it is not known. */
+    bool (*busy)(void *context);
     /* A line for the system's log; names nobody. NULL: none. */
     void (*say)(void *context, int priority, const char *line);
 };
@@ -166,6 +169,19 @@ int iso_fleet_requests(struct iso_fleet *fleet,
 /* The id that somebody has who was enrolled at a door, in the store of this name. */
 struct iso_fleet_id iso_fleet_request_id(const struct iso_fleet_id *door, const char *store,
                                          int64_t person);
+
+/* ---- updates of the image, which the link fetches; -ENOENT the door belongs to no fleet ---- */
+
+/* What the next QUESTIONs tell about the image; kept in memory until the fleet is closed. *busy:
+ * somebody is at the door now, so the machine must not restart. -EINVAL a version or a board is
+ * none, or the fault has more than one line. */
+int iso_fleet_set_update(struct iso_fleet *fleet, const struct iso_fleet_update_report *report,
+                         bool *busy, struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* A FETCH for the part of an update that begins after so many bytes. */
+int iso_fleet_fetch_update(struct iso_fleet *fleet, const struct iso_fleet_id *rollout,
+                           uint64_t after, struct iso_fleet_bytes *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
 
 /* ---- state ---- */
 

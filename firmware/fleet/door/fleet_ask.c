@@ -30,6 +30,7 @@ static size_t write_health(const struct iso_fleet *fleet, struct iso_json_line *
     iso_json_line_integer(line, "wants-snapshot", whole);
     iso_json_line_integer(line, "message-version", ISO_FLEET_VERSION);
     iso_json_line_string(line, "fault", fleet->fault.text);
+    iso__fleet_write_update(fleet, line);
     if (host->health) {
         host->health(host->context, line);
     }
@@ -89,12 +90,28 @@ int iso_fleet_question(struct iso_fleet *fleet, struct iso_fleet_bytes *out,
     return finish(error, fault);
 }
 
+int iso__fleet_sign_fetch(struct iso_fleet *fleet, struct iso_fleet_fetch *fetch,
+                          struct iso_fleet_bytes *out, struct iso_fault *fault)
+{
+    const struct iso_fleet_host *host = &fleet->options.host;
+    const struct iso_fleet_clocks now = iso__fleet_now(fleet);
+    struct iso_fleet_signer signer;
+    struct iso_fleet_receiver receiver;
+    fetch->door = fleet->record.member.door;
+    fetch->time_s = now.date_known ? now.date_s : 0;
+    randombytes_buf(fetch->nonce, sizeof fetch->nonce);
+    host->keys(host->context, &signer, &receiver);
+    const int error = iso_fleet_make_fetch(fetch, &signer, out);
+    sodium_memzero(&signer, sizeof signer);
+    sodium_memzero(&receiver, sizeof receiver);
+    return finish(error, fault);
+}
+
 int iso_fleet_fetch(struct iso_fleet *fleet, const struct iso_fleet_id *zone,
                     enum iso_fleet_wanted what, struct iso_fleet_bytes *out,
                     struct iso_fault *fault)
 {
-    const struct iso_fleet_host *host = &fleet->options.host;
-    int error = iso__fleet_ready(fleet, fault);
+    const int error = iso__fleet_ready(fleet, fault);
     if (error) {
         return error;
     }
@@ -102,20 +119,6 @@ int iso_fleet_fetch(struct iso_fleet *fleet, const struct iso_fleet_id *zone,
     if (!own) {
         return iso_fault_set(fault, -ENXIO, "the zone is not one of this door");
     }
-    const struct iso_fleet_clocks now = iso__fleet_now(fleet);
-    struct iso_fleet_fetch fetch = {
-        .door = fleet->record.member.door,
-        .zone = *zone,
-        .time_s = now.date_known ? now.date_s : 0,
-        .after = own->place.sequence,
-        .what = what,
-    };
-    randombytes_buf(fetch.nonce, sizeof fetch.nonce);
-    struct iso_fleet_signer signer;
-    struct iso_fleet_receiver receiver;
-    host->keys(host->context, &signer, &receiver);
-    error = iso_fleet_make_fetch(&fetch, &signer, out);
-    sodium_memzero(&signer, sizeof signer);
-    sodium_memzero(&receiver, sizeof receiver);
-    return finish(error, fault);
+    struct iso_fleet_fetch fetch = {.zone = *zone, .after = own->place.sequence, .what = what};
+    return iso__fleet_sign_fetch(fleet, &fetch, out, fault);
 }

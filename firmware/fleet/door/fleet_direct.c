@@ -56,6 +56,18 @@ static int get_requests(void *context, void (*each)(void *context, const void *b
     return iso_fleet_requests(context, each, each_context, fault);
 }
 
+static int update(void *context, const struct iso_fleet_update_report *report, bool *busy,
+                  struct iso_fault *fault)
+{
+    return iso_fleet_set_update(context, report, busy, fault);
+}
+
+static int fetch_update(void *context, const struct iso_fleet_id *rollout, uint64_t after,
+                        struct iso_fleet_bytes *out, struct iso_fault *fault)
+{
+    return iso_fleet_fetch_update(context, rollout, after, out, fault);
+}
+
 struct iso_link_daemon iso_fleet_direct(struct iso_fleet *fleet)
 {
     return (struct iso_link_daemon){
@@ -67,5 +79,7 @@ struct iso_link_daemon iso_fleet_direct(struct iso_fleet *fleet)
         .snapshot = snapshot,
         .events = get_events,
         .requests = get_requests,
+        .update = update,
+        .fetch_update = fetch_update,
     };
 }

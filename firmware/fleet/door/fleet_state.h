@@ -41,9 +41,10 @@ struct iso_fleet {
     uint64_t events_given, events_told;
     int64_t requests_after; /* the number of the last person who was handed out */
     unsigned work;
-    int64_t told_ns[ISO__FLEET_WORDS]; /* by the clock of the boot */
-    uint32_t snapshots;                /* counts them */
-    struct iso_fault fault;            /* of a wish of the hub that could not be done */
+    int64_t told_ns[ISO__FLEET_WORDS];     /* by the clock of the boot */
+    uint32_t snapshots;                    /* counts them */
+    struct iso_fault fault;                /* of a wish of the hub that could not be done */
+    struct iso_fleet_update_report update; /* as the link has told it (fleet_update.c) */
 };
 
 /* ---- fleet.c ---- */
@@ -58,6 +59,13 @@ int iso__fleet_store(struct iso_fleet *fleet, const struct iso__fleet_record *dr
                      struct iso_gallery_change *changes, size_t n, struct iso_fault *fault);
 
 struct iso_fleet_clocks iso__fleet_now(const struct iso_fleet *fleet);
+
+/* Signs a FETCH of this door, whose nonce and time it sets. (fleet_ask.c) */
+int iso__fleet_sign_fetch(struct iso_fleet *fleet, struct iso_fleet_fetch *fetch,
+                          struct iso_fleet_bytes *out, struct iso_fault *fault);
+
+/* Adds the members about the image to a health. (fleet_update.c) */
+void iso__fleet_write_update(const struct iso_fleet *fleet, struct iso_json_line *line);
 
 /* A change of the hub that is to be recorded. Texts may be NULL. */
 struct iso__fleet_note {

@@ -270,6 +270,9 @@ int link_door_new(const struct link_setup *setup, struct link_door **out, struct
     door->event = sd_event_ref(setup->event);
     door->daemon = setup->daemon;
     door->http = setup->http;
+    door->update_context = setup->update_context;
+    door->ordered = setup->ordered;
+    door->answered = setup->answered;
     door->note = setup->note;
     door->note_context = setup->note_context;
     door->fetch.fd = -1;

@@ -16,8 +16,9 @@
  * published before the subscription is in the answer to the question, what is published after it
  * arrives.
  *
- * A message of the broker reaches the daemon only if its kind fits its topic, the hub has signed
- * it, and it names this door or a zone of it. What the daemon then says decides:
+ * UPDATE goes to whoever installs updates, and to no daemon. A message of the broker reaches the
+ * daemon only if its kind fits its topic, the hub has signed it, and it names this door or a zone
+ * of it. What the daemon then says decides:
  *
  *   APPLIED   a change is confirmed by a QUESTION; after a KEY, a LEASE or a snapshot the zones of
  *             the door are read and compared again
@@ -73,6 +74,12 @@ struct link_setup {
     struct link_broker broker;
     const char *hub_url; /* "https://HOST:PORT"; its authority is broker.ca_file */
     const char *folder;  /* of replies (link_http.h); NULL: in memory */
+    /* Orders for updates of the image, which the hub has signed for this door (ordered), and its
+     * answers to questions, behind which an order that holds comes again (answered). Both may be
+     * NULL: orders then do nothing. */
+    void *update_context;
+    void (*ordered)(void *context, const struct iso_fleet_update *order);
+    void (*answered)(void *context);
     void *note_context;
     /* Takes one line for people about what went wrong; may be NULL. */
     void (*note)(void *context, const char *line);

@@ -278,6 +278,44 @@ static int fetch(void *context, const struct iso_fleet_id *zone, enum iso_fleet_
     return r < 0 ? r : finish_bytes(reply, out, fault);
 }
 
+static int fetch_update(void *context, const struct iso_fleet_id *rollout, uint64_t after,
+                        struct iso_fleet_bytes *out, struct iso_fault *fault)
+{
+    char text[ISO_FLEET_ID_TEXT_SIZE];
+    sd_bus_message *call = NULL, *reply = NULL;
+    int r = link__bus_begin(context, ISO_CONTRACT_FLEET_FETCH_UPDATE, &call, fault);
+
+    if (r < 0) {
+        return r;
+    }
+    r = sd_bus_message_append(call, "st", iso_fleet_id_text(rollout, text), after);
+    r = send(context, call, r, LIMIT_US, &reply, fault);
+    return r < 0 ? r : finish_bytes(reply, out, fault);
+}
+
+static int update(void *context, const struct iso_fleet_update_report *report, bool *busy,
+                  struct iso_fault *fault)
+{
+    char text[ISO_FLEET_ID_TEXT_SIZE];
+    sd_bus_message *call = NULL, *reply = NULL;
+    int is_busy = 0, r = link__bus_begin(context, ISO_CONTRACT_FLEET_UPDATE, &call, fault);
+
+    if (r < 0) {
+        return r;
+    }
+    r = sd_bus_message_append(call, "sssss", iso_fleet_update_state_word(report->state),
+                              iso_fleet_id_text(&report->rollout, text), report->version,
+                              report->board, report->fault);
+    r = send(context, call, r, LIMIT_US, &reply, fault);
+    if (r < 0) {
+        return r;
+    }
+    r = sd_bus_message_read(reply, "b", &is_busy);
+    *busy = is_busy;
+    sd_bus_message_unref(reply);
+    return r < 0 ? link__bus_bad_reply(r, fault) : 0;
+}
+
 static int snapshot(void *context, int fd, struct iso_link_outcome *out, struct iso_fault *fault)
 {
     sd_bus_message *call = NULL, *reply = NULL;
@@ -351,5 +389,7 @@ struct iso_link_daemon link_bus_daemon(struct link_bus *bus)
                                     .fetch = fetch,
                                     .snapshot = snapshot,
                                     .events = events,
-                                    .requests = requests};
+                                    .requests = requests,
+                                    .update = update,
+                                    .fetch_update = fetch_update};
 }

@@ -14,6 +14,7 @@
 #include "firmware/contract/fleet_words.h"
 #include "firmware/fleet/message/door_mail.h"
 #include "firmware/fleet/message/membership.h"
+#include "firmware/fleet/order/update_order.h"
 
 /* What the daemon has of its fleet. */
 struct iso_link_status {
@@ -54,6 +55,12 @@ struct iso_link_daemon {
      * does not know. */
     int (*requests)(void *context, void (*each)(void *context, const void *bytes, size_t size),
                     void *each_context, struct iso_fault *fault);
+    /* What the next questions tell about the image of the door. *busy: somebody is at the door. */
+    int (*update)(void *context, const struct iso_fleet_update_report *report, bool *busy,
+                  struct iso_fault *fault);
+    /* A signed FETCH for the part of an update that begins after so many bytes. */
+    int (*fetch_update)(void *context, const struct iso_fleet_id *rollout, uint64_t after,
+                        struct iso_fleet_bytes *out, struct iso_fault *fault);
 };
 
 #endif

@@ -70,6 +70,10 @@ struct link_door {
     struct link_http *http;
     struct link_broker broker; /* its texts belong to the link */
     char *hub_url, *folder;
+    uint8_t answered_nonce[ISO_FLEET_NONCE_BYTES]; /* of the LEASE that was taken last */
+    void *update_context;
+    void (*ordered)(void *context, const struct iso_fleet_update *order);
+    void (*answered)(void *context);
     void *note_context;
     void (*note)(void *context, const char *line);
 

@@ -1,4 +1,5 @@
 #include <errno.h>
+#include <sodium.h>
 #include <string.h>
 
 #include "firmware/fleet/link/link_inner.h"
@@ -12,6 +13,7 @@ struct letter {
     uint64_t sequence;      /* of DELTA and HEAD */
     uint64_t acked;         /* of ACK */
     struct iso_fleet_lease lease;
+    struct iso_fleet_update update;
 };
 
 static int read_zone_letter(struct link_door *door, const char *topic,
@@ -62,6 +64,10 @@ static int read_door_letter(struct link_door *door, const char *topic, const voi
         to = ack.door;
         out->acked = ack.number;
         break;
+    case ISO_FLEET_UPDATE:
+        r = iso_fleet_read_update(bytes, size, door->status.hub_signs, &out->update);
+        to = out->update.door;
+        break;
     default:
         return -EBADMSG;
     }
@@ -104,6 +110,10 @@ static void take_lease(struct link_door *door, const struct iso_fleet_lease *lea
     const bool is_first = !door->has_lease;
 
     link_answered(door);
+    memcpy(door->answered_nonce, lease->nonce, sizeof door->answered_nonce);
+    if (door->answered) {
+        door->answered(door->update_context);
+    }
     if (link_zones_read(door) < 0) {
         return;
     }
@@ -247,6 +257,15 @@ void link_receive(struct link_door *door, const char *topic, const void *bytes, 
     if (r < 0) {
         door->report.forged++;
         link_note(door, "%s: a message that the hub has not sent there: %s", topic, strerror(-r));
+        return;
+    }
+    if (letter.kind == ISO_FLEET_UPDATE) {
+        /* An order is for the answer that was taken last: nobody can repeat an earlier one. */
+        if (door->ordered && door->has_lease &&
+            sodium_memcmp(letter.update.nonce, door->answered_nonce, sizeof door->answered_nonce) ==
+                0) {
+            door->ordered(door->update_context, &letter.update);
+        }
         return;
     }
     r = door->daemon.receive(door->daemon.context, bytes, size, &outcome, &fault);

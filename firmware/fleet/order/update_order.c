@@ -3,6 +3,8 @@
 #include <errno.h>
 #include <string.h>
 
+#include "drivers/base/utf8.h"
+
 static const char *const words[ISO_FLEET_UPDATE_STATES] = {
     [ISO_FLEET_UPDATE_NONE] = "none",           [ISO_FLEET_UPDATE_IDLE] = "idle",
     [ISO_FLEET_UPDATE_FETCHING] = "fetching",   [ISO_FLEET_UPDATE_INSTALLING] = "installing",
@@ -24,6 +26,7 @@ int iso_fleet_make_update(const struct iso_fleet_update *update,
     struct iso_fleet_bytes made = {.bytes = NULL};
     iso_fleet_begin(&made, ISO_FLEET_UPDATE);
     iso_fleet_put(&made, update->door.bytes, sizeof update->door.bytes);
+    iso_fleet_put(&made, update->nonce, sizeof update->nonce);
     iso_fleet_put(&made, update->rollout.bytes, sizeof update->rollout.bytes);
     iso_fleet_put_u64(&made, update->size);
     iso_fleet_put(&made, update->sha256, sizeof update->sha256);
@@ -59,6 +62,7 @@ int iso_fleet_read_update(const void *bytes, size_t size,
         return error;
     }
     iso_fleet_take_bytes(&in, update.door.bytes, sizeof update.door.bytes);
+    iso_fleet_take_bytes(&in, update.nonce, sizeof update.nonce);
     iso_fleet_take_bytes(&in, update.rollout.bytes, sizeof update.rollout.bytes);
     update.size = iso_fleet_take_u64(&in);
     iso_fleet_take_bytes(&in, update.sha256, sizeof update.sha256);
@@ -71,6 +75,26 @@ int iso_fleet_read_update(const void *bytes, size_t size,
     }
     *out = update;
     return 0;
+}
+
+void iso_fleet_update_fault_copy(char out[ISO_FLEET_UPDATE_FAULT_SIZE], const char *text)
+{
+    size_t length = 0;
+    uint32_t c = 0;
+    while (*text) {
+        const int n = iso_utf8_decode(text, &c);
+        if (n <= 0 || length + (size_t)n >= ISO_FLEET_UPDATE_FAULT_SIZE) {
+            break;
+        }
+        if (c < 0x20 || (c >= 0x7f && c < 0xa0)) {
+            out[length++] = '?';
+        } else {
+            memcpy(out + length, text, (size_t)n);
+            length += (size_t)n;
+        }
+        text += n;
+    }
+    out[length] = '\0';
 }
 
 const char *iso_fleet_update_state_word(enum iso_fleet_update_state state)

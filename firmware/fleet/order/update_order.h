@@ -1,8 +1,10 @@
 /* The hub orders a door to install an update of its image, and the door says how far it is. Pure.
  *
- *   UPDATE  door[16], rollout[16], size u64, SHA-256[32], spread u32, version text, board text
+ *   UPDATE  door[16], nonce[16], rollout[16], size u64, SHA-256[32], spread u32, version text,
+ * board text
  *
- * UPDATE comes behind the LEASE that answers a QUESTION, as long as the order holds. A door that
+ * UPDATE comes behind the LEASE that answers a QUESTION, as long as the order holds, and repeats
+ * the nonce of that QUESTION, so nobody can send an order again that was taken back. A door that
  * gets a LEASE without it stops what it does. The file comes over HTTPS in parts: a FETCH
  * (door_mail.h) with what = ISO_FLEET_WANT_UPDATE names the rollout in place of a zone, and after
  * how many bytes the next part begins. Size and digest say which file is meant. Whether it may be
@@ -16,6 +18,7 @@
 
 #include "firmware/fleet/message/envelope.h"
 #include "firmware/fleet/message/fleet_id.h"
+#include "firmware/fleet/message/lease.h"
 
 enum {
     ISO_FLEET_UPDATE_WORD_SIZE = 64, /* of a version or a board, with its NUL */
@@ -26,7 +29,9 @@ enum {
 #define ISO_FLEET_UPDATE_BYTES_MAX (UINT64_C(2) << 30) /* of the file */
 
 struct iso_fleet_update {
-    struct iso_fleet_id door, rollout;
+    struct iso_fleet_id door;
+    uint8_t nonce[ISO_FLEET_NONCE_BYTES]; /* of the QUESTION */
+    struct iso_fleet_id rollout;
     uint64_t size; /* of the file: 1 to ISO_FLEET_UPDATE_BYTES_MAX */
     uint8_t sha256[32];
     uint32_t spread_s; /* the door begins after a random part of this time */
@@ -63,6 +68,19 @@ enum iso_fleet_update_state {
 const char *iso_fleet_update_state_word(enum iso_fleet_update_state state);
 int iso_fleet_update_state_read(const char *word, enum iso_fleet_update_state *out)
     __attribute__((warn_unused_result));
+
+/* What a door says about its image. All zero: nothing is known yet. */
+struct iso_fleet_update_report {
+    bool is_known; /* its members count */
+    enum iso_fleet_update_state state;
+    struct iso_fleet_id rollout;                                                 /* zeros: none */
+    char version[ISO_FLEET_UPDATE_WORD_SIZE], board[ISO_FLEET_UPDATE_WORD_SIZE]; /* "": no image */
+    char fault[ISO_FLEET_UPDATE_FAULT_SIZE]; /* one line for people; "": none */
+};
+
+/* Copies a line for people: control characters become '?', also those of C1, and a text that is too
+ * long ends with a whole character. What is not valid UTF-8 ends the line. */
+void iso_fleet_update_fault_copy(char out[ISO_FLEET_UPDATE_FAULT_SIZE], const char *text);
 
 /* The members of the health. */
 #define ISO_FLEET_UPDATE_STATE   "update-state"   /* a word */

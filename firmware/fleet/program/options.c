@@ -14,17 +14,42 @@ static const char usage[] =
     "\n"
     "  --state DIR    key, certificate and the hub's address (" ISOTHERM_LINK_STATE ")\n"
     "  --bus ADDRESS  system, session or an address of D-Bus (system)\n"
+    "  --restart FROM-UNTIL  run: hours of the day at which an update may restart the machine\n"
+    "                 (any), such as 1-5\n"
     "  --metrics      status: figures in the text format of Prometheus\n"
     "  --help         print this and end\n"
     "  --version      print the version and end\n";
 
-enum choice { STATE = 1, BUS, METRICS, HELP, VERSION };
+enum choice { STATE = 1, BUS, METRICS, RESTART, HELP, VERSION };
 
 static const struct option longs[] = {
-    {"state", required_argument, NULL, STATE}, {"bus", required_argument, NULL, BUS},
-    {"metrics", no_argument, NULL, METRICS},   {"help", no_argument, NULL, HELP},
-    {"version", no_argument, NULL, VERSION},   {NULL, 0, NULL, 0},
+    {"state", required_argument, NULL, STATE},
+    {"bus", required_argument, NULL, BUS},
+    {"metrics", no_argument, NULL, METRICS},
+    {"help", no_argument, NULL, HELP},
+    {"version", no_argument, NULL, VERSION},
+    {"restart", required_argument, NULL, RESTART},
+    {NULL, 0, NULL, 0},
 };
+
+static int complain(const char *why)
+{
+    fprintf(stderr, "isotherm-link: %s; try --help\n", why);
+    return -EINVAL;
+}
+
+/* "FROM-UNTIL": whole hours, 0 to 23, which differ. */
+static int take_hours(const char *value, struct link_options *out)
+{
+    int end = 0;
+
+    if (sscanf(value, "%2d-%2d%n", &out->from_hour, &out->until_hour, &end) != 2 || value[end] ||
+        out->from_hour < 0 || out->from_hour > 23 || out->until_hour < 0 || out->until_hour > 23 ||
+        out->from_hour == out->until_hour) {
+        return complain("--restart needs two hours of the day, such as 1-5");
+    }
+    return 0;
+}
 
 static int take(int option, const char *value, struct link_options *out)
 {
@@ -38,6 +63,8 @@ static int take(int option, const char *value, struct link_options *out)
     case METRICS:
         out->metrics = true;
         return 0;
+    case RESTART:
+        return take_hours(value, out);
     case HELP:
         fputs(usage, stdout);
         return 1;
@@ -47,12 +74,6 @@ static int take(int option, const char *value, struct link_options *out)
     default:
         return -EINVAL; /* getopt has printed why */
     }
-}
-
-static int complain(const char *why)
-{
-    fprintf(stderr, "isotherm-link: %s; try --help\n", why);
-    return -EINVAL;
 }
 
 static int take_command(int n, char **words, struct link_options *out)

@@ -8,10 +8,11 @@ enum link_command { LINK_COMMAND_RUN, LINK_COMMAND_JOIN, LINK_COMMAND_LEAVE, LIN
 
 struct link_options {
     enum link_command command;
-    const char *address; /* of `join` */
-    bool metrics;        /* of `status`: for Prometheus */
-    const char *bus;     /* "system", "session" or an address */
-    const char *state;   /* the folder (home.h) */
+    const char *address;       /* of `join` */
+    bool metrics;              /* of `status`: for Prometheus */
+    const char *bus;           /* "system", "session" or an address */
+    const char *state;         /* the folder (home.h) */
+    int from_hour, until_hour; /* of `run`: when the machine may restart; equal: always */
 };
 
 /* Reads the command line. Returns 0; 1 if help or version was printed; or -EINVAL after a line on

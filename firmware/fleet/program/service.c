@@ -14,6 +14,7 @@
 #include "firmware/fleet/program/figures.h"
 #include "firmware/fleet/program/home.h"
 #include "firmware/fleet/program/renew.h"
+#include "firmware/fleet/update/update.h"
 
 enum {
     LOOK_S = 5,
@@ -22,7 +23,13 @@ enum {
     RENEW_LOOK_S = 6 * 3600,
     RENEW_DONE_S = 24 * 3600,
     NOTE_SIZE = 384,
+    QUIET_S = 60, /* nobody was at the door, before a restart */
 };
+
+/* Of the image (board/image/etc/image.tmpfiles). */
+#define INBOX       "/var/lib/isotherm-update/hub"
+#define TAKEN_FILE  "/var/lib/isotherm-update/hub.raucb"
+#define RESULT_FILE "/var/lib/isotherm-update/result.json"
 
 struct service {
     const struct link_options *options;
@@ -31,6 +38,7 @@ struct service {
     struct link_bus *bus;
     struct link_http *http;
     struct link_door *door; /* NULL: NONE */
+    struct link_update *update;
     struct link_home home;
     struct timespec changed; /* of link.json, when the link was made */
     char last_note[NOTE_SIZE];
@@ -46,6 +54,43 @@ static void on_note(void *context, const char *line)
         (void)snprintf(service->last_note, sizeof service->last_note, "%s", line);
         fprintf(stderr, "isotherm-link: %s\n", line);
     }
+}
+
+/* ---- updates of the image ---- */
+
+static void on_ordered(void *context, const struct iso_fleet_update *order)
+{
+    struct service *service = context;
+
+    link_update_ordered(service->update, order);
+}
+
+static void on_answered(void *context)
+{
+    struct service *service = context;
+
+    link_update_answered(service->update);
+}
+
+static int start_update(struct service *service, const char *ca, struct iso_fault *fault)
+{
+    const struct link_options *options = service->options;
+    const struct link_update_setup setup = {.event = service->event,
+                                            .daemon = link_bus_daemon(service->bus),
+                                            .http = service->http,
+                                            .hub_url = service->home.hub_url,
+                                            .ca_file = ca,
+                                            .folder = options->state,
+                                            .program = ISOTHERM_PROGRAM,
+                                            .inbox = INBOX,
+                                            .taken_file = TAKEN_FILE,
+                                            .result_file = RESULT_FILE,
+                                            .from_hour = options->from_hour,
+                                            .until_hour = options->until_hour,
+                                            .quiet_s = QUIET_S,
+                                            .note = on_note,
+                                            .note_context = service};
+    return link_update_new(&setup, &service->update, fault);
 }
 
 /* ---- the link ---- */
@@ -71,15 +116,21 @@ static int start_link(struct service *service, struct iso_fault *fault)
                                                 .key_file = key},
                                      .hub_url = service->home.hub_url,
                                      .folder = folder,
+                                     .update_context = service,
+                                     .ordered = on_ordered,
+                                     .answered = on_answered,
                                      .note = on_note,
                                      .note_context = service};
-    return link_door_new(&setup, &service->door, fault);
+    r = start_update(service, ca, fault);
+    return r < 0 ? r : link_door_new(&setup, &service->door, fault);
 }
 
 static void stop_link(struct service *service)
 {
     link_door_free(service->door);
     service->door = NULL;
+    link_update_free(service->update);
+    service->update = NULL;
 }
 
 static bool has_changed(const struct service *service, struct timespec *now)

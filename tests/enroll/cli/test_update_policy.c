@@ -29,25 +29,25 @@
 
 enum { NOBODY_GID = 65534 };
 
-/* Who calls: "floppy" takes the place of the group isotherm, "daemon" that of the user, and
- * "www-data" that of the user isotherm-web. */
-enum caller { ROOT, ADMINISTRATOR, DAEMON, WEB, NOBODY, CALLERS };
+/* Who calls: "floppy" takes the place of the group isotherm, "daemon" that of the user, "www-data"
+ * that of the user isotherm-web, and "games" that of isotherm-link. */
+enum caller { ROOT, ADMINISTRATOR, DAEMON, WEB, LINK, NOBODY, CALLERS };
 
-static const char *const callers[CALLERS] = {"root", "an administrator", "the daemon",
-                                             "the web server", "nobody"};
+static const char *const callers[CALLERS] = {"root",           "an administrator", "the daemon",
+                                             "the web server", "the link",         "nobody"};
 
 static const struct {
     const char *interface, *method;
     bool may[CALLERS];
 } rules[] = {
-    {PROPERTIES, "GetAll", {true, true, false, true, false}},
-    {PROPERTIES, "Set", {true, true, false, false, false}},
-    {INSTALLER, "Info", {true, true, false, false, false}},
-    {INSTALLER, "InstallBundle", {true, true, false, false, false}},
-    {INSTALLER, "GetSlotStatus", {true, true, false, true, false}},
-    {INSTALLER, "GetPrimary", {true, true, false, true, false}},
-    {INSTALLER, "Mark", {true, false, false, false, false}},
-    {INSTALLER, "Install", {true, false, false, false, false}},
+    {PROPERTIES, "GetAll", {true, true, false, true, true, false}},
+    {PROPERTIES, "Set", {true, true, false, false, false, false}},
+    {INSTALLER, "Info", {true, true, false, false, false, false}},
+    {INSTALLER, "InstallBundle", {true, true, false, false, false, false}},
+    {INSTALLER, "GetSlotStatus", {true, true, false, true, true, false}},
+    {INSTALLER, "GetPrimary", {true, true, false, true, true, false}},
+    {INSTALLER, "Mark", {true, false, false, false, false, false}},
+    {INSTALLER, "Install", {true, false, false, false, false, false}},
 };
 
 static struct private_bus bus;
@@ -71,6 +71,7 @@ static void include_policy(void)
     text = replace(text, "<policy group=\"isotherm\">", "<policy group=\"floppy\">");
     text = replace(text, "<policy user=\"isotherm\">", "<policy user=\"daemon\">");
     text = replace(text, "<policy user=\"isotherm-web\">", "<policy user=\"www-data\">");
+    text = replace(text, "<policy user=\"isotherm-link\">", "<policy user=\"games\">");
     (void)snprintf(path, sizeof path, "%s/policy.conf", bus.directory);
     private_bus_kill(&bus);
     scratch_write_text(path, text);
@@ -84,8 +85,11 @@ static void include_policy(void)
 /* Becomes the caller, in a child. The daemon is also in the group of the administrators. */
 static bool become(enum caller caller)
 {
-    static const char *const users[CALLERS] = {
-        [ADMINISTRATOR] = "nobody", [DAEMON] = "daemon", [WEB] = "www-data", [NOBODY] = "nobody"};
+    static const char *const users[CALLERS] = {[ADMINISTRATOR] = "nobody",
+                                               [DAEMON] = "daemon",
+                                               [WEB] = "www-data",
+                                               [LINK] = "games",
+                                               [NOBODY] = "nobody"};
     const struct group *administrators = getgrnam("floppy");
     const struct passwd *user = caller == ROOT ? NULL : getpwnam(users[caller]);
     const bool member = caller == ADMINISTRATOR || caller == DAEMON;

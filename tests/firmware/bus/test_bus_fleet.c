@@ -188,6 +188,54 @@ static void the_door_asks_over_the_bus(void **state)
     }
 }
 
+static void send_update(struct bus_rig *f, const char *state, const char *version,
+                        const char *fault, const char *error)
+{
+    static const char rollout[] = "01234567-89ab-cdef-0123-456789abcdef";
+    int busy = -1;
+    sd_bus_message *call = bus_rig_new_call(f, 1, ISO_CONTRACT_FLEET_UPDATE);
+    assert_true(sd_bus_message_append(call, "sssss", state, rollout, version, "board", fault) >= 0);
+    struct bus_answer *answer = bus_rig_send(f, 1, call);
+    assert_string_equal(error_of(answer), error);
+    if (!*error) {
+        assert_true(sd_bus_message_read(answer->reply, "b", &busy) > 0);
+        assert_int_equal(busy, 0);
+    }
+}
+
+static void the_state_of_an_update_goes_into_the_question(void **state)
+{
+    struct bus_rig *f = bus_rig_need(state);
+    struct iso_fleet_question question;
+    struct iso_fleet_fetch fetch;
+    size_t size = 0;
+    join(f);
+    const void *bytes = ask_bytes(f, bus_rig_new_call(f, 1, ISO_CONTRACT_FLEET_QUESTION), &size);
+    assert_int_equal(iso_fleet_read_question(bytes, size, hub.door_signs.public, &question), 0);
+    assert_null(memmem(question.health, question.health_length, "update-state", 12));
+    send_update(f, "fetching", "1.2", "no line", "");
+    bytes = ask_bytes(f, bus_rig_new_call(f, 1, ISO_CONTRACT_FLEET_QUESTION), &size);
+    assert_int_equal(iso_fleet_read_question(bytes, size, hub.door_signs.public, &question), 0);
+    static const char expected[] =
+        "\"update-state\":\"fetching\",\"update-rollout\":\"01234567-89ab-cdef-0123-456789abcdef\","
+        "\"image-version\":\"1.2\",\"image-board\":\"board\",\"update-fault\":\"no line\"";
+    assert_non_null(memmem(question.health, question.health_length, expected, sizeof expected - 1));
+    send_update(f, "sleeping", "1.2", "", "InvalidArgument");
+    send_update(f, "idle", "1 2", "", "InvalidArgument");
+    send_update(f, "idle", "1.2", "two\nlines", "InvalidArgument");
+    sd_bus_message *call = bus_rig_new_call(f, 1, ISO_CONTRACT_FLEET_FETCH_UPDATE);
+    assert_true(sd_bus_message_append(call, "st", "01234567-89ab-cdef-0123-456789abcdef",
+                                      UINT64_C(4096)) >= 0);
+    bytes = ask_bytes(f, call, &size);
+    assert_int_equal(iso_fleet_read_fetch(bytes, size, hub.door_signs.public, &fetch), 0);
+    assert_int_equal(fetch.what, ISO_FLEET_WANT_UPDATE);
+    assert_int_equal(fetch.after, 4096);
+    assert_int_equal(fetch.zone.bytes[1], 0x23);
+    call = bus_rig_new_call(f, 1, ISO_CONTRACT_FLEET_FETCH_UPDATE);
+    assert_true(sd_bus_message_append(call, "st", "rollout", UINT64_C(0)) >= 0);
+    assert_string_equal(error_of(bus_rig_send(f, 1, call)), "InvalidArgument");
+}
+
 static void events_and_requests_go_over_the_bus(void **state)
 {
     struct bus_rig *f = bus_rig_need(state);
@@ -233,9 +281,13 @@ int main(void)
 {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, bus_rig_setup, bus_rig_teardown)
     const struct CMUnitTest tests[] = {
-        TEST(a_door_without_a_fleet_says_so), TEST(a_door_joins_and_leaves),
-        TEST(messages_come_over_the_bus),     TEST(a_snapshot_comes_as_a_file),
-        TEST(the_door_asks_over_the_bus),     TEST(events_and_requests_go_over_the_bus),
+        TEST(a_door_without_a_fleet_says_so),
+        TEST(a_door_joins_and_leaves),
+        TEST(messages_come_over_the_bus),
+        TEST(a_snapshot_comes_as_a_file),
+        TEST(the_door_asks_over_the_bus),
+        TEST(events_and_requests_go_over_the_bus),
+        TEST(the_state_of_an_update_goes_into_the_question),
         TEST(the_link_is_told_what_waits),
     };
     return cmocka_run_group_tests(tests, bus_rig_group_setup, bus_rig_group_teardown);

@@ -108,6 +108,8 @@ static const struct {
     {ISO_CONTRACT_FLEET_SNAPSHOT, {false, false, false, false, false, false, true}},
     {ISO_CONTRACT_FLEET_EVENTS, {false, false, false, false, false, false, true}},
     {ISO_CONTRACT_FLEET_REQUESTS, {false, false, false, false, false, false, true}},
+    {ISO_CONTRACT_FLEET_UPDATE, {false, false, false, false, false, false, true}},
+    {ISO_CONTRACT_FLEET_FETCH_UPDATE, {false, false, false, false, false, false, true}},
 };
 
 enum { RULES = sizeof rules / sizeof *rules };

@@ -117,7 +117,9 @@ static const struct {
                {ISO_CONTRACT_FLEET_FETCH, "ss"},
                {ISO_CONTRACT_FLEET_SNAPSHOT, "h"},
                {ISO_CONTRACT_FLEET_EVENTS, "tu"},
-               {ISO_CONTRACT_FLEET_REQUESTS, ""}};
+               {ISO_CONTRACT_FLEET_REQUESTS, ""},
+               {ISO_CONTRACT_FLEET_UPDATE, "sssss"},
+               {ISO_CONTRACT_FLEET_FETCH_UPDATE, "st"}};
 
 static int append_argument(sd_bus_message *message, struct door_rig *hub, struct bus_input *input,
                            char type)

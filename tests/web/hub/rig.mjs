@@ -45,6 +45,23 @@ export class HubRig extends Rig {
     return spawnSync(join(this.build, 'enroll/hub/command/isotherm-hub'), [...words, '--config', this.config], { encoding: 'utf8', timeout: 30000 });
   }
 
+  // A bundle of RAUC in the format "verity", signed by a key that only this test knows; the doors that are played install nothing.
+  makeUpdate(version, board) {
+    const path = (name) => join(this.scratch, name);
+    const openssl = (...words) => {
+      const done = spawnSync('openssl', words, { encoding: 'utf8' });
+      expectEqual(done.status, 0, `openssl ${words[0]} (${done.stderr})`);
+    };
+    writeFileSync(path('manifest'), `[update]\ncompatible=${board}\nversion=${version}\n[bundle]\nformat=verity\n`);
+    openssl('req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:P-256', '-nodes', '-subj', '/CN=updates', '-days', '1', '-keyout', path('image-key.pem'), '-out', path('image.pem'));
+    openssl('cms', '-sign', '-binary', '-nodetach', '-outform', 'DER', '-signer', path('image.pem'), '-inkey', path('image-key.pem'), '-in', path('manifest'), '-out', path('message'));
+    const message = readFileSync(path('message'));
+    const length = Buffer.alloc(8);
+    length.writeBigUInt64BE(BigInt(message.length));
+    writeFileSync(path('update.raucb'), Buffer.concat([Buffer.alloc(100000, version), message, length]));
+    return path('update.raucb');
+  }
+
   async startHub() {
     this.port = await freePort();
     this.base = `https://127.0.0.1:${this.port}`;

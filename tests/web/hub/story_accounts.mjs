@@ -35,7 +35,7 @@ async function observes(run) {
   const page = await run.browser.open();
   await logIn(page, 'olga', run.password);
   const names = (await pagesOf(page)).map(({ name }) => name).join();
-  expectEqual(names, 'Overview,Doors,Lockdown', 'the pages of an observer');
+  expectEqual(names, 'Overview,Doors,Lockdown,Updates', 'the pages of an observer');
   await press(page, 'link', /^lockdown$/i);
   await find(page, 'heading', /^lockdown$/i);
   await eventually('the zones are listed', () => page.evaluate(() => document.querySelectorAll('main tbody tr').length > 0));
@@ -57,6 +57,6 @@ async function foreign(run) {
 }
 
 export async function roles(run) {
-  await step('an observer sees three pages and changes nothing', () => observes(run));
+  await step('an observer sees four pages and changes nothing', () => observes(run));
   await step('a request from another origin is refused', () => foreign(run));
 }

@@ -168,6 +168,29 @@ async function expels(run) {
   await eventually('the tile is gone', () => page.evaluate(() => !/Cellar/.test(document.querySelector('main').innerText)));
 }
 
+async function updates(run) {
+  const page = run.first;
+  await goTo(page, /^updates$/i);
+  await seesText(page, /no update was rolled out yet/i);
+  for (const words of [['add', run.rig.makeUpdate('1.2', 'pc')], ['roll', '1.2', '--zone', 'House', '--first', '1']]) {
+    const done = run.rig.hub('update', ...words);
+    expectEqual(done.status, 0, `isotherm-hub update ${words[0]} (${done.stderr})`);
+  }
+  await run.rig.play('update Front idle 1.1');
+  await run.rig.play('ask Back');
+  await eventually('the rollout is shown', () => page.evaluate(() => /0 of 2 run it[^]*At work: 1[^]*Take no part: 1/.test(document.querySelector('main').innerText)), 15000);
+  await seesText(page, /under way/i);
+  await press(page, 'button', 'House');
+  await find(page, 'dialog', 'House');
+  await seesText(page, /Front[^]*was told/i);
+  await seesText(page, /Back[^]*takes no part/i);
+  await run.shoot(page, 'rollout');
+  await press(page, 'button', /^close$/i);
+  await closes(page);
+  await run.rig.play('update Front healthy 1.2');
+  await eventually('the rollout is done', () => page.evaluate(() => /Done[^]*1 of 2 run it/.test(document.querySelector('main').innerText)), 15000);
+}
+
 async function crowd(run) {
   for (let i = 0; i < 4; i++) {
     await run.rig.play(`person House person-${i}`);
@@ -185,6 +208,7 @@ export async function fleet(run) {
   await step('a lockdown names the door that has not confirmed, and ends', () => locksDown(run));
   await step('who was where: records of one door', () => events(run));
   await step('a door is expelled', () => expels(run));
+  await step('an update: the file, how far the zone is, and its doors', () => updates(run));
   await step('each change is on record in the name of the account', () => acts(run));
   await step('further people, a door that waits, and a request', () => crowd(run));
 }

@@ -13,9 +13,10 @@ import {fleetPeople} from './pages/fleet_people.js';
 import {lockdown} from './pages/lockdown.js';
 import {overview} from './pages/overview.js';
 import {requests} from './pages/requests.js';
+import {updates} from './pages/updates.js';
 import {where} from './pages/where.js';
 
-const PAGES = [overview, doors, fleetPeople, requests, where, lockdown, accounts];
+const PAGES = [overview, doors, fleetPeople, requests, where, lockdown, updates, accounts];
 
 addFaultWords(FLEET_FAULTS);
 await loadPreferredLanguage();

@@ -33,6 +33,7 @@ CREATE TABLE rollout_door (
     counts boolean NOT NULL DEFAULT false, -- it was told, and its failure is one of those that stop the rollout
     changed_s bigint NOT NULL,
     fault text NOT NULL DEFAULT '',
+    board text NOT NULL DEFAULT '', -- for which its file is
     PRIMARY KEY (rollout, door)
 );
 CREATE INDEX rollout_door_door ON rollout_door (door);

@@ -1,11 +1,12 @@
 /* The routes of the hub's API that need doors, which are played: lockdown, people, requests,
- * events. */
+ * events, updates. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
 
+#include "enroll/hub/update/hub_update.h"
 #include "tests/enroll/hub/rigs/api_rig.h"
 
 #define ADMIN WEB_ROLE_ADMINISTRATOR
@@ -232,6 +233,65 @@ static void events_are_filtered_and_come_in_pages(void **state)
     api_rig_refused(ADMIN, "GET", "/events?door=far", NULL, 404, "no-such-door");
 }
 
+/* One door is told, one takes no updates, and one waits. */
+static void begin_rollout(struct played_door doors[3])
+{
+    static const char *const names[] = {"near", "old", "far"};
+    const struct hub_rollout_options options = {.version = "1.2", .zone = "house", .first = 1};
+    const struct hub_update_file file = {
+        .version = "1.2", .board = "pc", .size = 1000, .sha256 = {0xab}, .added_s = 77};
+    struct iso_fault fault = {.text = ""};
+    for (size_t i = 0; i < 3; i++) {
+        api_rig_join(&doors[i], names[i]);
+        doors[i].health = i == 1 ? "{}"
+                                 : "{\"update-state\":\"idle\",\"image-version\":\"1.1\","
+                                   "\"image-board\":\"pc\"}";
+    }
+    store_rig_fine(hub_update_add(&api_rig.hub->store, &file, &fault), &fault);
+    store_rig_fine(hub_rollout_start(&api_rig.hub->store, &options, &fault), &fault);
+    for (size_t i = 0; i < 3; i++) {
+        store_rig_fine(played_door_ask(&doors[i], &api_rig.hub->store, &fault), &fault);
+    }
+}
+
+static void updates_and_their_rollouts_are_shown(void **state)
+{
+    static struct played_door doors[3];
+    (void)state;
+    json_t *list = get("/updates");
+    assert_int_equal(json_array_size(api_rig_at(list, "files")), 0);
+    assert_int_equal(json_array_size(api_rig_at(list, "rollouts")), 0);
+    json_decref(list);
+    api_rig_do("POST", "/zones", "{'name': 'house'}", 201);
+    list = get("/zones/house/rollout");
+    assert_int_equal(json_array_size(api_rig_at(list, "doors")), 0);
+    json_decref(list);
+    api_rig_refused(ADMIN, "GET", "/zones/garden/rollout", NULL, 404, "no-such-zone");
+    begin_rollout(doors);
+    list = api_rig_ask(WEB_ROLE_OBSERVER, "GET", "/updates", NULL, 200);
+    assert_string_equal(api_rig_text(list, "files.0.board"), "pc");
+    assert_int_equal(api_rig_number(list, "files.0.bytes"), 1000);
+    assert_memory_equal(api_rig_text(list, "files.0.sha256"), "ab00", 4);
+    assert_int_equal(strlen(api_rig_text(list, "files.0.sha256")), 64);
+    assert_string_equal(api_rig_text(list, "rollouts.0.version"), "1.2");
+    assert_string_equal(api_rig_text(list, "rollouts.0.zone"), "house");
+    assert_string_equal(api_rig_text(list, "rollouts.0.state"), "running");
+    assert_int_equal(api_rig_number(list, "rollouts.0.doors"), 3);
+    assert_int_equal(api_rig_number(list, "rollouts.0.at_work"), 1);
+    assert_int_equal(api_rig_number(list, "rollouts.0.waiting"), 1);
+    assert_int_equal(api_rig_number(list, "rollouts.0.unable"), 1);
+    json_decref(list);
+    list = get("/zones/house/rollout");
+    assert_string_equal(api_rig_text(list, "doors.0.name"), "near");
+    assert_string_equal(api_rig_text(list, "doors.0.state"), "told");
+    assert_string_equal(api_rig_text(list, "doors.1.state"), "waiting");
+    assert_string_equal(api_rig_text(list, "doors.2.name"), "old");
+    assert_string_equal(api_rig_text(list, "doors.2.state"), "unable");
+    assert_true(*api_rig_text(list, "doors.2.fault"));
+    json_decref(list);
+    api_rig_refused(WEB_ROLE_NONE, "GET", "/updates", NULL, 401, "login-required");
+}
+
 #define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, api_rig_setup, api_rig_teardown)
 
 int main(void)
@@ -243,6 +303,7 @@ int main(void)
         TEST(requests_are_approved_and_rejected),
         TEST(an_enroller_chooses_no_zones),
         TEST(events_are_filtered_and_come_in_pages),
+        TEST(updates_and_their_rollouts_are_shown),
     };
     return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);
 }

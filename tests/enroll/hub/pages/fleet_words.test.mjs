@@ -17,6 +17,8 @@ const same = (table, wanted) => assert.deepEqual(Object.keys(table).sort(), [...
 test('words of doors and roles', () => {
     same(words.ATTENTION, schemas.Door.properties.attention.items.enum);
     same(words.MEMBERSHIPS, schemas.Door.properties.state.enum);
+    same(words.ROLLOUTS, schemas.Rollout.properties.state.enum);
+    same(words.DOOR_UPDATES, schemas.RolloutDoor.properties.state.enum);
     same(words.FLEET_ROLE_HELP, schemas.Role.enum);
 });
 

@@ -6,6 +6,7 @@
  *   request DOOR PERSON        it tells the hub of a person who was enrolled at it
  *   events DOOR FIRST LAST     it sends records of its log
  *   person ZONE NAME           a person of the fleet, with a template of these doors
+ *   update DOOR STATE VERSION  it asks, and says this of its image, whose board is "pc"
  *
  * usage: play_doors CONNINFO KEY-FILE */
 #include <setjmp.h>
@@ -27,6 +28,7 @@ enum { DOORS = 8, SKIPPED = 2 };
 static struct {
     char name[HUB_NAME_SIZE];
     struct played_door door;
+    char health[200];
 } doors[DOORS];
 
 static struct played_door *door_of(const char *name, bool is_new)
@@ -67,6 +69,20 @@ static int add_person(struct hub_store *store, const char *zone_name, const char
     return error ? error : hub_person_put(store, &person, &zone.place.zone, 1, fault);
 }
 
+/* What a door says of its image from now on. */
+static void set_image(struct played_door *door, const char *state, const char *version)
+{
+    for (int i = 0; i < DOORS; i++) {
+        if (door == &doors[i].door) {
+            (void)snprintf(doors[i].health, sizeof doors[i].health,
+                           "{\"update-state\":\"%s\",\"image-version\":\"%s\","
+                           "\"image-board\":\"pc\"}",
+                           state, version);
+            door->health = doors[i].health;
+        }
+    }
+}
+
 static int obey(struct hub_store *store, char *line, struct iso_fault *fault)
 {
     char *rest = NULL;
@@ -90,6 +106,9 @@ static int obey(struct hub_store *store, char *line, struct iso_fault *fault)
     if (strcmp(what, "events") == 0 && second) {
         return played_door_send_events(door, store, strtoull(first, NULL, 10),
                                        strtoull(second, NULL, 10), fault);
+    }
+    if (strcmp(what, "update") == 0 && second) {
+        set_image(door, first, second);
     }
     return ask(door, store, fault);
 }

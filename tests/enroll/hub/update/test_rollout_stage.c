@@ -74,12 +74,14 @@ static void doors_share_the_line(void **state)
     struct hub_rollout_stage stage = running();
     (void)state;
     /* Three doors, 100 MB each, 12.5 MB a second. */
-    assert_int_equal(hub_rollout_spread_s(&stage, 100000000), 24);
+    assert_int_equal(hub_rollout_spread_s(&stage, 1000, 100000000), 24);
+    assert_int_equal(hub_rollout_spread_s(&stage, 2, 100000000), 16); /* there are no more */
     stage.stage = 2;
     stage.most = 50; /* 25 of them in this stage */
-    assert_int_equal(hub_rollout_spread_s(&stage, 100000000), 200);
+    assert_int_equal(hub_rollout_spread_s(&stage, 1000, 100000000), 200);
+    assert_int_equal(hub_rollout_spread_s(&stage, 30, 100000000), 40);
     stage.most = 20000;
-    assert_int_equal(hub_rollout_spread_s(&stage, 100000000), HUB_ROLLOUT_SPREAD_MOST_S);
+    assert_int_equal(hub_rollout_spread_s(&stage, 20000, 100000000), HUB_ROLLOUT_SPREAD_MOST_S);
 }
 
 int main(void)

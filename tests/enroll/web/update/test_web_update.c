@@ -55,7 +55,7 @@ static void a_machine_without_image_is_told(void **state)
     json_t *seen = update_rig_look(); /* the update_rig.folder is there, and RAUC is not */
     assert_string_equal(update_rig_word(seen, "hindrance"), "no-image");
     json_decref(seen);
-    assert_int_equal(rmdir(update_rig_incoming("")), 0);
+    assert_int_equal(rmdir(update_rig_page("")), 0);
     seen = update_rig_look();
     assert_string_equal(update_rig_word(seen, "hindrance"), "no-image");
     json_decref(seen);
@@ -99,13 +99,13 @@ static void the_machine_restarts_only_into_an_update(void **state)
     api_rig_expect("POST", UPDATE_RIG_PATH "/restart", update_rig.json_head, "{}", 409,
                    "no-update");
     (void)fake_rauc_stop(&rauc);
-    assert_false(scratch_exists(update_rig_incoming("restart")));
+    assert_false(scratch_exists(update_rig_page("restart")));
     assert_string_equal(api_rig.said, "");
     fake_rauc_start(&rauc, update_rig.bus.address, &installed);
     api_rig_expect("POST", UPDATE_RIG_PATH "/restart", update_rig.json_head, "{}", 202, NULL);
     (void)fake_rauc_stop(&rauc);
     assert_string_equal(api_rig.said, "ada restart \n");
-    assert_true(scratch_exists(update_rig_incoming("restart")));
+    assert_true(scratch_exists(update_rig_page("restart")));
 }
 
 /* The policy of the bus refuses this client: the last test, because it changes the bus. */

@@ -102,7 +102,7 @@ static void a_bundle_is_handed_over(void **state)
         assert_true(web_rig_resident_kb() - before_kb < SIZE / 1024 / 2);
     }
     assert_string_equal(api_rig.said, "ada update \n");
-    char *kept = scratch_read(update_rig_incoming("bundle.raucb"), &size);
+    char *kept = scratch_read(update_rig_page("bundle.raucb"), &size);
     assert_int_equal(size, SIZE);
     assert_memory_equal(kept, bundle, SIZE);
     free(kept);
@@ -114,7 +114,11 @@ static void a_bundle_is_handed_over(void **state)
     json_t *seen = update_rig_look();
     assert_true(json_is_true(json_object_get(seen, "handed_over")));
     json_decref(seen);
-    assert_int_equal(unlink(update_rig_incoming("bundle.raucb")), 0);
+    const char *taken = scratch_path(update_rig.folder, "page.raucb");
+    assert_int_equal(rename(update_rig_page("bundle.raucb"), taken), 0);
+    update_rig_announce(&client, 5);
+    update_rig_expect_answer(&client, 409, "update-running");
+    assert_int_equal(unlink(taken), 0);
     update_rig_announce(&client, 5);
     https_send(&client, "fresh");
     update_rig_expect_answer(&client, 202, "");
@@ -128,7 +132,7 @@ static void a_client_that_goes_away_leaves_nothing(void **state)
     update_rig_announce(&client, 1000);
     https_send(&client, "the beginning");
     pump_until(web_upload_is_coming, true);
-    assert_true(scratch_exists(update_rig_incoming("bundle.part")));
+    assert_true(scratch_exists(update_rig_page("bundle.part")));
     https_close(&client);
     pump_until(web_upload_is_coming, false);
     update_rig_expect_nothing();
@@ -180,7 +184,7 @@ static void a_full_disk_is_said_before(void **state)
         print_message("skipped: needs the rights to mount\n");
         skip();
     }
-    assert_int_equal(mount("none", update_rig_incoming(""), "tmpfs", 0, "size=65M"), 0);
+    assert_int_equal(mount("none", update_rig_page(""), "tmpfs", 0, "size=65M"), 0);
     update_rig_announce(&client, 2 << 20);
     update_rig_expect_answer(&client, 507, "no-room");
     update_rig_expect_nothing();
@@ -188,7 +192,7 @@ static void a_full_disk_is_said_before(void **state)
     const json_int_t most = json_integer_value(json_object_get(seen, "most_bytes"));
     assert_in_range(most, 1, 1 << 20);
     json_decref(seen);
-    assert_int_equal(umount(update_rig_incoming("")), 0);
+    assert_int_equal(umount(update_rig_page("")), 0);
 }
 
 int main(void)

@@ -19,9 +19,9 @@ void update_rig_log_in(enum web_role role, uint64_t *id)
     (void)snprintf(update_rig.json_head, sizeof update_rig.json_head, "%s", headers);
 }
 
-const char *update_rig_incoming(const char *name)
+const char *update_rig_page(const char *name)
 {
-    return scratch_path(scratch_path(update_rig.folder, "incoming"), name);
+    return scratch_path(scratch_path(update_rig.folder, "page"), name);
 }
 
 int update_rig_setup(void **state)
@@ -31,7 +31,7 @@ int update_rig_setup(void **state)
     (void)snprintf(update_rig.folder, sizeof update_rig.folder, "%s",
                    scratch_path(*state, "updates"));
     scratch_mkdir(update_rig.folder);
-    scratch_mkdir(update_rig_incoming(""));
+    scratch_mkdir(update_rig_page(""));
     scratch_write_text(scratch_path(update_rig.folder, "os-release"),
                        "IMAGE_ID=isotherm-test\nIMAGE_VERSION=\"1.0.0\"\n");
     (void)snprintf(update_rig.os_release, sizeof update_rig.os_release, "%s",
@@ -58,8 +58,8 @@ int update_rig_teardown(void **state)
 
 void update_rig_expect_nothing(void)
 {
-    assert_false(scratch_exists(update_rig_incoming("bundle.part")));
-    assert_false(scratch_exists(update_rig_incoming("bundle.raucb")));
+    assert_false(scratch_exists(update_rig_page("bundle.part")));
+    assert_false(scratch_exists(update_rig_page("bundle.raucb")));
 }
 
 json_t *update_rig_look(void)

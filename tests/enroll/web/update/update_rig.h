@@ -28,7 +28,7 @@ int update_rig_teardown(void **state);
 void update_rig_log_in(enum web_role role, uint64_t *id);
 
 /* The path of a file in the folder of the web server. */
-const char *update_rig_incoming(const char *name);
+const char *update_rig_page(const char *name);
 
 /* Checks that there is no bundle, neither whole nor in part. */
 void update_rig_expect_nothing(void);

@@ -290,10 +290,12 @@ static void an_update_names_its_file(void **state)
     (void)state;
     message_rig_start(&rig);
     randombytes_buf(update.sha256, sizeof update.sha256);
+    randombytes_buf(update.nonce, sizeof update.nonce);
     assert_int_equal(iso_fleet_make_update(&update, &rig.hub, &message), 0);
     assert_int_equal(iso_fleet_read_update(message.bytes, message.size, rig.hub.public, &read), 0);
     assert_true(iso_fleet_id_is_same(&read.door, &update.door));
     assert_true(iso_fleet_id_is_same(&read.rollout, &update.rollout));
+    assert_memory_equal(read.nonce, update.nonce, sizeof read.nonce);
     assert_int_equal(read.size, 123456789);
     assert_int_equal(read.spread_s, 77);
     assert_memory_equal(read.sha256, update.sha256, sizeof read.sha256);
@@ -303,6 +305,26 @@ static void an_update_names_its_file(void **state)
     assert_int_equal(iso_fleet_read_update(message.bytes, message.size, rig.door.public, &read),
                      -EKEYREJECTED);
     iso_fleet_bytes_free(&message);
+}
+
+static void a_line_of_a_door_is_made_harmless(void **state)
+{
+    static const char escape[] = "no \x1b[31mspace\nleft\xc2\x85\xe2\x80\x9chere\xe2\x80\x9d\x7f";
+    char out[ISO_FLEET_UPDATE_FAULT_SIZE], text[300];
+    (void)state;
+    iso_fleet_update_fault_copy(out, escape);
+    assert_string_equal(out, "no ?[31mspace?left?\xe2\x80\x9chere\xe2\x80\x9d?");
+    iso_fleet_update_fault_copy(out, "cut\xe2\x80");
+    assert_string_equal(out, "cut");
+    /* 190 bytes, and a character of three bytes that does not fit whole. */
+    memset(text, 'x', 190);
+    strcpy(text + 190, "\xe2\x80\x9c...");
+    iso_fleet_update_fault_copy(out, text);
+    assert_int_equal(strlen(out), 190);
+    memset(text, 'x', sizeof text - 1);
+    text[sizeof text - 1] = '\0';
+    iso_fleet_update_fault_copy(out, text);
+    assert_int_equal(strlen(out), ISO_FLEET_UPDATE_FAULT_SIZE - 1);
 }
 
 static void an_update_that_is_not_allowed_is_refused(void **state)
@@ -356,6 +378,7 @@ int main(void)
         cmocka_unit_test(a_membership_names_both_keys),
         cmocka_unit_test(topics_are_those_of_the_broker),
         cmocka_unit_test(an_update_names_its_file),
+        cmocka_unit_test(a_line_of_a_door_is_made_harmless),
         cmocka_unit_test(an_update_that_is_not_allowed_is_refused),
         cmocka_unit_test(states_of_an_update_have_words),
     };

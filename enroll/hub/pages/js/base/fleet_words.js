@@ -21,8 +21,27 @@ export const MEMBERSHIPS = {
     expelled: N_('Expelled'),
 };
 
+/* How far a rollout is, and a door with it: `state` of Rollout and of RolloutDoor. */
+export const ROLLOUTS = {
+    running: N_('Under way'),
+    stopped: N_('Stopped'),
+    done: N_('Done'),
+    replaced: N_('Replaced by a later one'),
+};
+
+export const DOOR_UPDATES = {
+    failed: N_('Failed'),
+    'went-back': N_('Its former version runs again'),
+    told: N_('Was told'),
+    fetching: N_('Fetches or installs it'),
+    installed: N_('Has installed it'),
+    waiting: N_('Was not told yet'),
+    unable: N_('Takes no part'),
+    healthy: N_('Runs it'),
+};
+
 export const FLEET_ROLE_HELP = {
-    observer: N_('sees zones, doors and lockdown'),
+    observer: N_('sees zones, doors, lockdown and updates'),
     enroller: N_('also sees people, and approves requests'),
     administrator: N_('may do everything'),
 };

@@ -33,6 +33,9 @@ export const hub = {
     lockdown: async () => (await ask('GET', '/lockdown')).zones,
     setLockdown: async (on, zone) => (await ask('PUT', '/lockdown', zone ? {on, zone} : {on})).zones,
 
+    updates: () => ask('GET', '/updates'),
+    rollout: async (zone) => (await ask('GET', `/zones/${part(zone)}/rollout`)).doors,
+
     doors: async () => (await ask('GET', '/doors')).doors,
     door: (id) => ask('GET', `/doors/${part(id)}`),
     addDoor: (name, zones) => ask('POST', '/doors', {name, zones}),

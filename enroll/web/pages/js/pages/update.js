@@ -35,6 +35,7 @@ const REFUSALS = {
 
 const WAYS = {
     page: N_('by these pages'),
+    hub: N_('from the hub'),
     stick: N_('from a USB stick')
 };
 

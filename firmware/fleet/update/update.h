@@ -1,0 +1,75 @@
+/* Updates of the image of a door, as the hub orders them (firmware/fleet/order/update_order.h). The
+ * link hands orders over; this room fetches the file in parts, checks it, hands it over to the
+ * image, which installs it, lets the machine restart at a quiet moment, and tells the daemon how
+ * far it is, so that the next questions tell the hub.
+ *
+ *   step       goes on to
+ *   LOOK       OFF        this machine takes no updates: isotherm update says so
+ *              IDLE       the slots are known, and nothing is under way
+ *              INSTALLED  an update was installed, and the machine has not restarted, or the checks
+ *                         of the new version have not ended
+ *   IDLE       WAIT       there is an order
+ *   WAIT       FETCH      after a random part of the time that the order names
+ *   FETCH      CHECK      all parts are there
+ *              IDLE       it failed too often, or the disk is too small
+ *   CHECK      INSTALL    the digest is that of the order
+ *   INSTALL    LOOK       the image has installed the file
+ *              IDLE       the image has refused it, or has not taken it
+ *   INSTALLED  LOOK       from time to time
+ *   WAIT, FETCH, CHECK  IDLE  the order holds no more
+ *
+ * An order holds until an answer of the hub comes without it. A machine whose order holds no more
+ * does not restart, but a file that is being installed is installed. What became of a rollout is in
+ * the file update.record, so a restart does not forget it; a rollout that has failed at this door
+ * is not tried again.
+ *
+ * The link has no right to install anything or to restart the machine. Both are wishes in a folder,
+ * the inbox, which units of root look at (board/image/README.md):
+ *
+ *   bundle.part    comes just now; after a restart the rest is fetched if the same file is ordered
+ *   bundle.raucb   complete; isotherm-update@hub.service takes it away, installs it, and says in
+ *                  the result file what became of it. As long as it works, the taken file is there
+ *   restart        isotherm-restart@hub.service restarts the machine if an update waits */
+#ifndef ISO_FIRMWARE_FLEET_UPDATE_UPDATE_H
+#define ISO_FIRMWARE_FLEET_UPDATE_UPDATE_H
+
+#include <systemd/sd-event.h>
+
+#include "firmware/fleet/link/link_daemon.h"
+#include "firmware/fleet/link/link_http.h"
+
+struct link_update;
+
+struct link_update_setup {
+    sd_event *event;
+    struct iso_link_daemon daemon;
+    struct link_http *http;    /* outlives the object */
+    const char *hub_url;       /* "https://HOST:PORT" */
+    const char *ca_file;       /* its authority; NULL: plain HTTP, for tests */
+    const char *folder;        /* of the record */
+    const char *inbox;         /* the folder that the image looks at */
+    const char *taken_file;    /* the name of the file while the image installs it */
+    const char *result_file;   /* what became of the last file that the image has taken */
+    const char *program;       /* isotherm(1), which shows the slots */
+    int from_hour, until_hour; /* when the machine may restart, in local time; equal: always */
+    uint32_t quiet_s;          /* for how long nobody must have been at the door */
+    void *note_context;
+    void (*note)(void *context, const char *line); /* one line for people; may be NULL */
+};
+
+/* Looks at the slots at once. The texts of the setup are copied. The caller frees *out. -ENOMEM,
+ * errors of the event loop, -ENAMETOOLONG. */
+int link_update_new(const struct link_update_setup *setup, struct link_update **out,
+                    struct iso_fault *fault) __attribute__((warn_unused_result));
+void link_update_free(struct link_update *update);
+
+/* The hub has ordered this, and signed it for this door. */
+void link_update_ordered(struct link_update *update, const struct iso_fleet_update *order);
+
+/* The hub has answered a question. An order that holds comes next. */
+void link_update_answered(struct link_update *update);
+
+/* What the daemon was told last. */
+const struct iso_fleet_update_report *link_update_report(const struct link_update *update);
+
+#endif

@@ -1,0 +1,68 @@
+#include <errno.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/file/data_file.h"
+#include "firmware/fleet/update/update_inner.h"
+
+enum { BYTES_MAX = 4096 };
+
+static const char *member(const json_t *object, const char *name)
+{
+    const char *text = json_string_value(json_object_get(object, name));
+
+    return text ? text : "";
+}
+
+static bool read_object(const json_t *object, struct link_update_record *out)
+{
+    size_t n = 0;
+    const char *digits = member(object, "sha256");
+
+    (void)snprintf(out->version, sizeof out->version, "%s", member(object, "version"));
+    (void)snprintf(out->fault, sizeof out->fault, "%s", member(object, "fault"));
+    return iso_fleet_id_read(member(object, "rollout"), &out->rollout) == 0 &&
+           iso_fleet_update_word_is_good(out->version) &&
+           iso_fleet_update_state_read(member(object, "state"), &out->state) == 0 &&
+           sodium_hex2bin(out->sha256, sizeof out->sha256, digits, strlen(digits), NULL, &n,
+                          NULL) == 0 &&
+           n == sizeof out->sha256;
+}
+
+void link_update_record_read(const char *path, struct link_update_record *out)
+{
+    struct link_update_record read = {.state = ISO_FLEET_UPDATE_IDLE};
+    void *bytes = NULL;
+    size_t size = 0;
+
+    *out = read;
+    if (iso_data_file_read(path, BYTES_MAX, &bytes, &size, NULL) < 0) {
+        return;
+    }
+    json_t *object = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
+    if (read_object(object, &read)) {
+        *out = read;
+    }
+    json_decref(object);
+    free(bytes);
+}
+
+int link_update_record_write(const char *path, const struct link_update_record *record,
+                             struct iso_fault *fault)
+{
+    char rollout[ISO_FLEET_ID_TEXT_SIZE], digits[65];
+    json_t *object = json_pack(
+        "{s:s, s:s, s:s, s:s, s:s}", "rollout", iso_fleet_id_text(&record->rollout, rollout),
+        "version", record->version, "sha256",
+        sodium_bin2hex(digits, sizeof digits, record->sha256, sizeof record->sha256), "state",
+        iso_fleet_update_state_word(record->state), "fault", record->fault);
+    char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL;
+    const int r = text ? iso_data_file_replace(path, text, strlen(text), fault)
+                       : iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+
+    free(text);
+    json_decref(object);
+    return r;
+}
