@@ -2,7 +2,7 @@
 # stick with version 2 is in the machine.
 
 update_result() {
-    tr -d '\n' </var/lib/isotherm-update/result.json 2>/dev/null | grep -q "$1"
+    cat /var/lib/isotherm-update/result.json 2>/dev/null | tr -d '\n' | grep -q "$1"
 }
 
 # As the web server would do it.

@@ -21,7 +21,7 @@ machine_out=$out/vm
 ISOTHERM_CACHE=$out/cache
 SOURCE_DATE_EPOCH=$(dpkg-parsechangelog -l "$source_dir/board/debian/changelog" -S Timestamp)
 export ISOTHERM_CACHE SOURCE_DATE_EPOCH
-checks=${*:-boot_slots production reproducible first_start later_start updates damaged_root wrong_root tpm secure_boot}
+checks=${*:-boot_slots production reproducible first_start later_start updates bring damaged_root wrong_root tpm secure_boot}
 
 # The keys of this test: of updates, and of somebody else.
 make_keys() {
