@@ -2,10 +2,10 @@
  * image of the appliance, where nobody can run `isotherm web setup`. While there is no account, a
  * code waits (setup_code.h), but for no longer than an hour after the start of the server: a door
  * in service that never gets an account must not offer one to its visitors. Each code is printed on
- * standard error, which the unit of the image gives to the journal and the console, and is in the
- * file "setup-code" of the folder that systemd has made for the service (RuntimeDirectory=), for
- * the screen: the group of the server may read it, and nobody else. The file goes when there is an
- * account, or when root has made another code.
+ * standard error, which is the journal, and is in the file "setup-code" of the folder that systemd
+ * has made for the service (RuntimeDirectory=), for the screen and a unit of the image that shows
+ * it on the console: the group of the server may read it, and nobody else. The file goes when there
+ * is an account, or when root has made another code.
  *
  * A factory reset empties the folder of the state. A server that still runs then ends with -ESTALE,
  * also without the option: the service manager starts it anew, and it forgets the accounts and

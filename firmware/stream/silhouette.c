@@ -101,8 +101,10 @@ static struct bust bust_of(int16_t outline[][2], int n)
     double most[2] = {-INFINITY, -INFINITY};
     for (int i = 0; i < n; i++) {
         for (int axis = 0; axis < 2; axis++) {
-            least[axis] = fmin(least[axis], (double)outline[i][axis] / ISO_OUTLINE_UNITS);
-            most[axis] = fmax(most[axis], (double)outline[i][axis] / ISO_OUTLINE_UNITS);
+            /* Not fmin() and fmax(): gcc 12.2 for arm64 fails on them here at -O3. */
+            const double at = (double)outline[i][axis] / ISO_OUTLINE_UNITS;
+            least[axis] = at < least[axis] ? at : least[axis];
+            most[axis] = at > most[axis] ? at : most[axis];
         }
     }
     return (struct bust){

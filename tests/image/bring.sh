@@ -201,9 +201,19 @@ says 'the update by stick is installed'
 result_is '"from":"stick",.*"installed": true'
 act_is update-installed stick
 grep -q "InstallBundle $state/stick.raucb" "$root/rauc.log" || die 'RAUC is not asked'
+# It stays in.
+rauc_is
+put_in
+says 'was installed before$'
+[ ! -e "$state/result.json" ] || die 'an update that was installed before has a result'
+[ ! -s "$root/rauc.log" ] || die 'RAUC is asked for an update that was installed before'
 rauc_is --error 'Pre-install handler error: Child process exited with code 4'
+stick isotherm-4.raucb
 put_in
 result_is '"from":"stick",.*"code": "other-board"'
+rauc_is
+put_in
+result_is '"from":"stick",.*"installed": true'
 act_is update-refused stick
 rauc_is
 stick isotherm-2.raucb isotherm-3.raucb
@@ -220,4 +230,4 @@ dd if=/dev/zero of="$root/stick" bs=4096 count=1 conv=notrunc status=none
 if RUNTIME_DIRECTORY=$root/runtime unshare --mount "$source_dir/board/image/programs/stick-update" "$loop" >"$root/said" 2>&1; then
     die 'a damaged stick is taken'
 fi
-echo "    stick-update on $ISOTHERM_STICK_TYPE: no update, one, for another board, several, below the top, damaged"
+echo "    stick-update on $ISOTHERM_STICK_TYPE: no update, one, the same again, for another board, several, below the top, damaged"

@@ -8,7 +8,7 @@ source_dir=$1 build=$2
 command -v curl >/dev/null || exit 77
 root=$(mktemp -d)
 web_pid=''
-mkdir -m 0700 "$root/web" "$root/run" "$root/story"
+mkdir -m 0700 "$root/web" "$root/run" "$root/run/isotherm-web" "$root/story"
 story_directory=$root/story story_source=$source_dir
 . "$source_dir/tests/support/door_story.sh"
 
@@ -31,10 +31,10 @@ port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0));
 
 start_web() {
     # shellcheck disable=SC2086 # a list of options
-    RUNTIME_DIRECTORY=$root/run "$build/enroll/web/isotherm-web" --state "$root/web" --bus "unix:path=$root/none" --pages "$source_dir/enroll/web/pages" \
+    RUNTIME_DIRECTORY=$root/run/isotherm-web "$build/enroll/web/isotherm-web" --state "$root/web" --bus "unix:path=$root/none" --pages "$source_dir/enroll/web/pages" \
         --updates "$root/none" --listen "127.0.0.1:$port" $options 2>"$root/web.log" &
     web_pid=$!
-    waits_for 'the web server shows no code' test -s "$root/run/setup-code"
+    waits_for 'the web server shows no code' test -s "$root/run/isotherm-web/setup-code"
 }
 
 # make_account CODE: prints the status of the answer
@@ -45,11 +45,14 @@ make_account() {
 }
 
 start_web
-first=$(cat "$root/run/setup-code")
-grep -q "the code for the first account, valid until an hour after the start: $first\$" "$root/web.log" || die 'the code is not in the journal and on the console'
-[ "$(stat -c %a "$root/run/setup-code")" = 640 ] || die 'others can read the code'
+first=$(cat "$root/run/isotherm-web/setup-code")
+grep -q "the code for the first account, valid until an hour after the start: $first\$" "$root/web.log" || die 'the code is not in the journal'
+[ "$(ISOTHERM_ROOT=$root "$source_dir/board/image/programs/tell-code")" = "tell-code: the code for the first account, valid until an hour after the start: $first" ] ||
+    die 'the console does not show the code'
+[ "$(stat -c %a "$root/run/isotherm-web/setup-code")" = 640 ] || die 'others can read the code'
 [ "$(make_account "$first")" = 201 ] || die 'the code makes no account'
-waits_for 'the code is shown although there is an account' test ! -e "$root/run/setup-code"
+waits_for 'the code is shown although there is an account' test ! -e "$root/run/isotherm-web/setup-code"
+[ -z "$(ISOTHERM_ROOT=$root "$source_dir/board/image/programs/tell-code")" ] || die 'the console shows a code that has gone'
 
 {
     printf '[sensor]\nbackend = replay\npath = %s/slot\n' "$root"
@@ -64,7 +67,7 @@ web_pid=''
 [ $code -eq 4 ] || die "the web server ends with $code after the reset, not with 4, after which systemd starts it anew"
 
 start_web
-second=$(cat "$root/run/setup-code")
+second=$(cat "$root/run/isotherm-web/setup-code")
 [ "$second" != "$first" ] || die 'the code is the same after the reset'
 [ "$(make_account "$first")" = 401 ] || die 'the first code is taken again'
 [ "$(make_account "$second")" = 201 ] || die 'the second code makes no account'

@@ -2,7 +2,7 @@
 # stick with version 2 is in the machine.
 
 update_result() {
-    tr -d '\n' </var/lib/isotherm-update/result.json 2>/dev/null | grep -q "$1"
+    cat /var/lib/isotherm-update/result.json 2>/dev/null | tr -d '\n' | grep -q "$1"
 }
 
 # As the web server would do it.
@@ -17,6 +17,16 @@ nothing_is_left() {
     [ -z "$(find /var/lib/isotherm-update -name '*.raucb')" ]
 }
 
+# As at the next start.
+a_stick_that_stays_in_is_quiet() {
+    cp /var/lib/isotherm-update/result.json "$story_scratch/result"
+    systemctl start "isotherm-stick@$(basename "$(readlink -f /dev/disk/by-label/UPDATES)").service" || die 'the unit of the stick fails'
+    cmp -s /var/lib/isotherm-update/result.json "$story_scratch/result" || die "the stick has a result again: $(cat /var/lib/isotherm-update/result.json)"
+    journalctl --sync
+    journalctl --no-pager --boot | grep -q 'stick-update: the update on /dev/.* was installed before' || die 'the journal does not say that the update was installed before'
+    say 'a stick that stays in is not installed again'
+}
+
 brought() {
     rest_inputs
     ln -s "$VM_SOURCE/sim/stored" /srv/stored
@@ -27,6 +37,7 @@ brought() {
     ! findmnt -n -t vfat -o TARGET | grep -qv "^/efi$" || die 'the stick stays mounted'
     wait_for 60 'the copy of the stick is not removed' nothing_is_left
     say 'a USB stick: version 2 is in slot b'
+    a_stick_that_stays_in_is_quiet
     page_brings other_board.raucb
     wait_for 120 'the update by the page is not refused' update_result '"from":"page",.*"code": "other-board"'
     wait_for 60 'the bundle of the page is not removed' nothing_is_left

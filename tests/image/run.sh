@@ -21,7 +21,7 @@ machine_out=$out/vm
 ISOTHERM_CACHE=$out/cache
 SOURCE_DATE_EPOCH=$(dpkg-parsechangelog -l "$source_dir/board/debian/changelog" -S Timestamp)
 export ISOTHERM_CACHE SOURCE_DATE_EPOCH
-checks=${*:-boot_slots production reproducible first_start later_start updates damaged_root wrong_root tpm secure_boot}
+checks=${*:-boot_slots production reproducible first_start later_start updates bring damaged_root wrong_root tpm secure_boot}
 
 # The keys of this test: of updates, and of somebody else.
 make_keys() {
@@ -108,6 +108,9 @@ bring() {
     machine_devices="-device qemu-xhci -drive if=none,id=stick,format=raw,file=$machine_out/stick.img -device usb-storage,drive=stick" \
         machine_start brought brought "$machine_out/bring.qcow2" || die_with brought $?
     tell brought
+    grep -q 'tell-code: the code for the first account' "$machine_out/brought.log" || die 'the console does not show the code for the first account'
+    ! grep -q ' isotherm-web\[' "$machine_out/brought.log" || die 'the console shows lines of the web server'
+    say 'the console shows the code for the first account, and nothing else of the web server'
 }
 
 # A byte of the root that was changed on the disk: the machine does not start from it. Every 64th block is changed, so that one is read.

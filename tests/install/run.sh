@@ -85,10 +85,15 @@ run_one() {
 run_in_order() {
     for test in "$@"; do
         began=$(date +%s) result=FAILED
-        # A subshell, so that a failing command ends only this test.
-        if (set -e; run_one "$test") >"$cache/$test.log" 2>&1; then
-            result=passed
-        fi
+        # A subshell, so that a failing command ends only this test. Not as the condition of `if`: there it would not even end the test.
+        set +e
+        (
+            set -e
+            run_one "$test"
+        ) >"$cache/$test.log" 2>&1
+        code=$?
+        set -e
+        [ $code -ne 0 ] || result=passed
         echo "$result" >"$cache/$test.result"
         printf '== %s\n%s\n%-12s %s after %d s\n' "$test" "$(tail -n 30 "$cache/$test.log")" "$test" "$result" $(($(date +%s) - began))
     done
