@@ -47,9 +47,8 @@ void hub_update_path(const struct hub_store *store, const uint8_t sha256[32],
 int hub_update_add(struct hub_store *store, const struct hub_update_file *file,
                    struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Deletes the rows and the files of a version. -ENOENT; -EALREADY a rollout of it runs or was
- * stopped.
- */
+/* Deletes the rows and the files of a version. A stopped rollout of it cannot go on any more.
+ * -ENOENT; -EALREADY a rollout of it is running. */
 int hub_update_remove(struct hub_store *store, const char *version, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

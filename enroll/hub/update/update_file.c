@@ -65,13 +65,12 @@ static int check_unused(const struct work *w, struct iso_fault *fault)
     error = error ? error
                   : hub_db_run(w->store->db,
                                "SELECT z.name FROM rollout r JOIN zone z ON z.id = r.zone WHERE "
-                               "r.version = $1 AND r.state IN ('running', 'stopped')",
+                               "r.version = $1 AND r.state = 'running'",
                                &values, &rows, fault);
     if (!error && PQntuples(rows) > 0) {
-        error = iso_fault_set(
-            fault, -EALREADY,
-            "zone %s is, or was, on the way to version %s; begin another rollout there first",
-            hub_row_text(rows, 0, 0), w->version);
+        error = iso_fault_set(fault, -EALREADY,
+                              "zone %s is on the way to version %s; stop it first",
+                              hub_row_text(rows, 0, 0), w->version);
     }
     PQclear(rows);
     return error;

@@ -101,13 +101,17 @@ static void a_rollout_goes_on_only_if_it_still_can(void **state)
     played_door_join(&rollout_players[0].door, rig, "both", both, 2);
     rollout_rig_start(rig, 1, 0, 0);
     store_rig_fine(hub_rollout_stop(&rig->store, "office", &rollout_fault), &rollout_fault);
-    assert_int_equal(hub_update_remove(&rig->store, "1.2", &rollout_fault), -EALREADY);
     /* Meanwhile its door takes part in another one. */
     store_rig_fine(hub_rollout_start(&rig->store, &options, &rollout_fault), &rollout_fault);
     assert_int_equal(hub_rollout_resume(&rig->store, "office", &rollout_fault), -EALREADY);
     assert_non_null(strstr(rollout_fault.text, "zone lab"));
     store_rig_fine(hub_rollout_stop(&rig->store, "lab", &rollout_fault), &rollout_fault);
     store_rig_fine(hub_rollout_resume(&rig->store, "office", &rollout_fault), &rollout_fault);
+    /* The version of a stopped one may be removed; then it cannot go on. */
+    assert_int_equal(hub_update_remove(&rig->store, "1.2", &rollout_fault), -EALREADY);
+    store_rig_fine(hub_rollout_stop(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_update_remove(&rig->store, "1.2", &rollout_fault), &rollout_fault);
+    assert_int_equal(hub_rollout_resume(&rig->store, "office", &rollout_fault), -ENOENT);
 }
 
 #define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, rollout_rig_setup, rollout_rig_teardown)
