@@ -4,8 +4,8 @@
  * over six degrees of freedom and the coefficients of the model's modes, which are held by their
  * prior N(0, 1) (regularised morphable model fit: Blanz and Vetter 1999; Amberg, Knothe and Vetter
  * 2008). The first steps are rigid. Then all modes are fitted from several openings of the jaw, and
- * the best of these fits is continued. With nine or ten iterations, for which this was measured, a
- * start that lags far behind a good one is given up early. The fit serves to find the landmarks:
+ * the best of these fits is continued. With nine or ten iterations a start that lags far behind a
+ * good one is given up early; how far was measured with ten. The fit serves to find the landmarks:
  * those of the fitted head are repeatable to a fraction of the noise, because they depend on the
  * whole face. */
 #ifndef ISO_CORE_LANDMARK_SHAPE_FIT_H

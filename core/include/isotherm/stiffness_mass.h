@@ -86,8 +86,9 @@ int iso_stiffness_mass_weighted(const struct iso_mesh *mesh, enum iso_mass kind,
 /** Assembles both matrices on the intrinsic Delaunay triangulation of the mesh's tufted cover
  * (Sharp and Crane, "A Laplacian for nonmanifold triangle meshes", Computer Graphics Forum 39(5),
  * 2020). It is for bad meshes: triangles may be slivers or have no area, edges may have any number
- * of triangles, and triangles need not agree on which side is the outside. No conductance between
- * two vertices is negative, so that with a lumped mass heat stays between its extremes. On a closed
+ * of triangles, and triangles need not agree on which side is the outside. Without a density no
+ * conductance between two vertices is negative, except by rounding, so that with a lumped mass heat
+ * stays between its extremes. On a closed
  * manifold mesh whose edges are all Delaunay the matrices are those of iso_stiffness_mass(). A
  * vertex on the boundary may be joined to vertices with which it shares no edge of the mesh. If a
  * triangle is nearly flat, all edges count as longer, by up to 1e-5 of their mean length.

@@ -4,7 +4,7 @@ from ctypes import POINTER, byref, c_double, c_int32, c_void_p
 
 import numpy as np
 
-from ._frame import read_data
+from ._frame import Frame, read_data
 from ._library import Error, Owner, check, lib, structs
 from ._mesh import Mesh
 from ._template import Template
@@ -107,6 +107,8 @@ class Extractor:
         return self._find(lib.iso_extractor_locate, frame, None)
 
     def _find(self, function, frame, extractor):
+        if not isinstance(frame, Frame):
+            raise Error('frame: %r is no isotherm.Frame' % (frame, ))
         found = structs.Extraction()
         try:
             check(function(self._owner.pointer, frame._check(), byref(found)), 'frame',

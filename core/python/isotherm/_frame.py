@@ -47,22 +47,28 @@ class Frame:
     depth: (rows, columns) float32, millimetres along the optical axis, 0 where nothing was measured.
     intensity: the same shape, 0..1, or None. camera: Camera. time: nanoseconds of a monotonic clock.
     sequence: the number of the frame. The arrays are shared with the caller if they have the right
-    type already.
+    type already. A frame keeps its arrays and its camera; make another one for others.
     """
 
     def __init__(self, depth, camera, intensity=None, time=0, sequence=0):
         """Raises Error for depths that are negative or not finite, a camera that cannot exist, and a
         camera or an intensity of another size."""
-        self.depth = array_in(depth, np.float32, (None, None), 'depth')
-        self.intensity = None
+        self._depth = array_in(depth, np.float32, (None, None), 'depth')
+        self._intensity = None
         if intensity is not None:
-            self.intensity = array_in(intensity, np.float32, self.depth.shape, 'intensity')
-        self.camera, self.time, self.sequence = camera, int(time), int(sequence)
-        rows, columns = self.depth.shape
-        self._struct = structs.Frame(camera._struct(), columns, rows, 0, 0, self.time, self.sequence,
-                                     address(self.depth),
-                                     None if self.intensity is None else address(self.intensity))
+            self._intensity = array_in(intensity, np.float32, self._depth.shape, 'intensity')
+        self._camera = camera
+        rows, columns = self._depth.shape
+        self._struct = structs.Frame(camera._struct(), columns, rows, 0, 0, int(time), int(sequence),
+                                     address(self._depth),
+                                     None if self._intensity is None else address(self._intensity))
         self._check()
+
+    depth = property(lambda self: self._depth)
+    intensity = property(lambda self: self._intensity)
+    camera = property(lambda self: self._camera)
+    time = property(lambda self: self._struct.t_ns)
+    sequence = property(lambda self: self._struct.sequence)
 
     def _check(self):
         """The frame as the library takes it. Arrays of the caller may have changed since."""

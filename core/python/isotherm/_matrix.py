@@ -119,5 +119,6 @@ def pairs_views(owner, pairs):
 
 SPECTRUM_FAULTS = {
     errno.EDOM: 'its matrices cannot be factorised: triangles are too thin, or their sizes differ too much',
-    errno.ENOTRECOVERABLE: 'its eigenpairs do not converge, or one of them is of a multiplicity above 32',
+    errno.ENOTRECOVERABLE: 'its eigenpairs do not converge, one of them is of a multiplicity above 32, or it takes '
+                           'too many flips of edges to make its triangulation intrinsic Delaunay',
 }

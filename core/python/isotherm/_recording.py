@@ -62,7 +62,7 @@ class Recording:
 
     def _read_list(self, path):
         times, self._names = [], []
-        with open(path, encoding='utf-8') as file:
+        with open(path, encoding='utf-8', errors='surrogateescape') as file:
             for number, line in enumerate(file, 1):
                 if line.startswith('#') or not line.strip('\r\n'):
                     continue
@@ -86,13 +86,12 @@ class Recording:
 
     def _depth(self, path):
         from PIL import Image, UnidentifiedImageError
-        try:
-            with Image.open(path, formats=('PNG', )) as image:
-                mode, counts = image.mode, np.asarray(image)
-        except FileNotFoundError:
-            raise
-        except (UnidentifiedImageError, OSError, SyntaxError, ValueError) as error:
-            raise _bad(path, 'truncated or damaged: %s' % str(error).replace('\n', ' ')) from None
+        with open(path, 'rb') as file:
+            try:
+                with Image.open(file, formats=('PNG', )) as image:
+                    mode, counts = image.mode, np.asarray(image)
+            except (UnidentifiedImageError, Image.DecompressionBombError, OSError, SyntaxError, ValueError) as error:
+                raise _bad(path, 'truncated or damaged: %s' % str(error).replace('\n', ' ')) from None
         if mode not in ('I', 'I;16', 'I;16B'):
             raise _bad(path, 'not a grey picture of 16 bits')
         if counts.shape != (self.camera.height, self.camera.width):
@@ -106,20 +105,26 @@ class Recording:
         path, found = os.path.join(self.directory, 'landmarks.csv'), {}
         if not os.path.exists(path):
             return found
-        with open(path, encoding='utf-8', newline='') as file:
+        with open(path, encoding='utf-8', errors='surrogateescape', newline='') as file:
             rows = csv.reader(file)
-            if next(rows, None) != ['frame', 'name', 'x_mm', 'y_mm', 'z_mm']:
-                raise _bad(path, 'its header is not frame,name,x_mm,y_mm,z_mm')
-            for row in rows:
-                try:
-                    frame, name, point = int(row[0]), row[1], np.array(row[2:], float)
-                except (ValueError, IndexError):
-                    frame, name, point = -1, '', np.empty(0)
-                points = found.setdefault(frame, {})
-                if not 0 <= frame < len(self) or point.shape != (3, ) or name in points:
-                    raise _bad('%s:%d' % (path, rows.line_num), 'not one landmark of a frame')
-                points[name] = point
+            try:
+                if next(rows, None) != ['frame', 'name', 'x_mm', 'y_mm', 'z_mm']:
+                    raise _bad(path, 'its header is not frame,name,x_mm,y_mm,z_mm')
+                for row in rows:
+                    self._add_landmark('%s:%d' % (path, rows.line_num), row, found)
+            except csv.Error as error:
+                raise _bad('%s:%d' % (path, rows.line_num), str(error)) from None
         return found
+
+    def _add_landmark(self, where, row, found):
+        try:
+            frame, name, point = int(row[0]), row[1], np.array(row[2:], float)
+        except (ValueError, IndexError):
+            frame, name, point = -1, '', np.empty(0)
+        points = found.setdefault(frame, {})
+        if not 0 <= frame < len(self) or point.shape != (3, ) or name in points:
+            raise _bad(where, 'not one landmark of a frame')
+        points[name] = point
 
     def __repr__(self):
         return '<isotherm.Recording: %s, %d frames of %s>' % (self.directory, len(self), self.sensor)
@@ -150,6 +155,6 @@ def _numbers(path, projection, depth):
 def _nanoseconds(where, text):
     """Seconds as text, to the nanosecond; a float would round them. More digits are dropped."""
     match = re.fullmatch('([0-9]{1,10})(?:[.]([0-9]*))?', text)
-    if not match:
+    if not match or int(match[1]) >= 2**63 // 10**9:
         raise _bad(where, '%s is not a time in seconds' % text)
     return int(match[1]) * 10**9 + int((match[2] or '')[:9].ljust(9, '0'))

@@ -30,8 +30,9 @@ class Template:
 
     def __init__(self, data):
         """Reads a template from the bytes that bytes(template) gives. Raises Error."""
+        data = bytes(data)
         self._struct = structs.Template()
-        check(lib.iso_template_parse(bytes(data), len(data), byref(self._struct)), 'template', _FAULTS)
+        check(lib.iso_template_parse(data, len(data), byref(self._struct)), 'template', _FAULTS)
 
     @classmethod
     def _of_struct(cls, struct):
@@ -45,6 +46,9 @@ class Template:
         size = lib.iso_template_serialise(byref(self._struct), room, len(room))
         check(min(size, 0), 'template')
         return room.raw[:size]
+
+    def __copy__(self):
+        return Template._of_struct(self._struct)  # the memory of each template is wiped at its end
 
     def __del__(self):
         if hasattr(self, '_struct'):

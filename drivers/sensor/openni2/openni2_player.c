@@ -9,8 +9,12 @@
 
 enum {
     NAP_MS = 3,
-    LOOKS = 500, /* the largest number of looks at a thread, one each millisecond */
+    LOOKS = 500,     /* the largest number of looks at the threads, one each millisecond */
+    FRESH_LOOKS = 2, /* a nap that began at most so many looks ago lasts for some more */
+    LONG_LOOKS = 30, /* a sleep of so many looks is none of the player's naps of 10 ms */
 };
+
+static const char times_key[] = "voluntary_ctxt_switches:";
 
 static void wait_ms(int ms)
 {
@@ -57,32 +61,57 @@ void iso__openni2_threads_new(const struct iso__openni2_threads *before,
     threads->n = n;
 }
 
-/* The state is the letter after the thread's name, which stands in parentheses and may hold any
- * character (proc(5), /proc/pid/stat). 'R' is a thread that runs or waits for a processor. */
-static bool is_awake(pid_t id)
+/* A thread as the kernel sees it. */
+struct look {
+    bool sleeps;
+    long times; /* how often it has gone to sleep */
+};
+
+/* Reads the lines that count (proc(5), /proc/pid/status). False: the thread has ended. */
+static bool look_at(pid_t id, struct look *look)
 {
-    char path[64], line[512] = "";
-    (void)snprintf(path, sizeof path, "/proc/self/task/%ld/stat", (long)id);
+    char path[64], line[256];
+    (void)snprintf(path, sizeof path, "/proc/self/task/%ld/status", (long)id);
     FILE *file = fopen(path, "re");
     if (!file) {
-        return false; /* it has ended */
+        return false;
     }
-    const size_t length = fread(line, 1, sizeof line - 1, file);
+    *look = (struct look){.times = 0};
+    while (fgets(line, sizeof line, file)) {
+        look->sleeps = look->sleeps || strncmp(line, "State:\tS", 8) == 0;
+        if (strncmp(line, times_key, sizeof times_key - 1) == 0) {
+            look->times = strtol(line + sizeof times_key - 1, NULL, 10);
+        }
+    }
     (void)fclose(file);
-    line[length] = '\0';
-    const char *name_end = strrchr(line, ')');
-    return name_end && strncmp(name_end, ") S", 3) != 0;
+    return true;
 }
 
 void iso__openni2_threads_await_sleep(const struct iso__openni2_threads *threads)
 {
-    int looks = 0;
-    if (threads->n == 0) {
+    long times[ISO__OPENNI2_THREADS] = {0};
+    int since[ISO__OPENNI2_THREADS] = {0}; /* the look at which `times` was new; 0: the first */
+    bool all = threads->n > 0;
+    if (!all) {
         wait_ms(NAP_MS);
+        return;
     }
-    for (int i = 0; i < threads->n; i++) {
-        for (; is_awake(threads->ids[i]) && looks < LOOKS; looks++) {
-            wait_ms(1);
+    for (int n = 0; n < LOOKS; n++, wait_ms(1)) {
+        all = true;
+        for (int i = 0; i < threads->n; i++) {
+            struct look look;
+            if (!look_at(threads->ids[i], &look)) {
+                continue;
+            }
+            if (n == 0 || look.times != times[i]) {
+                times[i] = look.times;
+                since[i] = n;
+            }
+            const bool fell_asleep = since[i] > 0 && n - since[i] <= FRESH_LOOKS;
+            all = all && look.sleeps && (fell_asleep || n - since[i] >= LONG_LOOKS);
+        }
+        if (all) {
+            return;
         }
     }
 }

@@ -3,8 +3,11 @@
  * The runtime's player goes through the list of its streams without a lock: all the time at the end
  * of a file, and every 10 ms while the streams are stopped. Destroying a stream at that moment
  * crashes the process. The runtime offers no way to stop this thread first, because it ends only
- * with the device, and the device must outlive its streams. So the session waits until the kernel
- * reports that the thread sleeps.
+ * with the device, and the device must outlive its streams. So the session destroys a stream just
+ * after the kernel has reported that the thread fell asleep.
+ *
+ * This makes the crash rare and does not rule it out: if the session itself is kept from the
+ * processor for 10 ms just then, the player may be awake again.
  */
 #ifndef ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_PLAYER_H
 #define ISO_DRIVERS_SENSOR_OPENNI2_OPENNI2_PLAYER_H
@@ -27,9 +30,10 @@ void iso__openni2_threads_list(struct iso__openni2_threads *threads);
 void iso__openni2_threads_new(const struct iso__openni2_threads *before,
                               struct iso__openni2_threads *threads);
 
-/* Waits until each of the threads has been seen asleep or has ended. Gives up after 0.5 s, because
- * a thread that came by chance with those of the player may be busy for ever. Waits for 3 ms if
- * there is none. */
+/* Waits until all of the threads sleep at the same time, and each has just fallen asleep or has
+ * slept for at least 30 ms; threads that have ended do not count. Gives up after some 0.5 s,
+ * because a thread that came by chance with those of the player may be busy for ever. Waits for 3
+ * ms if there is none. */
 void iso__openni2_threads_await_sleep(const struct iso__openni2_threads *threads);
 
 #endif

@@ -121,18 +121,23 @@ int iso__openni2_session_open(struct iso__openni2_session *session,
     return error;
 }
 
+static void destroy_stream(const struct iso__openni2_session *session,
+                           const struct iso__openni2_stream *stream)
+{
+    if (!stream->handle) {
+        return;
+    }
+    if (session->file) {
+        iso__openni2_threads_await_sleep(&session->player);
+    }
+    oniStreamDestroy(stream->handle);
+}
+
 void iso__openni2_session_close(struct iso__openni2_session *session)
 {
     iso__openni2_session_stop(session);
-    if (session->file && session->depth.handle) {
-        iso__openni2_threads_await_sleep(&session->player);
-    }
-    if (session->grey.handle) {
-        oniStreamDestroy(session->grey.handle);
-    }
-    if (session->depth.handle) {
-        oniStreamDestroy(session->depth.handle);
-    }
+    destroy_stream(session, &session->grey);
+    destroy_stream(session, &session->depth);
     if (session->device) {
         (void)oniDeviceClose(session->device);
     }

@@ -185,8 +185,9 @@ int sim_source_shape(const char *path, const struct iso_coloured_mesh *mesh,
                              path);
     case -ENOTRECOVERABLE:
         return iso_fault_set(fault, error,
-                             "%s: its eigenpairs do not converge, or one of them is of a "
-                             "multiplicity above 32",
+                             "%s: its eigenpairs do not converge, one of them is of a "
+                             "multiplicity above 32, or it takes too many flips of edges to make "
+                             "its triangulation intrinsic Delaunay",
                              path);
     case -EINVAL:
         return iso_fault_set(fault, error, "%s: a colour is outside 0..1, or not finite", path);

@@ -1,4 +1,5 @@
 """Recordings, faces and templates, against what isotherm-sim writes of the same frames."""
+import copy
 import csv
 import gc
 import os
@@ -65,7 +66,7 @@ class Recordings(TestCase):
     def test_bad_lists_are_refused(self):
         first = b'0.000000000 depth/000000.png'
         for new in (b'-1 depth/000000.png', b'9 depth/000000.png', b'0 /etc/passwd', b'0 depth/../../x.png', b'0',
-                    b'0 a b', b'nan depth/000000.png'):
+                    b'0 a b', b'nan depth/000000.png', b'\xff depth/000000.png', b'9999999999 depth/000000.png'):
             self.refuses('depth.txt', isotherm.Recording, self.changed('depth.txt', first, new))
         later = isotherm.Recording(self.changed('depth.txt', b'0.066666666 ', b'1234567890.0000000019 '))
         self.assertEqual(later.times[2], 1234567890 * 10**9 + 1)  # a float would round it
@@ -74,14 +75,18 @@ class Recordings(TestCase):
         recording = isotherm.Recording(self.changed('depth/000001.png', b'IDAT', b'IDOT'))
         self.refuses('000001.png', recording.__getitem__, 1)
         self.assertEqual(recording[0].depth.shape, (480, 640))
-        os.remove(os.path.join(recording.directory, 'depth/000002.png'))
+        name = os.path.join(recording.directory, 'depth/000002.png')
+        os.remove(name)
         with self.assertRaises(FileNotFoundError):
+            recording[2]
+        os.mkdir(name)
+        with self.assertRaises(IsADirectoryError):
             recording[2]
 
     def test_truth(self):
         truth = isotherm.Recording(os.path.join(CORPUS, 'p01-enrol')).landmarks()
         self.assertEqual(set(truth[0]), set(isotherm.LANDMARKS))
-        for new in (b'0,nasion,1,2', b'7,nasion,1,2,3', b'0,nasion,1,2,x', b'x'):
+        for new in (b'0,nasion,1,2', b'7,nasion,1,2,3', b'0,nasion,1,2,x', b'x', b'\xff', b'x' * 200000):
             bad = self.changed('landmarks.csv', b'0,nasion', new + b'\n0,nasion')
             self.refuses('landmarks.csv:2', isotherm.Recording(bad).landmarks)
 
@@ -141,12 +146,14 @@ class Faces(TestCase):
         data[100] ^= 1
         self.refuses('template: truncated or damaged', isotherm.Template, data)
         self.refuses('template:', isotherm.Template, b'')
+        self.refuses('template:', isotherm.Template, np.zeros((1000, 0), np.uint8))
 
     def test_a_template_outlives_its_face(self):
         template = self.face('p01-enrol').template
-        points = template.points
+        points, again = template.points, copy.copy(template)
         del template
         gc.collect()
+        self.same(again.points, points)
         self.assertGreater(np.abs(points).max(), 10)
         self.same(self.face('p01-enrol').template.points, points)
 
@@ -172,6 +179,12 @@ class Faces(TestCase):
         self.refuses('depth:', isotherm.Frame, np.ones((4, 4)), camera)
         self.refuses('intensity: its shape', isotherm.Frame, depth, camera, intensity=np.ones((2, 2)))
         self.refuses('projection', isotherm.Frame, depth, isotherm.Camera(4, 3, 1.5, 1, projection='fisheye'))
+        frame = isotherm.Frame(depth, camera)
+        with self.assertRaises(AttributeError):
+            frame.depth = depth
+        for thing in (isotherm.Mesh.from_frame(frame), depth, None):
+            self.refuses('is no isotherm.Frame', self.extractor.extract, thing)
+            self.refuses('is no isotherm.Frame', isotherm.Mesh.from_frame, thing)
         self.refuses('heat:', isotherm.Extractor, MODEL, heat='fast')
         self.refuses('radii: 5 of them', isotherm.Extractor, MODEL, radii=[1, 2, 3, 4, 5])
         self.refuses('out of range', isotherm.Extractor, MODEL, points=1000)

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -94,13 +95,19 @@ static void a_busy_thread_is_waited_for(void **state)
 
 static void a_thread_that_never_sleeps_is_given_up(void **state)
 {
+    struct timespec begin, end_of_wait;
     struct iso__openni2_threads before, fresh;
     struct worker worker;
     (void)state;
     iso__openni2_threads_list(&before);
     start(&worker);
     iso__openni2_threads_new(&before, &fresh);
+    (void)clock_gettime(CLOCK_MONOTONIC, &begin);
     iso__openni2_threads_await_sleep(&fresh);
+    (void)clock_gettime(CLOCK_MONOTONIC, &end_of_wait);
+    assert_true(1e3 * (double)(end_of_wait.tv_sec - begin.tv_sec) +
+                    1e-6 * (double)(end_of_wait.tv_nsec - begin.tv_nsec) >
+                450);
     assert_false(atomic_load(&worker.done));
     atomic_store(&worker.go, true);
     end(&worker);
