@@ -65,8 +65,9 @@ int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, 
 
 /** Makes a shape of a bad mesh, as iso_shape_new(), but with the matrices of
  * iso_stiffness_mass_robust(), and eigenpairs of these. Triangles without area are kept if all
- * their corners belong to the shape: they close cracks within it, but do not join parts. `area` and `neighbour` stay those of the
- * mesh, and iso_geodesic_new() makes finite elements of its own of the mesh as it is.
+ * their corners belong to the shape: they close cracks within it, but do not join parts. `area` and
+ * `neighbour` stay those of the mesh, and iso_geodesic_new() makes finite elements of its own of
+ * the mesh as it is.
  *
  * @param mesh     As for iso_shape_new().
  * @param colour   As for iso_shape_new().

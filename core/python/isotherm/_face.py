@@ -108,7 +108,7 @@ class Extractor:
 
     def _find(self, function, frame, extractor):
         if not isinstance(frame, Frame):
-            raise Error('frame: %r is no isotherm.Frame' % (frame, ))
+            raise Error('frame: of the type %s, not isotherm.Frame' % type(frame).__name__)
         found = structs.Extraction()
         try:
             check(function(self._owner.pointer, frame._check(), byref(found)), 'frame',

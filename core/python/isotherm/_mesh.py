@@ -97,7 +97,7 @@ class Mesh:
     def from_frame(cls, frame, jump=10.0, largest_only=False):
         """The same for a Frame, such as one of a Recording."""
         if not isinstance(frame, Frame):
-            raise Error('frame: %r is no isotherm.Frame' % (frame, ))
+            raise Error('frame: of the type %s, not isotherm.Frame' % type(frame).__name__)
         given, size = frame._check(), frame.depth.size
         options, triangulator = structs.TriangulateOptions(jump, largest_only), c_void_p()
         check(lib.iso_triangulator_new(size, byref(options), byref(triangulator)), 'jump',

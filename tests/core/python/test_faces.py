@@ -174,7 +174,7 @@ class Faces(TestCase):
         self.assertEqual((located.outcome, located.template), ('ok', None))
 
     def test_refusals(self):
-        camera, depth = isotherm.Camera(4, 3, 1.5, 1, 5, 5), np.ones((3, 4), np.float32)
+        camera, depth = isotherm.Camera(4, 3, 1.5, 1, 100, 100), np.ones((3, 4), np.float32)
         self.refuses('depth:', isotherm.Frame, -depth, camera)
         self.refuses('depth:', isotherm.Frame, np.ones((4, 4)), camera)
         self.refuses('intensity: its shape', isotherm.Frame, depth, camera, intensity=np.ones((2, 2)))
@@ -183,8 +183,8 @@ class Faces(TestCase):
         with self.assertRaises(AttributeError):
             frame.depth = depth
         for thing in (isotherm.Mesh.from_frame(frame), depth, None):
-            self.refuses('is no isotherm.Frame', self.extractor.extract, thing)
-            self.refuses('is no isotherm.Frame', isotherm.Mesh.from_frame, thing)
+            self.refuses('not isotherm.Frame', self.extractor.extract, thing)
+            self.refuses('not isotherm.Frame', isotherm.Mesh.from_frame, thing)
         self.refuses('heat:', isotherm.Extractor, MODEL, heat='fast')
         self.refuses('radii: 5 of them', isotherm.Extractor, MODEL, radii=[1, 2, 3, 4, 5])
         self.refuses('out of range', isotherm.Extractor, MODEL, points=1000)
