@@ -26,9 +26,11 @@ void hub_rollout_move(struct hub_rollout_stage *stage, const struct hub_rollout_
 
 uint32_t hub_rollout_spread_s(const struct hub_rollout_stage *stage, int64_t doors, uint64_t bytes)
 {
-    /* Half of all doors that were told are of the present stage, but for the first one. */
+    /* Half of all doors that were told are of the present stage, but for the first one. Doors may
+     * have left the rollout since the stage began; one at least is told now. */
     const int64_t most = stage->most < doors ? stage->most : doors;
     const int64_t fetching = stage->stage == 1 ? most : most - stage->most / 2;
-    const double seconds = (double)fetching * (double)bytes / HUB_ROLLOUT_BYTES_PER_S;
+    const double seconds = (double)(fetching > 1 ? fetching : 1) * (double)bytes /
+                           HUB_ROLLOUT_BYTES_PER_S;
     return seconds < HUB_ROLLOUT_SPREAD_MOST_S ? (uint32_t)seconds : HUB_ROLLOUT_SPREAD_MOST_S;
 }

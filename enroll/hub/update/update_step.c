@@ -152,8 +152,9 @@ static int store_state(const struct step *s, enum hub__door_state state, bool co
 /* ---- the rollout ---- */
 
 /* While this lock is held, nobody else tells doors of the rollout. The transaction has locked rows
- * of doors before. So nobody waits for the lock, because two hubs could then wait for each other:
- * whoever does not get it leaves the rollout as it is, and the door asks again within a minute. */
+ * of doors before. So nobody waits for this lock, because two hubs could then wait for each other:
+ * whoever does not get it leaves the rollout as it is, and the door asks again within a minute.
+ * (Commands that begin, stop or remove lock the table; they have locked no rows of doors.) */
 static int lock(struct step *s, bool *is_locked, struct iso_fault *fault)
 {
     struct hub_values values = {.n = 0};

@@ -8,7 +8,8 @@
 
 enum {
     LOOK_AGAIN_S = 60, /* RAUC was busy or did not answer */
-    CHECKS_S = 15,     /* until the checks of a new version have ended */
+    SPREAD_MOST_S = 4 * 3600,
+    CHECKS_S = 15, /* until the checks of a new version have ended */
     TEXT_SIZE = 4096,
     EXIT_NO_IMAGE = 3, /* isotherm(1): not found */
 };
@@ -106,6 +107,12 @@ static void settle(struct link_update *u)
                             "the new version did not pass its checks");
         }
         break;
+    case ISO_FLEET_UPDATE_FAILED:
+    case ISO_FLEET_UPDATE_WENT_BACK:
+        if (is_running && u->slots.good) { /* another way has brought the version */
+            link_update_set(u, ISO_FLEET_UPDATE_HEALTHY, "");
+        }
+        break;
     case ISO_FLEET_UPDATE_HEALTHY:
         if (!is_running) {
             u->record.state = ISO_FLEET_UPDATE_IDLE; /* another way has brought another version */
@@ -150,9 +157,11 @@ static void look(struct link_update *u)
 {
     const int r = link_update_run(u, on_look);
 
-    if (r < 0) { /* without the program there is no image */
+    if (r == -ENOENT || r == -EACCES) { /* without the program there is no image */
         u->step = LINK_UPDATE_OFF;
         link_update_tell(u);
+    } else if (r < 0) {
+        link_update_in(u, LOOK_AGAIN_S * LINK_UPDATE_S_US);
     }
 }
 
@@ -205,7 +214,8 @@ static void begin(struct link_update *u)
     u->step = LINK_UPDATE_WAIT;
     link_update_set(u, ISO_FLEET_UPDATE_FETCHING, "");
     randombytes_buf(&random, sizeof random);
-    link_update_in(u, random % (u->order.spread_s * LINK_UPDATE_S_US + 1));
+    const uint64_t spread_s = u->order.spread_s < SPREAD_MOST_S ? u->order.spread_s : SPREAD_MOST_S;
+    link_update_in(u, random % (spread_s * LINK_UPDATE_S_US + 1));
 }
 
 /* Whether the door has done with this rollout. */

@@ -15,10 +15,11 @@
  *   CHECK      INSTALL    the digest is that of the order
  *   INSTALL    LOOK       the image has installed the file
  *              IDLE       the image has refused it, or has not taken it
- *   INSTALLED  LOOK       from time to time
+ *   INSTALLED  LOOK       from time to time, once the new version runs
  *   WAIT, FETCH, CHECK  IDLE  the order holds no more
  *
- * An order holds until an answer of the hub comes without it. A machine whose order holds no more
+ * An order holds until the second answer of the hub that comes without it: the first one may have
+ * lost it on its way. Without answers it holds on. A machine whose order holds no more
  * does not restart, but a file that is being installed is installed. What became of a rollout is in
  * the file update.record, so a restart does not forget it; a rollout that has failed at this door
  * is not tried again.

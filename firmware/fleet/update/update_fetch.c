@@ -25,6 +25,8 @@ enum {
 /* What /var needs for itself. */
 #define SPARE_BYTES (UINT64_C(64) << 20)
 
+static const char no_room[] = "the disk has no room for the update";
+
 void link_update_fetch_end(struct link_update *u)
 {
     link_http_cancel(u->request);
@@ -61,7 +63,7 @@ void link_update_fetch_begin(struct link_update *u)
         u->have = 0;
     }
     if (r < 0 || !has_room(u)) {
-        link_update_fail(u, "the disk has no room for the update");
+        link_update_fail(u, no_room);
         return;
     }
     u->backoff = (struct link_backoff){.base_ms = BACKOFF_BASE_MS, .cap_ms = BACKOFF_CAP_MS};
@@ -114,7 +116,12 @@ static void take_part(struct link_update *u, const struct link_http_reply *reply
         again(u, "the hub has another file than it has ordered");
         return;
     }
-    const int r = append(u, reply->fd, reply->size);
+    /* Others may have filled the disk meanwhile, and the log needs it. */
+    const int r = has_room(u) ? append(u, reply->fd, reply->size) : -ENOSPC;
+    if (r == -ENOSPC || r == -EDQUOT) {
+        link_update_fail(u, no_room);
+        return;
+    }
     if (r < 0) {
         struct iso_fault fault = {.text = ""};
         (void)iso_file_fault(u->file, r, &fault);

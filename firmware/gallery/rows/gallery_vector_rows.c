@@ -15,6 +15,7 @@
 #include <errno.h>
 #include <sodium.h>
 #include <string.h>
+#include <sys/statvfs.h>
 
 #include "core/base/bytes.h"
 #include "firmware/gallery/gallery_db_state.h"
@@ -24,6 +25,9 @@ enum {
     NUMBERS_AT = ISO_TEMPLATE_SENSOR_MAX + 4 + 4 + 2,
     PLAIN_MAX = NUMBERS_AT + 4 * ISO_METRIC_DIMENSIONS_MAX,
 };
+
+/* What the log and the records of people may need meanwhile. */
+#define SPARE_BYTES (UINT64_C(64) << 20)
 
 /* ---- the metric ---- */
 
@@ -145,6 +149,9 @@ bool iso__gallery_stored_vector(const struct iso_gallery_db *db, sqlite3_stmt *r
         digest[i] ^= own[i];
     }
     sodium_memzero(plain, sizeof plain);
+    if (!sound) {
+        sodium_memzero(out, sizeof *out);
+    }
     return sound;
 }
 
@@ -214,10 +221,20 @@ static bool insert_all(const struct iso_gallery_db *db, const struct iso_gallery
     return done;
 }
 
+/* Whether the disk has room for n vectors, in the log of the database and then in the database, and
+ * for what needs it more. */
+static bool has_room(const struct iso_gallery_db *db, size_t n)
+{
+    const uint64_t needed = 2 * n * (uint64_t)(plain_size(db) + ISO_SEAL_OVERHEAD) + SPARE_BYTES;
+    struct statvfs disk;
+    return statvfs(sqlite3_db_filename(db->sqlite, "main"), &disk) == 0 &&
+           (uint64_t)disk.f_bavail * disk.f_frsize >= needed;
+}
+
 void iso_gallery_db_store_vectors(struct iso_gallery_db *db,
                                   const struct iso_gallery_vector *vectors, size_t n)
 {
-    if (!db->metric || iso__gallery_execute(db, "BEGIN IMMEDIATE", NULL)) {
+    if (!db->metric || !has_room(db, n) || iso__gallery_execute(db, "BEGIN IMMEDIATE", NULL)) {
         return;
     }
     const bool inserted = insert_all(db, vectors, n);

@@ -80,6 +80,8 @@ static void doors_share_the_line(void **state)
     stage.most = 50; /* 25 of them in this stage */
     assert_int_equal(hub_rollout_spread_s(&stage, 1000, 100000000), 200);
     assert_int_equal(hub_rollout_spread_s(&stage, 30, 100000000), 40);
+    /* Most of its doors have left the rollout; one is told now. */
+    assert_int_equal(hub_rollout_spread_s(&stage, 3, 100000000), 8);
     stage.most = 20000;
     assert_int_equal(hub_rollout_spread_s(&stage, 20000, 100000000), HUB_ROLLOUT_SPREAD_MOST_S);
 }

@@ -228,6 +228,29 @@ static void an_order_that_holds_no_more_is_left(void **state)
     assert_int_equal(rig->server.requests, 1);
 }
 
+/* A rollout has failed, and a stick or the page has brought its version since. */
+static void a_version_that_came_another_way_is_no_failure(void **state)
+{
+    static const enum iso_fleet_update_state failures[] = {ISO_FLEET_UPDATE_FAILED,
+                                                           ISO_FLEET_UPDATE_WENT_BACK};
+    struct update_rig *rig = *state;
+    char path[320];
+    (void)snprintf(path, sizeof path, "%s/update.record", rig->folder);
+    for (size_t i = 0; i < sizeof failures / sizeof *failures; i++) {
+        struct link_update_record record = {
+            .rollout = rig->order.rollout, .version = "1.2", .state = failures[i]};
+        assert_int_equal(link_update_record_write(path, &record, NULL), 0);
+        update_rig_slots(rig, "1.1", true, false);
+        update_rig_start(rig);
+        update_rig_wait(rig, failures[i]);
+        update_rig_stop(rig);
+        update_rig_slots(rig, "1.2", true, false);
+        update_rig_start(rig);
+        update_rig_wait(rig, ISO_FLEET_UPDATE_HEALTHY);
+        update_rig_stop(rig);
+    }
+}
+
 static void nothing_restarts_while_somebody_is_there(void **state)
 {
     struct update_rig *rig = *state;
@@ -285,6 +308,7 @@ int main(void)
         TEST(an_image_that_says_nothing_is_a_failure),
         TEST(results_that_are_not_of_the_hub_are_none),
         TEST(an_order_that_holds_no_more_is_left),
+        TEST(a_version_that_came_another_way_is_no_failure),
         TEST(nothing_restarts_while_somebody_is_there),
         cmocka_unit_test(slots_that_cannot_be_read_are_none),
     };
