@@ -82,7 +82,7 @@ int hub_rollout_resume(struct hub_store *store, const char *zone, struct iso_fau
 
 /* Looks at all running rollouts, whose doors may all be silent. The leader calls this once a minute
  * as long as the broker is connected; without it a rollout is looked at when one of its doors asks.
- */
+ * A rollout that cannot be looked at keeps no other from it; the first error is returned. */
 int hub_rollouts_look(struct hub_store *store, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

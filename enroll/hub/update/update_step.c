@@ -1,5 +1,6 @@
 #include "enroll/hub/update/update_step.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -372,10 +373,16 @@ int hub_rollouts_look(struct hub_store *store, struct iso_fault *fault)
     PGresult *rows = NULL;
     int error = hub_db_run_often(store->db, "SELECT id FROM rollout WHERE state = 'running'", NULL,
                                  &rows, fault);
-    for (int i = 0; !error && i < PQntuples(rows); i++) {
+    const int n = error ? 0 : PQntuples(rows);
+    for (int i = 0; i < n && error != -ENOTCONN; i++) {
         struct step s = {
             .store = store, .rollout = hub_row_id(rows, i, 0), .state = HUB__DOOR_HEALTHY};
-        error = hub_db_transaction(store->db, HUB_READ_COMMITTED, look_at_one, &s, fault);
+        struct iso_fault own = {.text = ""};
+        const int r = hub_db_transaction(store->db, HUB_READ_COMMITTED, look_at_one, &s, &own);
+        if (r && !error && fault) {
+            *fault = own;
+        }
+        error = r == -ENOTCONN || !error ? r : error;
     }
     PQclear(rows);
     return error;
