@@ -133,6 +133,8 @@ static const struct sim_option describe_options[] = {
     {"time-last", "T", "last time (4 ln 10 / first lambda)", sim_option_number,
      FIELD(describe.quantity.time_last)},
     {"energies", "N", "energies of wks (100)", sim_option_int, FIELD(describe.quantity.energies)},
+    {"persistence", "S", "segments: least persistence of a peak, in ranges of the heat (0.1)",
+     sim_option_number, FIELD(describe.quantity.persistence)},
     {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
      FIELD(describe.vertices)},
     {"smooth", "N", "double steps of Taubin's filter before all else (0)", sim_option_int,
@@ -371,7 +373,10 @@ int sim_cmd_shapes(int argc, char **argv)
         .index = {.method = "cp-hk"},
         .query = {.matches = 10},
         .match = {.first_pairs = 20, .step = 5, .weight = 0.01},
-        .describe = {.what = "all", .format = "npy", .laplacian = "plain"},
+        .describe = {.what = "all",
+                     .format = "npy",
+                     .laplacian = "plain",
+                     .quantity = {.persistence = 0.1}},
     };
     arguments.threads = sim_threads_default(ISO_HEAT_DIRECT);
     return sim_subcommand_run("shapes", targets, sizeof targets / sizeof *targets, &arguments, argc,

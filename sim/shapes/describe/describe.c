@@ -109,8 +109,8 @@ static int fill_arrays(const struct work *work, const struct iso_shape *shape,
     }
     if (error == -EINVAL) {
         return iso_fault_set(fault, error,
-                             "%s: %s: --times, --time-first, --time-last or "
-                             "--energies is out of range for this shape",
+                             "%s: %s: --times, --time-first, --time-last, --energies or "
+                             "--persistence is out of range for this shape",
                              path, name);
     }
     return error ? iso_fault_set(fault, error, "%s: %s: %s", path, name, strerror(-error)) : 0;

@@ -102,7 +102,8 @@ static int draw_cell(const struct sheet *sheet, const struct sim_array *array, i
 
 static bool is_function(const struct iso_shape *shape, const struct sim_array *array)
 {
-    return array->rows == shape->mesh->n_vertices && array->type != SIM_ARRAY_INT &&
+    const bool number = array->type != SIM_ARRAY_INT || strcmp(array->name, "segment") == 0;
+    return array->rows == shape->mesh->n_vertices && number &&
            strcmp(array->name, "vertices") != 0 && strcmp(array->name, "area") != 0;
 }
 

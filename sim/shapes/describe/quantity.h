@@ -15,6 +15,7 @@ struct sim_quantity_options {
     double time_first, time_last; /* 0: 4 ln 10 / lambda of the last and of the first pair that
                                    * is not trivial (Sun, Ovsjanikov and Guibas 2009) */
     int energies;                 /* of wks; 0: SIM_QUANTITY_ENERGIES */
+    double persistence;           /* of segments: least one of a peak, in ranges of the function */
 };
 
 struct sim_quantity {

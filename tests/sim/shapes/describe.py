@@ -12,6 +12,7 @@ import sys
 import numpy as np
 import scipy.io
 import scipy.sparse as sparse
+import scipy.sparse.csgraph
 import scipy.sparse.linalg
 
 
@@ -100,6 +101,31 @@ def check_signatures(arrays, described, lam, phi):
     near('hms', arrays['hms'], (kernel.sum(axis=1) - kernel.diagonal()) / len(phi), 1e-8)
 
 
+def check_segments(arrays, lam, phi):
+    """Segments belong to the peaks of the heat kernel signature that persist, and are connected."""
+    heat = phi**2 @ np.exp(-lam * arrays['area'].sum() / 64)
+    f, segment, peak, persistence = (arrays[name] for name in ('triangles', 'segment', 'peak', 'peak_persistence'))
+    n = len(heat)
+    edges = np.concatenate([f[:, [0, 1]], f[:, [1, 2]], f[:, [2, 0]]])
+    edges = np.concatenate([edges, edges[:, ::-1]])
+    highest = np.full(n, -np.inf)
+    np.maximum.at(highest, edges[:, 0], heat[edges[:, 1]])
+    assert sorted(peak) == list(np.flatnonzero(heat > highest))
+    assert (np.diff(persistence) <= 0).all() and peak[0] == heat.argmax()
+    many = int((persistence >= 0.1 * np.ptp(heat)).sum())
+    assert many >= 4 and set(segment) == set(range(many)) and (segment[peak[:many]] == range(many)).all()
+    inner = edges[segment[edges[:, 0]] == segment[edges[:, 1]]]
+    graph = sparse.coo_matrix((np.ones(len(inner)), (inner[:, 0], inner[:, 1])), (n, n))
+    assert sparse.csgraph.connected_components(graph)[0] == many
+    # The second peak ends where its island meets the first one's: above that level they are apart.
+    for level, together in ((1e-9, False), (-1e-9, True)):
+        height = heat[peak[1]] - persistence[1] + level * np.ptp(heat)
+        above = edges[(heat[edges] >= height).all(axis=1)]
+        graph = sparse.coo_matrix((np.ones(len(above)), (above[:, 0], above[:, 1])), (n, n))
+        label = sparse.csgraph.connected_components(graph)[1]
+        assert (label[peak[0]] == label[peak[1]]) == together
+
+
 def check_shape(arrays, lam, phi):
     ratio = lam[1:16] / lam[1]
     near('shape_dna', arrays['shape_dna'], ratio, 1e-6)
@@ -153,6 +179,7 @@ def main():
     near('area', arrays['area'], mass.sum(axis=1).A1, 1e-12)
     lam, phi = check_spectrum(arrays, stiffness, mass)
     check_signatures(arrays, described, lam, phi)
+    check_segments(arrays, lam, phi)
     check_shape(arrays, lam, phi)
     check_coloured(sys.argv[3])
     assert described['shape']['laplacian'] == 'plain'
