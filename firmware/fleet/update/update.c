@@ -9,7 +9,8 @@
 enum {
     LOOK_AGAIN_S = 60, /* RAUC was busy or did not answer */
     SPREAD_MOST_S = 4 * 3600,
-    CHECKS_S = 15, /* until the checks of a new version have ended */
+    HOLDS_S = 15 * 60, /* doors ask each minute */
+    CHECKS_S = 15,     /* until the checks of a new version have ended */
     TEXT_SIZE = 4096,
     EXIT_NO_IMAGE = 3, /* isotherm(1): not found */
 };
@@ -235,6 +236,7 @@ void link_update_ordered(struct link_update *u, const struct iso_fleet_update *o
         return; /* the order comes again */
     }
     u->comes = u->holds = is_same || u->step != LINK_UPDATE_INSTALL;
+    u->holds_until_us = link_update_now_us(u) + HOLDS_S * LINK_UPDATE_S_US;
     if ((is_same && u->step != LINK_UPDATE_IDLE) || u->step == LINK_UPDATE_INSTALL ||
         is_over(u, order)) {
         return;

@@ -19,10 +19,11 @@
  *   WAIT, FETCH, CHECK  IDLE  the order holds no more
  *
  * An order holds until the second answer of the hub that comes without it: the first one may have
- * lost it on its way. Without answers it holds on. A machine whose order holds no more
- * does not restart, but a file that is being installed is installed. What became of a rollout is in
- * the file update.record, so a restart does not forget it; a rollout that has failed at this door
- * is not tried again.
+ * lost it on its way. A machine whose order holds no more does not restart, but a file that is
+ * being installed is installed. If no answer comes for 15 minutes, a complete file is installed as
+ * well, and the machine does not restart before the order comes again. What became of a rollout is
+ * in the file update.record, so a restart does not forget it; a rollout that has failed at this
+ * door is not tried again.
  *
  * The link has no right to install anything or to restart the machine. Both are wishes in a folder,
  * the inbox, which units of root look at (board/image/README.md):

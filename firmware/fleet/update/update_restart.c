@@ -45,7 +45,7 @@ void link_update_wait(struct link_update *u)
         return;
     }
     u->quiet_since_us = u->busy ? 0 : u->quiet_since_us ? u->quiet_since_us : now;
-    if (u->holds && u->quiet_since_us &&
+    if (u->holds && now < u->holds_until_us && u->quiet_since_us &&
         now - u->quiet_since_us >= u->setup.quiet_s * LINK_UPDATE_S_US && is_in_window(u)) {
         restart(u);
         u->quiet_since_us = 0;
