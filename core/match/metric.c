@@ -267,6 +267,8 @@ static void project_value(const struct iso_metric *metric, int v, float residual
     }
 }
 
+/* Galleries store these vectors. Where they change for the same metric,
+ * test_firmware_gallery_vectors fails and says what else has to change. */
 int iso_metric_project(const struct iso_metric *metric, const struct iso_template *tmpl,
                        struct iso_metric_vector *out)
 {

@@ -2,7 +2,8 @@
  *
  * To make the vector of a template by the metric takes most of the time of a start. Therefore a
  * start stores the vectors that it has made, and the next one reads them. A stored vector saves
- * time and nothing else: templates are what is enrolled.
+ * time and nothing else: templates are what is enrolled. (But its pages are pages of the database:
+ * if one of them is damaged, the check of the whole database refuses the gallery, as for any page.)
  *
  * Its label has the digest of the sealed template and a digest of the metric. So it opens only
  * beside the very record that it was made of, in the place of that record, and only for the same
