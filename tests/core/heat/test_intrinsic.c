@@ -1,10 +1,9 @@
-/* The robust Laplacian: on meshes where it is the plain one, where it is that of another mesh, and
- * where its eigenvalues are known. */
+/* The robust Laplacian: where it is the plain one or that of another mesh, and where it is known.
+ */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -35,8 +34,7 @@ static double difference_of(const struct iso_symmetric *a, const struct iso_symm
 {
     const size_t n = (size_t)a->n;
     double *dense = calloc(n * n, sizeof *dense), most = 0.0;
-    assert_non_null(dense);
-    assert_int_equal(a->n, b->n);
+    assert_true(dense && a->n == b->n);
     for (int side = 0; side < 2; side++) {
         const struct iso_symmetric *m = side ? b : a;
         for (int32_t j = 0; j < m->n; j++) {
@@ -57,8 +55,8 @@ static double least_conductance(const struct iso_symmetric *stiffness)
 {
     double least = 0.0;
     for (int32_t j = 0; j < stiffness->n; j++) {
-        for (int32_t at = stiffness->column_start[j] + 1; at < stiffness->column_start[j + 1];
-             at++) {
+        const int32_t end = stiffness->column_start[j + 1];
+        for (int32_t at = stiffness->column_start[j] + 1; at < end; at++) {
             least = fmin(least, -stiffness->value[at]);
         }
     }
@@ -336,6 +334,29 @@ static void sides_that_face_each_other_are_joined(void **state)
     iso_mesh_free(mesh);
 }
 
+/* The side opposite the obtuse corner C is flipped to an edge from C to itself. The front and the
+ * back of the triangle, unfolded at that side, are then A C C' and B C' C, with C' at (1, -1). */
+static void an_obtuse_corner_meets_itself(void **state)
+{
+    (void)state;
+    const double sixths[9] = {3, 0, -3, 0, 1, -1, -3, -1, 4}; /* of L */
+    const double twelfths[9] = {1, 0, 1, 0, 3, 3, 1, 3, 12};  /* of B */
+    const struct iso_vec3 at[3] = {{0, 0, 0}, {4, 0, 0}, {1, 1, 0}};
+    struct iso_mesh *mesh = shape_sheet(2, 2, 1.0);
+    memcpy(mesh->vertices_mm, at, sizeof at);
+    mesh->n_vertices = 3, mesh->n_triangles = 0;
+    add_triangle(mesh, 0, 1, 2);
+    struct matrices m = robust_of(mesh, ISO_MASS_CONSISTENT, NULL);
+    for (int i = 0; i < 9; i++) {
+        double x[3] = {0}, y[3] = {0};
+        x[i / 3] = y[i % 3] = 1.0;
+        assert_near(matrices_form(m.stiffness, x, y), sixths[i] / 6.0, 1e-14);
+        assert_near(matrices_form(m.mass, x, y), twelfths[i] / 12.0, 1e-14);
+    }
+    matrices_free(&m);
+    iso_mesh_free(mesh);
+}
+
 static void impossible_requests_are_refused(void **state)
 {
     (void)state;
@@ -372,6 +393,7 @@ int main(void)
         cmocka_unit_test(a_bad_sphere_has_its_harmonics),
         cmocka_unit_test(a_book_of_three_pages_has_its_waves),
         cmocka_unit_test(sides_that_face_each_other_are_joined),
+        cmocka_unit_test(an_obtuse_corner_meets_itself),
         cmocka_unit_test(impossible_requests_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
