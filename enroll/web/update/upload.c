@@ -5,8 +5,9 @@
 #include <limits.h>
 #include <stdio.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
+
+#include "drivers/file/disk_room.h"
 
 #define PART    "bundle.part"
 #define BUNDLE  "bundle.raucb"
@@ -50,19 +51,11 @@ bool web_upload_is_handed_over(const struct web_upload *upload)
 
 uint64_t web_upload_room(const struct web_upload *upload)
 {
-    struct statvfs disk;
     char path[PATH_MAX];
 
     path_of(upload, "", path);
-    if (statvfs(path, &disk) < 0) {
-        return 0;
-    }
-    const uint64_t room = (uint64_t)disk.f_bavail * disk.f_frsize;
-    if (room <= WEB_UPLOAD_RESERVE_BYTES) {
-        return 0;
-    }
-    return room - WEB_UPLOAD_RESERVE_BYTES < WEB_UPLOAD_MOST_BYTES ? room - WEB_UPLOAD_RESERVE_BYTES
-                                                                   : WEB_UPLOAD_MOST_BYTES;
+    const uint64_t room = iso_disk_room(path);
+    return room < WEB_UPLOAD_MOST_BYTES ? room : WEB_UPLOAD_MOST_BYTES;
 }
 
 /* A bundle is no secret, and root reads it by its rights; others need not. */

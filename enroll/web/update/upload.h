@@ -20,8 +20,6 @@
 #include <stdint.h>
 
 #define WEB_UPLOAD_MOST_BYTES (UINT64_C(512) << 20)
-/* So much of the disk stays free, for the log and the people. */
-#define WEB_UPLOAD_RESERVE_BYTES (UINT64_C(64) << 20)
 
 struct web_upload {
     const char *folder; /* DIR; the caller keeps it */
@@ -40,8 +38,8 @@ bool web_upload_is_possible(const struct web_upload *upload);
 bool web_upload_is_coming(const struct web_upload *upload);
 bool web_upload_is_handed_over(const struct web_upload *upload);
 
-/* The bytes that a bundle may have now: at most WEB_UPLOAD_MOST_BYTES, and 0 if the disk is full.
- */
+/* The bytes that a bundle may have now: at most WEB_UPLOAD_MOST_BYTES, and not more than
+ * iso_disk_room(). */
 uint64_t web_upload_room(const struct web_upload *upload);
 
 /* Begins a bundle of `size` bytes. 0; -ENOENT: not possible; -EBUSY: another bundle comes or was

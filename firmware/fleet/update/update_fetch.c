@@ -4,9 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
+#include "drivers/file/disk_room.h"
 #include "drivers/file/file.h"
 #include "firmware/fleet/update/update_inner.h"
 
@@ -21,9 +21,6 @@ enum {
     STATUS_OK = 200,
     STATUS_FORBIDDEN = 403,
 };
-
-/* What /var needs for itself. */
-#define SPARE_BYTES (UINT64_C(64) << 20)
 
 static const char no_room[] = "the disk has no room for the update";
 
@@ -40,10 +37,7 @@ void link_update_fetch_end(struct link_update *u)
 /* Whether the disk has room for the rest of the file. */
 static bool has_room(const struct link_update *u)
 {
-    struct statvfs disk;
-
-    return fstatvfs(u->fd, &disk) == 0 &&
-           (uint64_t)disk.f_bavail * disk.f_frsize >= u->order.size - u->have + SPARE_BYTES;
+    return iso_disk_room(u->file) >= u->order.size - u->have;
 }
 
 void link_update_fetch_begin(struct link_update *u)

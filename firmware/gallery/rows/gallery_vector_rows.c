@@ -16,9 +16,9 @@
 #include <errno.h>
 #include <sodium.h>
 #include <string.h>
-#include <sys/statvfs.h>
 
 #include "core/base/bytes.h"
+#include "drivers/file/disk_room.h"
 #include "firmware/gallery/gallery_db_state.h"
 
 /* sensor, weight, scale, step, then the numbers. */
@@ -26,9 +26,6 @@ enum {
     NUMBERS_AT = ISO_TEMPLATE_SENSOR_MAX + 4 + 4 + 2,
     PLAIN_MAX = NUMBERS_AT + 4 * ISO_METRIC_DIMENSIONS_MAX,
 };
-
-/* What the log and the records of people may need meanwhile. */
-#define SPARE_BYTES (UINT64_C(64) << 20)
 
 /* ---- the metric ---- */
 
@@ -222,14 +219,11 @@ static bool insert_all(const struct iso_gallery_db *db, const struct iso_gallery
     return done;
 }
 
-/* Whether the disk has room for n vectors, in the log of the database and then in the database, and
- * for what needs it more. */
+/* Whether the disk has room for n vectors, in the log of the database and then in the database. */
 static bool has_room(const struct iso_gallery_db *db, size_t n)
 {
-    const uint64_t needed = 2 * n * (uint64_t)(plain_size(db) + ISO_SEAL_OVERHEAD) + SPARE_BYTES;
-    struct statvfs disk;
-    return statvfs(sqlite3_db_filename(db->sqlite, "main"), &disk) == 0 &&
-           (uint64_t)disk.f_bavail * disk.f_frsize >= needed;
+    const uint64_t needed = 2 * n * (uint64_t)(plain_size(db) + ISO_SEAL_OVERHEAD);
+    return iso_disk_room(sqlite3_db_filename(db->sqlite, "main")) >= needed;
 }
 
 void iso_gallery_db_store_vectors(struct iso_gallery_db *db,
