@@ -107,7 +107,7 @@ int iso__gallery_move_in(struct iso_gallery_db *db, struct iso_gallery_db *besid
 /* Replaces the connected database of version 1 by a sealed one, which is not connected then. */
 int iso__gallery_migrate(struct iso_gallery_db *db, struct iso_fault *fault);
 
-/* ---- rows (gallery_rows.c) ---- */
+/* ---- rows (rows/gallery_rows.c) ---- */
 
 /* The place of a record, from the first columns of its row: id, person_id, algorithm. */
 struct iso_gallery_place iso__gallery_place_of(sqlite3_stmt *row, enum iso_gallery_kind kind);

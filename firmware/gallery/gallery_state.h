@@ -36,7 +36,7 @@ int iso__gallery_put_template(struct iso_gallery *gallery, int64_t person,
 int iso__gallery_apply(struct iso_gallery *gallery, struct iso_gallery_change *changes, size_t n,
                        const struct iso_work_listener *listener, struct iso_fault *fault);
 
-/* Whether the gallery is out of service (iso_gallery_state). (gallery_load.c) */
+/* Whether the gallery is out of service (iso_gallery_state). (gallery_recover.c) */
 bool iso__gallery_is_lost(const struct iso_gallery *gallery);
 
 #endif
