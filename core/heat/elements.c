@@ -1,6 +1,7 @@
 #include "core/heat/elements.h"
 
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 
 /* The rows of one column, the diagonal first: sorts them and removes repetitions. Returns how many
@@ -45,7 +46,8 @@ static int make_pattern(int32_t n, const int32_t (*triangles)[3], int32_t n_tria
     for (int32_t j = 0; j < n; j++) {
         start[j + 1] += start[j];
     }
-    /* Filling moves each start to the end of its column. */
+    /* Each entry that is written moves the start of its column forward. At the end each start is at
+     * the end of its column. */
     for (int32_t j = 0; j < n; j++) {
         a->row[start[j]++] = j;
     }
@@ -79,29 +81,34 @@ static void add_entry(struct iso_symmetric *a, int32_t i, int32_t j, double valu
     a->value[at] += value;
 }
 
-/* Gives `mass` the pattern of `stiffness`, with zeros in it. */
-static int copy_pattern(const struct iso_symmetric *stiffness, struct iso_symmetric *mass)
+int iso_elements_copy_pattern(const struct iso_symmetric *from, struct iso_symmetric *to)
 {
-    if (stiffness->nnz > mass->nnz_capacity) {
+    if (from->n > to->n_capacity || from->nnz > to->nnz_capacity) {
         return -ENOSPC;
     }
-    mass->n = stiffness->n;
-    mass->nnz = stiffness->nnz;
-    memcpy(mass->column_start, stiffness->column_start,
-           ((size_t)mass->n + 1) * sizeof *mass->column_start);
-    memcpy(mass->row, stiffness->row, (size_t)mass->nnz * sizeof *mass->row);
-    memset(mass->value, 0, (size_t)mass->nnz * sizeof *mass->value);
+    to->n = from->n;
+    to->nnz = from->nnz;
+    memcpy(to->column_start, from->column_start, ((size_t)to->n + 1) * sizeof *to->column_start);
+    memcpy(to->row, from->row, (size_t)to->nnz * sizeof *to->row);
+    memset(to->value, 0, (size_t)to->nnz * sizeof *to->value);
     return 0;
+}
+
+bool iso_elements_density_is_good(const double *density, int32_t n)
+{
+    for (int32_t i = 0; density && i < n; i++) {
+        if (!(density[i] > 0.0) || !isfinite(density[i])) {
+            return false;
+        }
+    }
+    return true;
 }
 
 int iso_elements_begin(int32_t n, const int32_t (*triangles)[3], int32_t n_triangles,
                        struct iso_symmetric *stiffness, struct iso_symmetric *mass)
 {
-    if (n > mass->n_capacity) {
-        return -ENOSPC;
-    }
     const int error = make_pattern(n, triangles, n_triangles, stiffness);
-    return error ? error : copy_pattern(stiffness, mass);
+    return error ? error : iso_elements_copy_pattern(stiffness, mass);
 }
 
 void iso_elements_end(struct iso_symmetric *mass)

@@ -106,10 +106,7 @@ int iso_stiffness_mass_weighted(const struct iso_mesh *mesh, enum iso_mass kind,
                                 const double *density, struct iso_symmetric *stiffness,
                                 struct iso_symmetric *mass)
 {
-    for (int32_t i = 0; i < mesh->n_vertices; i++) {
-        if (!(density[i] > 0.0) || !isfinite(density[i])) {
-            return -EINVAL;
-        }
-    }
-    return assemble_matrices(mesh, kind, density, stiffness, mass);
+    return iso_elements_density_is_good(density, mesh->n_vertices)
+               ? assemble_matrices(mesh, kind, density, stiffness, mass)
+               : -EINVAL;
 }

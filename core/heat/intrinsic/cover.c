@@ -6,7 +6,8 @@
 
 #include "core/heat/intrinsic/intrinsic.h"
 
-/* The margin of the triangle inequality, in mean lengths of an edge (Sharp and Crane 2020). */
+/* Two edges of a triangle together are longer than the third edge by at least this share of the
+ * mean length of all edges (Sharp and Crane 2020). */
 static const double margin = 1e-5;
 
 void iso_intrinsic_done(struct iso_intrinsic *surface)
@@ -88,7 +89,8 @@ static int compare_fins(const void *a, const void *b)
     return (x->triangle > y->triangle) - (x->triangle < y->triangle);
 }
 
-/* A direction at right angles to another one: across the axis from which that is farthest. */
+/* A vector at right angles to another one: its vector product with the axis of the smallest
+ * coordinate. */
 static struct iso_vec3 right_angle_to(struct iso_vec3 a)
 {
     const double x = fabs(a.x), y = fabs(a.y), z = fabs(a.z);
@@ -171,9 +173,12 @@ int iso_intrinsic_cover(const struct iso_mesh *mesh, struct iso_intrinsic *out)
     int error = s.corner && s.length && s.across && fin ? 0 : -ENOMEM;
     if (!error) {
         const double mean = measure(mesh, &s);
-        error = mean > 0.0 ? 0 : -EINVAL;
-        mollify(&s, mean);
-        join(mesh, fin, &s);
+        if (mean > 0.0) {
+            mollify(&s, mean);
+            join(mesh, fin, &s);
+        } else {
+            error = -EINVAL;
+        }
     }
     free(fin);
     if (error) {

@@ -1,6 +1,6 @@
-/* Flips the edges of an intrinsic triangulation until it is Delaunay (Bobenko and Springborn, "A
- * discrete Laplace-Beltrami operator for simplicial surfaces", Discrete and Computational Geometry
- * 38, 2007: it exists, and every order of flips ends at it). */
+/* Flips the edges of an intrinsic triangulation until it is Delaunay. Such a triangulation exists,
+ * and the flips reach it in every order (Bobenko and Springborn, "A discrete Laplace-Beltrami
+ * operator for simplicial surfaces", Discrete and Computational Geometry 38, 2007). */
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -8,7 +8,8 @@
 
 #include "core/heat/intrinsic/intrinsic.h"
 
-/* A sum of cotangents may be below 0 by this share of their magnitudes, and by as much of 1. */
+/* Rounding may bring a sum of two cotangents below 0. An edge counts as Delaunay as long as the sum
+ * is above -rounding (1 + the magnitudes of both). */
 static const double rounding = 1e-9;
 
 static const int64_t flips_for_each_side = 100;
@@ -122,7 +123,8 @@ static int flip_all(struct iso_intrinsic *s, struct waiting *waiting, int64_t *n
     while (waiting->n > 0 && n <= most) {
         const int32_t side = waiting->side[--waiting->n];
         waiting->listed[side] = 0;
-        /* An edge that a triangle has twice is Delaunay: the angles are at the base of it. */
+        /* If both sides of an edge belong to one triangle, this triangle is isosceles. The two
+         * angles opposite to the edge are its base angles, so the edge is Delaunay. */
         if (side / 3 != s->across[side] / 3 && !is_delaunay(s, side)) {
             int32_t outer[4];
             flip(s, side, outer);

@@ -11,19 +11,20 @@
 
 #include "isotherm/mesh.h"
 
-/* Side 3 t + k is the edge of triangle t from its corner k to its corner k + 1, seen from t. */
+/* A triangle has three sides. Side 3 t + k belongs to triangle t, begins at its corner k, and ends
+ * at the next corner of t. An edge consists of two sides, one of each triangle that it joins. */
 struct iso_intrinsic {
     int32_t n_triangles, n_sides; /* 3 n_triangles */
     int32_t *corner;              /* [n_sides]: the vertex where a side begins */
     double *length;               /* [n_sides] */
-    int32_t *across;              /* [n_sides]: the same edge, seen from the other triangle */
+    int32_t *across;              /* [n_sides]: the other side of the same edge */
 };
 
 /* Makes the tufted cover of a mesh that iso_mesh_check() passes. All edges become longer by the
  * same length, which is 0 unless a triangle is nearly flat: then it is the least one with which the
  * triangle inequality holds by a margin of 1e-5 mean edges (intrinsic mollification, ibid.).
- * -EINVAL for a mesh without triangles, of over INT32_MAX / 12 triangles, or with edges of length 0
- * only; -ENOMEM. */
+ * -EINVAL if the mesh has no triangle, if it has more than INT32_MAX / 12 triangles, or if all its
+ * edges have the length 0; -ENOMEM. */
 int iso_intrinsic_cover(const struct iso_mesh *mesh, struct iso_intrinsic *out)
     __attribute__((warn_unused_result));
 

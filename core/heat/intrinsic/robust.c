@@ -1,7 +1,6 @@
 /* The finite elements of the Delaunay triangulation of a mesh's tufted cover, halved: the robust
  * Laplacian of Sharp and Crane 2020 (isotherm/stiffness_mass.h, intrinsic.h). */
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,16 +39,11 @@ static int assemble(const struct iso_intrinsic *s, int32_t n, enum iso_mass kind
 
 static int copy(const struct iso_symmetric *from, struct iso_symmetric *to)
 {
-    if (from->n > to->n_capacity || from->nnz > to->nnz_capacity) {
-        return -ENOSPC;
+    const int error = iso_elements_copy_pattern(from, to);
+    if (!error) {
+        memcpy(to->value, from->value, (size_t)from->nnz * sizeof *to->value);
     }
-    const size_t n = (size_t)from->n, nnz = (size_t)from->nnz;
-    to->n = from->n;
-    to->nnz = from->nnz;
-    memcpy(to->column_start, from->column_start, (n + 1) * sizeof *to->column_start);
-    memcpy(to->row, from->row, nnz * sizeof *to->row);
-    memcpy(to->value, from->value, nnz * sizeof *to->value);
-    return 0;
+    return error;
 }
 
 /* Assembles both in memory with room for each edge as often as its triangles name it. */
@@ -82,13 +76,9 @@ int iso_stiffness_mass_robust(const struct iso_mesh *mesh, enum iso_mass kind,
 {
     struct iso_intrinsic surface = {0};
     int64_t n_flips = 0;
-    if (mesh->n_vertices < 1 || iso_mesh_check(mesh, NULL)) {
+    if (mesh->n_vertices < 1 || iso_mesh_check(mesh, NULL) ||
+        !iso_elements_density_is_good(density, mesh->n_vertices)) {
         return -EINVAL;
-    }
-    for (int32_t i = 0; density && i < mesh->n_vertices; i++) {
-        if (!(density[i] > 0.0) || !isfinite(density[i])) {
-            return -EINVAL;
-        }
     }
     int error = iso_intrinsic_cover(mesh, &surface);
     if (error) {

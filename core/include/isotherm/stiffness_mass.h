@@ -86,21 +86,22 @@ int iso_stiffness_mass_weighted(const struct iso_mesh *mesh, enum iso_mass kind,
 /** Assembles both matrices on the intrinsic Delaunay triangulation of the mesh's tufted cover
  * (Sharp and Crane, "A Laplacian for nonmanifold triangle meshes", Computer Graphics Forum 39(5),
  * 2020). It is for bad meshes: triangles may be slivers or have no area, edges may have any number
- * of triangles, and triangles need not agree on which side is the outside. Without a density no
- * conductance between two vertices is negative, except by rounding, so that with a lumped mass heat
- * stays between its extremes. On a closed
- * manifold mesh whose edges are all Delaunay the matrices are those of iso_stiffness_mass(). A
- * vertex on the boundary may be joined to vertices with which it shares no edge of the mesh. If a
- * triangle is nearly flat, all edges count as longer, by up to 1e-5 of their mean length.
+ * of triangles, and triangles need not agree on which side is the outside.
+ *
+ * Without a density no conductance between two vertices is negative, except by rounding. With a
+ * lumped mass, heat therefore stays between its extremes. If the mesh is a closed manifold and all
+ * its edges are Delaunay, the matrices are those of iso_stiffness_mass(). A vertex on the boundary
+ * may be joined to vertices with which it shares no edge of the mesh. If a triangle is nearly flat,
+ * the function makes all edges longer, by up to 1e-5 of their mean length.
  *
  * @param mesh       The mesh.
  * @param kind       The kind of mass matrix.
  * @param density    [n_vertices]: as for iso_stiffness_mass_weighted(), or NULL: 1 everywhere.
  * @param stiffness  Is refilled with L; n_vertices + 3 n_triangles entries are enough.
  * @param mass       Is refilled with B, mm^2.
- * @return As iso_stiffness_mass_weighted(); -EINVAL also for a mesh without triangles or with edges
- *         of length 0 only; -ENOTRECOVERABLE if the triangulation is not reached after 100 flips
- *         for each side of a triangle; -ENOMEM: this function allocates memory. */
+ * @return As iso_stiffness_mass_weighted(). -EINVAL also if the mesh has no triangle, or if all its
+ *         edges have the length 0. -ENOTRECOVERABLE if the triangulation is not Delaunay after 600
+ *         flips for each triangle of the mesh. -ENOMEM, because this function allocates memory. */
 int iso_stiffness_mass_robust(const struct iso_mesh *mesh, enum iso_mass kind,
                               const double *density, struct iso_symmetric *stiffness,
                               struct iso_symmetric *mass) __attribute__((warn_unused_result));

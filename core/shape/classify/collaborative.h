@@ -71,9 +71,9 @@ int iso_collaborative_rank(const void *model, const float *feature, int32_t left
 enum { ISO_COLLABORATIVE_SAMPLE_MAX = 60 };
 
 /* The shapes that are left out: the first of every class in turn, then the second of every class,
- * and so on, so that every class counts whatever the order of the shapes is. A shape that is alone
- * in its class is not among them. Of more than ISO_COLLABORATIVE_SAMPLE_MAX classes the first ones
- * are taken. *n receives how many there are. -ENOMEM. */
+ * and so on. So every class counts, whatever the order of the shapes is. A shape that is alone in
+ * its class is not taken. If there are more than ISO_COLLABORATIVE_SAMPLE_MAX classes, only the
+ * first ones count. *n receives the number of shapes. -ENOMEM. */
 int iso_collaborative_sample(const struct iso_training_set *gallery,
                              int32_t sample[ISO_COLLABORATIVE_SAMPLE_MAX], int32_t *n)
     __attribute__((warn_unused_result));

@@ -53,9 +53,9 @@ static int32_t way_up(const struct islands *islands, int32_t place)
     return best;
 }
 
-/* Lets the level sink to the lowest vertex. Islands whose peak is less than `least` above the pass
- * join the higher one. peak, which may be NULL, receives the persistence of each peak
- * that ended so; *n counts them. */
+/* Lets the level sink to the lowest vertex. Where two islands meet, the island of the lower peak
+ * joins the other one if its peak is less than `least` above the pass. peak, which may be NULL,
+ * receives the persistence of each peak whose island has joined another one; *n counts them. */
 static void sink(struct islands *islands, double least, struct iso_peak *peak, int32_t *n)
 {
     const struct iso_shape *shape = islands->shape;

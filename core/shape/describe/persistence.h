@@ -24,14 +24,14 @@ struct iso_segments {
     int32_t *segment;      /* [n_vertices]: the segment of each vertex, 0..n_segments - 1 */
 };
 
-/* Divides a shape into the segments of the peaks whose persistence is at least `least`; the highest
- * peak always has one. f [n_vertices]: finite. Of equal values the one of the first vertex counts
- * as the higher one. iso_segments_done() releases `out`. -EINVAL for a value that is not finite or
- * a `least` below 0; -ENOMEM. */
+/* Divides a shape into segments, one for each peak whose persistence is at least `least`, and one
+ * for the highest peak. f [n_vertices]: the function, finite. If two vertices have the same value,
+ * the one with the smaller index counts as the higher one. The caller releases *out with
+ * iso_segments_done(). -EINVAL if a value is not finite or `least` is below 0; -ENOMEM. */
 int iso_shape_segments(const struct iso_shape *shape, const double *f, double least,
                        struct iso_segments *out) __attribute__((warn_unused_result));
 
-/* Releases what it holds. */
+/* Frees the arrays of the segments. */
 void iso_segments_done(struct iso_segments *segments);
 
 #endif

@@ -334,8 +334,8 @@ static void sides_that_face_each_other_are_joined(void **state)
     iso_mesh_free(mesh);
 }
 
-/* The side opposite the obtuse corner C is flipped to an edge from C to itself. The front and the
- * back of the triangle, unfolded at that side, are then A C C' and B C' C, with C' at (1, -1). */
+/* The edge A B, opposite to the obtuse corner C, is flipped and then joins C to itself. Unfolded at
+ * A B, the two sides of the triangle become the triangles A C C' and B C' C; C' is (1, -1). */
 static void an_obtuse_corner_meets_itself(void **state)
 {
     (void)state;

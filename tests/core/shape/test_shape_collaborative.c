@@ -13,7 +13,8 @@
 #include "tests/core/shape/cloud.h"
 #include "tests/support/near.h"
 
-/* How many items come before item i; of equal distances the first item comes first. */
+/* The number of items that are ranked before item i. If two distances are equal, the item with the
+ * smaller index is ranked first. */
 static int place_of(const double *distance, int i)
 {
     int place = 0;
