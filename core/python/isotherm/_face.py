@@ -1,11 +1,11 @@
 """From a depth frame to a face: landmarks, heat, isotherms."""
 import errno
-from ctypes import POINTER, byref, c_double, c_int32, c_void_p
+from ctypes import POINTER, c_double, c_int32, c_void_p
 
 import numpy as np
 
-from ._frame import Frame, read_data
-from ._library import Error, Owner, check, lib, structs
+from ._frame import Frame
+from ._library import Error, Owner, byref, check, lib, parse_file, structs
 from ._mesh import Mesh
 from ._template import Template
 
@@ -71,7 +71,7 @@ class Extractor:
         ones give templates that the trained metric refuses.
         Raises OSError for a model that cannot be read, and Error."""
         pointer = POINTER(structs.HeadModel)()
-        read_data(model, lib.iso_head_model_parse, pointer)
+        parse_file(model, lib.iso_head_model_parse, pointer)
         head = Owner(pointer, lib.iso_head_model_free)
         options = lib.iso_extract_options_default()
         if heat not in _HEAT:

@@ -1,6 +1,5 @@
 """Cameras and depth frames."""
 import dataclasses
-import errno
 
 import numpy as np
 
@@ -79,12 +78,3 @@ class Frame:
     def __repr__(self):
         rows, columns = self.depth.shape
         return '<isotherm.Frame: %d x %d, %.0f %% measured>' % (columns, rows, 100 * (self.depth > 0).mean())
-
-
-def read_data(path, parse, pointer):
-    """Reads a data file by a function of the library, which makes an object of it and lets `pointer`
-    point at it. Raises OSError for a file that cannot be read, and Error for refused contents."""
-    with open(path, 'rb') as file:
-        data = file.read()
-    fault = structs.Fault()
-    check(parse(data, len(data), byref(pointer), byref(fault)), str(path), {errno.EBADMSG: 'damaged'}, fault)

@@ -2,6 +2,7 @@
 import ctypes
 import errno
 import os
+import stat
 from ctypes import (POINTER, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_uint64,
                     c_void_p)
 
@@ -10,6 +11,7 @@ import numpy as np
 from . import _structs as structs
 
 SONAME = 'libisotherm.so.0'
+_BYTES_MOST = 1 << 30
 
 
 class Error(ValueError):
@@ -219,9 +221,30 @@ def number_in(value, least, most, what):
     return number
 
 
+def read_file(path):
+    """The contents of a regular file; a pipe or a device could keep the caller waiting."""
+    if not stat.S_ISREG(os.stat(path).st_mode):
+        raise Error('%s: not a regular file' % path)
+    with open(path, 'rb') as file:
+        if os.fstat(file.fileno()).st_size > _BYTES_MOST:
+            raise Error('%s: larger than 1 GiB' % path, errno.EFBIG)
+        return file.read()
+
+
+def parse_file(path, parse, pointer):
+    """Reads a file by a function of the library, which makes an object of its contents and lets
+    `pointer` point at it. Raises OSError for a file that cannot be read, and Error, with its name, for
+    contents that the function refuses."""
+    data, fault = read_file(path), structs.Fault()
+    check(parse(data, len(data), byref(pointer), byref(fault)), str(path), {errno.EBADMSG: 'damaged'}, fault)
+
+
 def address(array):
     """Where the memory of an array begins."""
     return array.ctypes.data
 
 
-__all__ = ['Error', 'Owner', 'address', 'array_in', 'byref', 'check', 'frees', 'lib', 'number_in', 'structs', 'view']
+__all__ = [
+    'Error', 'Owner', 'address', 'array_in', 'byref', 'check', 'frees', 'lib', 'number_in', 'parse_file', 'read_file',
+    'structs', 'view'
+]

@@ -1,15 +1,13 @@
 """Triangle meshes: from arrays, from files."""
 import errno
 import os
-import stat
 from ctypes import POINTER, c_void_p
 
 import numpy as np
 
 from ._frame import Camera, Frame
-from ._library import Error, Owner, address, array_in, byref, check, frees, lib, structs, view
+from ._library import Error, Owner, address, array_in, byref, check, frees, lib, read_file, structs, view
 
-_BYTES_MOST = 1 << 30
 
 
 class Mesh:
@@ -59,10 +57,10 @@ class Mesh:
         """
         path = os.fsdecode(path)
         number = _format_of(path)
-        data = _read(path)
+        data = read_file(path)
         text, tri = _terminated(data), None
         if path.lower().endswith('.vert'):
-            tri = _terminated(_read(path[:-len('vert')] + 'tri'), no_zero=path[:-len('vert')] + 'tri')
+            tri = _terminated(read_file(path[:-len('vert')] + 'tri'), no_zero=path[:-len('vert')] + 'tri')
         coloured, fault = structs.ColouredMesh(), structs.Fault()
         code = lib.iso_mesh_parse(number, os.fsencode(path), address(text), len(data),
                                   None if tri is None else address(tri), byref(coloured), byref(fault))
@@ -165,16 +163,6 @@ def _format_of(path):
             return number
         number += 1
     raise Error('%s: not named .off, .obj, .ply, .stl or .vert' % path, errno.ENOTSUP)
-
-
-def _read(path):
-    """The contents of a regular file; a pipe or a device could keep the caller waiting."""
-    if not stat.S_ISREG(os.stat(path).st_mode):
-        raise Error('%s: not a regular file' % path)
-    with open(path, 'rb') as file:
-        if os.fstat(file.fileno()).st_size > _BYTES_MOST:
-            raise Error('%s: larger than 1 GiB' % path, errno.EFBIG)
-        return file.read()
 
 
 def _terminated(data, no_zero=None):

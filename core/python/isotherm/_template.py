@@ -1,12 +1,11 @@
 """Templates of faces, and the metric that compares them."""
 import ctypes
 import errno
-from ctypes import POINTER, byref
+from ctypes import POINTER
 
 import numpy as np
 
-from ._frame import read_data
-from ._library import Error, Owner, check, lib, structs
+from ._library import Error, Owner, byref, check, lib, parse_file, structs
 
 METRIC = '/usr/share/isotherm/face.metric'  # of the package isotherm-data
 _BYTES_MOST = 64 + 4 * 12 * 32 * 7 + (49 * 37 + 3) // 4 + 2 * 49 * 37  # ISO_TEMPLATE_BYTES_MAX
@@ -100,7 +99,7 @@ class Metric:
     def __init__(self, path=METRIC):
         """Reads a metric. Raises OSError and Error."""
         pointer = POINTER(structs.Metric)()
-        read_data(path, lib.iso_metric_parse, pointer)
+        parse_file(path, lib.iso_metric_parse, pointer)
         self._owner = Owner(pointer, lib.iso_metric_free)
         self.dimensions, self.algorithm = pointer.contents.n_dimensions, pointer.contents.algorithm
 
