@@ -91,13 +91,12 @@ void iso__openni2_threads_await_sleep(const struct iso__openni2_threads *threads
 {
     long times[ISO__OPENNI2_THREADS] = {0};
     int since[ISO__OPENNI2_THREADS] = {0}; /* the look at which `times` was new; 0: the first */
-    bool all = threads->n > 0;
-    if (!all) {
+    if (threads->n == 0) {
         wait_ms(NAP_MS);
         return;
     }
     for (int n = 0; n < LOOKS; n++, wait_ms(1)) {
-        all = true;
+        bool all = true;
         for (int i = 0; i < threads->n; i++) {
             struct look look;
             if (!look_at(threads->ids[i], &look)) {

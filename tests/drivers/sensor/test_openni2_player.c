@@ -45,6 +45,15 @@ static void start(struct worker *worker)
     assert_int_equal(pthread_create(&worker->thread, NULL, work, worker), 0);
 }
 
+/* Starts a worker. fresh: the threads that have come with it. */
+static void start_alone(struct worker *worker, struct iso__openni2_threads *fresh)
+{
+    struct iso__openni2_threads before;
+    iso__openni2_threads_list(&before);
+    start(worker);
+    iso__openni2_threads_new(&before, fresh);
+}
+
 static void end(struct worker *worker)
 {
     assert_int_equal(write(worker->wake[1], "", 1), 1);
@@ -77,12 +86,10 @@ static void only_new_threads_are_found(void **state)
 
 static void a_busy_thread_is_waited_for(void **state)
 {
-    struct iso__openni2_threads before, fresh;
+    struct iso__openni2_threads fresh;
     struct worker worker;
     (void)state;
-    iso__openni2_threads_list(&before);
-    start(&worker);
-    iso__openni2_threads_new(&before, &fresh);
+    start_alone(&worker, &fresh);
     while (!atomic_load(&worker.begun)) {
     }
     atomic_store(&worker.go, true);
@@ -96,12 +103,10 @@ static void a_busy_thread_is_waited_for(void **state)
 static void a_thread_that_never_sleeps_is_given_up(void **state)
 {
     struct timespec begin, end_of_wait;
-    struct iso__openni2_threads before, fresh;
+    struct iso__openni2_threads fresh;
     struct worker worker;
     (void)state;
-    iso__openni2_threads_list(&before);
-    start(&worker);
-    iso__openni2_threads_new(&before, &fresh);
+    start_alone(&worker, &fresh);
     (void)clock_gettime(CLOCK_MONOTONIC, &begin);
     iso__openni2_threads_await_sleep(&fresh);
     (void)clock_gettime(CLOCK_MONOTONIC, &end_of_wait);
