@@ -56,6 +56,22 @@ static void check_user(const struct scim_user *user)
     json_decref(json);
 }
 
+/* Whether an object has an attribute, with the URN of a core schema or without it. */
+static bool has_attribute(const json_t *body, const char *wanted)
+{
+    char name[SCIM_TEXT_SIZE];
+    const char *key;
+    json_t *value;
+
+    json_object_foreach((json_t *)(uintptr_t)body, key, value)
+    {
+        if (scim_attribute_take(key, strlen(key), name) == 0 && strcmp(name, wanted) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static void change_user(const json_t *body)
 {
     struct scim_user user = {.user_name = "ada", .active = false}, read;
@@ -68,10 +84,7 @@ static void change_user(const json_t *body)
     }
     if (scim_user_read(body, &before, &read, &fault) == 0) {
         check_user(&read);
-        /* The URN of either core schema may stand before a name (scim_filter.c). */
-        fuzz_check(!read.active || scim_member(body, "active") ||
-                       scim_member(body, "urn:ietf:params:scim:schemas:core:2.0:User:active") ||
-                       scim_member(body, "urn:ietf:params:scim:schemas:core:2.0:Group:active"),
+        fuzz_check(!read.active || has_attribute(body, "active"),
                    "nobody is active who was not and is not said to be");
     }
 }
