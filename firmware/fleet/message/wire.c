@@ -35,7 +35,8 @@ static int grow(struct iso_fleet_bytes *out, size_t more)
 
 uint8_t *iso_fleet_bytes_room(struct iso_fleet_bytes *out, size_t n)
 {
-    if (!out->error && n > out->capacity - out->size) {
+    /* A buffer is made for no bytes, too: NULL must mean that memory is missing. */
+    if (!out->error && (!out->bytes || n > out->capacity - out->size)) {
         out->error = grow(out, n);
     }
     if (out->error) {

@@ -18,8 +18,8 @@ struct iso_fleet_bytes {
 /* Wipes and frees the bytes. */
 void iso_fleet_bytes_free(struct iso_fleet_bytes *out);
 
-/* Adds room for n bytes, which are not set, and returns it; NULL: no memory. Growing wipes the old
- * memory. */
+/* Adds room for n bytes, which are not set, and returns it; NULL only when there is no memory, also
+ * for 0 bytes. Growing wipes the old memory. */
 uint8_t *iso_fleet_bytes_room(struct iso_fleet_bytes *out, size_t n);
 
 void iso_fleet_put(struct iso_fleet_bytes *out, const void *bytes, size_t n);
