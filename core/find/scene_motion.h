@@ -8,7 +8,10 @@
  * structured-light sensor changes it by more than 100 mm in one or two cells at edges, even from
  * one frame to the next. A change therefore counts only if at least four cells change at once. The
  * scene counts as moving from the first change until `quiet_ns` after the last one. Until the first
- * change it counts as still. Pure: the only clock is the time stamps of the frames. */
+ * change it counts as still. Pure: the only clock is the time stamps of the frames.
+ *
+ * Whether something stirs is told from one frame, compared with the half second before it. This is
+ * sooner and less certain: noise may look like it. */
 #ifndef ISO_CORE_FIND_SCENE_MOTION_H
 #define ISO_CORE_FIND_SCENE_MOTION_H
 
@@ -31,9 +34,12 @@ struct iso_scene_motion {
     struct iso_scene_cell cells[ISO_SCENE_ROWS][ISO_SCENE_COLUMNS];
     int width_px, height_px;     /* of the frames compared; 0: there was none */
     int frames;                  /* of this half second */
+    int n_changed, n_appeared;   /* cells of the last frame that differ from the half second before,
+                                    and cells within reach that were not measured then */
     int64_t since_ns, latest_ns; /* when it began, and the time of the last frame */
     int64_t moved_ns;            /* when something moved last, if `moved` */
     bool moved;
+    bool compared; /* a half second is over, with which frames are compared */
 };
 
 /* Adds the next frame. Returns whether something at a depth of at most reach_mm moved within the
@@ -41,5 +47,10 @@ struct iso_scene_motion {
  * some 0.1 ms for a frame of 640 x 480. */
 bool iso_scene_motion_feed(struct iso_scene_motion *scene, const struct iso_frame *frame,
                            double reach_mm, int64_t quiet_ns);
+
+/* Whether something stirs in the last frame: four cells have changed, or 16 that were empty are
+ * not. True also while that cannot be told: during the first half second, and for frames with fewer
+ * pixels than cells. */
+bool iso_scene_motion_stirs(const struct iso_scene_motion *scene);
 
 #endif

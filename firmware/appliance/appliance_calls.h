@@ -171,8 +171,12 @@ enum iso_capture iso__appliance_judge(struct iso_appliance *appliance,
  * something else speaks against it, because it may come again. */
 bool iso__appliance_is_evidence(struct iso_appliance *appliance, const struct iso_frame *frame);
 
+/* Compares a frame with those before it: whether it needs no examination (sensor/rest.h). */
+bool iso__appliance_rests(struct iso_appliance *appliance, const struct iso_frame *frame);
+void iso__appliance_end_rest(struct iso_appliance *appliance);
+
 /* The word that people are told for a frame. Something within reach that is not a face and does not
- * move is furniture, so nobody is there. The decision does not depend on this. */
+ * move is furniture, so nobody is there. The decision does not depend on this; the rest does. */
 enum iso_capture iso__appliance_tell_of(struct iso_appliance *appliance,
                                         const struct iso_frame *frame, enum iso_capture capture);
 

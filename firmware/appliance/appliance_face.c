@@ -116,14 +116,59 @@ enum iso_capture iso__appliance_judge(struct iso_appliance *appliance,
 /* For so long after a movement, a scene counts as one with a person in it. */
 static const int64_t scene_quiet_ns = 2 * ISO_NS_PER_S;
 
+/* With fewer frames a short pause_ms would take the interval for a pause of the sensor. */
+enum { REST_PAUSE_MIN_MS = 300 };
+
+/* 0: the appliance never rests. */
+static int64_t rest_after_ns(const struct iso_config_sensor *config)
+{
+    return config->pause_ms < REST_PAUSE_MIN_MS ? 0 : config->rest_s * ISO_NS_PER_S;
+}
+
+/* Asks the sensor for fewer frames, or for all of them. */
+static void follow_rest(struct iso_appliance *appliance)
+{
+    const bool rests = appliance->face.rest.resting;
+    if (rests != appliance->face.slowed && appliance->sensor.supervisor.sensor) {
+        iso_sensor_set_interval(appliance->sensor.supervisor.sensor,
+                                rests ? ISO_REST_INTERVAL_NS : 0);
+        appliance->face.slowed = rests;
+    }
+}
+
+void iso__appliance_end_rest(struct iso_appliance *appliance)
+{
+    iso_rest_end(&appliance->face.rest);
+    appliance->face.slowed = false;
+}
+
+bool iso__appliance_rests(struct iso_appliance *appliance, const struct iso_frame *frame)
+{
+    struct iso_scene_motion *scene = &appliance->face.scene_motion;
+    const double reach_mm = appliance->borrowed.config->sensor.distance_max_mm;
+    appliance->face.moves = iso_scene_motion_feed(scene, frame, reach_mm, scene_quiet_ns);
+    const struct iso_rest_frame seen = {
+        .t_ns = frame->t_ns,
+        .stirs = iso_scene_motion_stirs(scene),
+        .wanted = appliance->mode != ISO_APPLIANCE_WATCH || iso_appliance_is_aimed(appliance) ||
+                  appliance->visit.decision.state != ISO_DECISION_IDLE,
+    };
+    const bool skips = iso_rest_skips(&appliance->face.rest, &seen);
+    follow_rest(appliance);
+    return skips;
+}
+
 enum iso_capture iso__appliance_tell_of(struct iso_appliance *appliance,
                                         const struct iso_frame *frame, enum iso_capture capture)
 {
-    const bool moves = iso_scene_motion_feed(&appliance->face.scene_motion, frame,
-                                             appliance->borrowed.config->sensor.distance_max_mm,
-                                             scene_quiet_ns);
-
-    return capture == ISO_CAPTURE_NOT_A_FACE && !moves ? ISO_CAPTURE_NOBODY : capture;
+    const int64_t after_ns = rest_after_ns(&appliance->borrowed.config->sensor);
+    const bool moves = appliance->face.moves;
+    const enum iso_capture word = capture == ISO_CAPTURE_NOT_A_FACE && !moves ? ISO_CAPTURE_NOBODY
+                                                                              : capture;
+    const bool somebody = word != ISO_CAPTURE_NOBODY && word != ISO_CAPTURE_NO_FACE;
+    iso_rest_note(&appliance->face.rest, frame->t_ns, moves || somebody, after_ns);
+    follow_rest(appliance);
+    return word;
 }
 
 bool iso__appliance_is_stale(struct iso_appliance *appliance, const struct iso_frame *frame,

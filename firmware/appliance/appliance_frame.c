@@ -271,6 +271,10 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
         iso__appliance_report_frame(appliance, frame, ISO_CAPTURE_NOBODY);
         return;
     }
+    if (iso__appliance_rests(appliance, frame)) {
+        iso__appliance_report_frame(appliance, frame, ISO_CAPTURE_NOBODY);
+        return;
+    }
     if (iso__appliance_extract(appliance, frame)) {
         return;
     }

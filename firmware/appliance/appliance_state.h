@@ -19,6 +19,7 @@
 #include "firmware/recognise/enrolment.h"
 #include "firmware/recognise/image_tally.h"
 #include "firmware/recognise/track.h"
+#include "firmware/sensor/rest.h"
 #include "firmware/visit/attack_tally.h"
 #include "firmware/visit/hint_filter.h"
 #include "firmware/visit/lockout.h"
@@ -51,6 +52,9 @@ struct iso_appliance_face {
     struct iso_liveness liveness;
     uint64_t liveness_track; /* the value of motion.track whose frames `liveness` holds */
     struct iso_scene_motion scene_motion;
+    bool moves; /* something moved lately, by scene_motion */
+    struct iso_rest rest;
+    bool slowed; /* the sensor was asked for fewer frames */
 };
 
 /* The results of the frames of a visit, or of a client's action. (appliance_frame.c) */

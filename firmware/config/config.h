@@ -38,6 +38,7 @@ struct iso_config_sensor {
     struct iso_config_options options;
     double distance_min_mm, distance_max_mm;
     int pause_ms, silence_ms, stale_ms, retry_ms, retry_max_ms;
+    int rest_s; /* 0: never */
 };
 
 struct iso_config_door {

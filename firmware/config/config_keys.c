@@ -35,6 +35,8 @@ const struct iso_config_key iso_config_keys[] = {
      "wait before a lost sensor is opened again; doubles with each failure"},
     {"sensor", "retry_max_ms", ISO_CONFIG_COUNT, AT(sensor, retry_max_ms), 10, 3600000, NULL,
      "30000", "longest such wait"},
+    {"sensor", "rest_s", ISO_CONFIG_COUNT, AT(sensor, rest_s), 0, 86400, NULL, "10",
+     "time with nobody there after which fewer frames are examined; 0: never"},
 
     {"door", "backend", ISO_CONFIG_TEXT, AT(door, backend), 0, 0, NULL, "null",
      "driver of the door's lines; null switches nothing"},

@@ -212,6 +212,13 @@ int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct
     return 0;
 }
 
+void iso_sensor_set_interval(struct iso_sensor *sensor, int64_t interval_ns)
+{
+    if (sensor->health.state == ISO_SENSOR_STARTED && sensor->ops->set_interval) {
+        sensor->ops->set_interval(sensor->self, interval_ns);
+    }
+}
+
 int iso_sensor_next_due_ns(struct iso_sensor *sensor, int64_t *due_ns)
 {
     const int error = require_state(sensor, ISO_SENSOR_STARTED, NULL);

@@ -3,7 +3,7 @@
  * The states of a sensor and the calls that are legal in them; any other call returns -EBADFD:
  *
  *   (none)  --open-->  OPEN  --start-->  STARTED  --stop-->  OPEN  --close-->  (none)
- *   STARTED: wait, next_due_ns.  Every state: describe, poll_fd, health, name, close.
+ *   STARTED: wait, next_due_ns, set_interval.  Every state: describe, poll_fd, health, name, close.
  *   A call that returns -ENODEV (the device is gone) leads to LOST. There start, stop, wait and
  *   next_due_ns return -ENODEV; the sensor has to be closed.
  *
@@ -111,6 +111,11 @@ struct iso_sensor_ops {
      * the same from start to stop. Negative errno if there is none now. */
     int (*poll_fd)(void *self);
 
+    /* OPTIONAL. From now on at most one frame in interval_ns is wanted, by the times of the frames;
+     * 0: every frame, as after each start. The back end passes over the others before it converts
+     * or matches them. They are no gaps in the sequence. Does not block or fail. */
+    void (*set_interval)(void *self, int64_t interval_ns);
+
     /* OPTIONAL. Fills in the description: model and capabilities. -ENODATA while it is not known.
      * Does not block. */
     int (*describe)(void *self, struct iso_sensor_description *out);
@@ -170,6 +175,9 @@ int iso_sensor_stop(struct iso_sensor *sensor, struct iso_fault *fault);
  * and is dropped, -EBADFD the sensor is not started, -ENODEV it is lost. */
 int iso_sensor_wait(struct iso_sensor *sensor, int64_t deadline_ns, const struct iso_frame **frame,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* As ops->set_interval; without this operation every frame comes. interval_ns is not negative. */
+void iso_sensor_set_interval(struct iso_sensor *sensor, int64_t interval_ns);
 
 /* As the operations; -ENOSYS if the back end has no such operation. Without next_due_ns the caller
  * lets wait block, or polls poll_fd. */

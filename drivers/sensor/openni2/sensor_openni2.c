@@ -33,6 +33,7 @@ struct openni2 {
     /* Of a file: the clock time of its time 0, the file's time of the last frame, and the clock
      * time at which that frame is due. */
     int64_t origin_ns, file_ns, last_ns;
+    int64_t interval_ns, handed_ns; /* of the frames that are wanted; the time of the last one */
 };
 
 /* ---- opening and closing ---------------------------------------------------- */
@@ -130,6 +131,7 @@ static int openni2_start(void *self, struct iso_fault *fault)
         error = iso__openni2_session_start(&sensor->session, sensor->settings.record, fault);
     }
     sensor->file_ns = INT64_MIN;
+    sensor->interval_ns = 0;
     iso_timeline_restart(&sensor->timeline);
     return error;
 }
@@ -236,14 +238,27 @@ static int convert_frames(struct openni2 *sensor, struct iso_fault *fault)
                  : 0;
 }
 
+static void openni2_set_interval(void *self, int64_t interval_ns)
+{
+    ((struct openni2 *)self)->interval_ns = interval_ns;
+}
+
+/* Returns -EAGAIN if the frame is passed over: the next one then follows the one before it. */
 static int hand_up(struct openni2 *sensor, const struct iso_frame **frame, struct iso_fault *fault)
 {
     const int64_t now_ns = iso_clock_now_ns(&sensor->clock);
     const int index = sensor->fetched.depth->frameIndex;
     iso_timeline_advance(&sensor->timeline, index, iso__openni2_frame_ns(sensor->fetched.depth),
                          now_ns);
+    const int64_t t_ns = sensor->session.file ? sensor->last_ns : sensor->timeline.t_ns;
+    if (sensor->interval_ns > 0 && t_ns - sensor->handed_ns < sensor->interval_ns) {
+        sensor->timeline.sequence--;
+        iso__openni2_pairing_clear(&sensor->fetched);
+        return -EAGAIN;
+    }
+    sensor->handed_ns = t_ns;
     const int error = convert_frames(sensor, fault);
-    sensor->frame->t_ns = sensor->session.file ? sensor->last_ns : sensor->timeline.t_ns;
+    sensor->frame->t_ns = t_ns;
     sensor->frame->sequence = sensor->timeline.sequence;
     iso__openni2_pairing_clear(&sensor->fetched);
     if (!error) {
@@ -266,7 +281,8 @@ static int wait_file(struct openni2 *sensor, const struct iso_frame **frame,
     if (sensor->settings.realtime && iso_clock_now_ns(&sensor->clock) < sensor->last_ns) {
         return -ETIMEDOUT;
     }
-    return hand_up(sensor, frame, fault);
+    const int handed = hand_up(sensor, frame, fault);
+    return handed == -EAGAIN ? -ETIMEDOUT : handed;
 }
 
 static int openni2_wait(void *self, int64_t deadline_ns, const struct iso_frame **frame,
@@ -276,8 +292,12 @@ static int openni2_wait(void *self, int64_t deadline_ns, const struct iso_frame 
     if (sensor->session.file) {
         return wait_file(sensor, frame, fault);
     }
-    const int error = fetch_live(sensor, deadline_ns, fault);
-    return error ? error : hand_up(sensor, frame, fault);
+    int error;
+    do {
+        error = fetch_live(sensor, deadline_ns, fault);
+        error = error ? error : hand_up(sensor, frame, fault);
+    } while (error == -EAGAIN);
+    return error;
 }
 
 /* Only the frames of a file have a time at which they are due. The wait for a device blocks. */
@@ -370,6 +390,7 @@ const struct iso_sensor_ops iso_sensor_openni2_ops = {
     .start = openni2_start,
     .wait = openni2_wait,
     .next_due_ns = openni2_next_due_ns,
+    .set_interval = openni2_set_interval,
     .describe = openni2_describe,
     .health = openni2_health,
     .stop = openni2_stop,

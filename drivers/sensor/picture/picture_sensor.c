@@ -24,6 +24,12 @@ int iso_picture_sensor_poll_fd(void *self)
     return iso_picture_stream_fd(sensor->stream);
 }
 
+void iso_picture_sensor_set_interval(void *self, int64_t interval_ns)
+{
+    const struct iso_picture_sensor *sensor = self;
+    iso_picture_stream_set_interval(sensor->stream, interval_ns);
+}
+
 void iso_picture_sensor_health(void *self, struct iso_sensor_device_health *out)
 {
     const struct iso_picture_sensor *sensor = self;

@@ -31,6 +31,7 @@ int iso_picture_sensor_start(void *self, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 int iso_picture_sensor_stop(void *self);
 int iso_picture_sensor_poll_fd(void *self);
+void iso_picture_sensor_set_interval(void *self, int64_t interval_ns);
 void iso_picture_sensor_health(void *self, struct iso_sensor_device_health *out);
 
 #endif

@@ -36,6 +36,7 @@ struct iso_picture_stream {
     bool started[ISO_PICTURE_CAMERAS_MAX];
     bool has_number, has_last; /* since the start; since the opening */
     int64_t last_ns;
+    int64_t interval_ns, handed_ns; /* of the sets that are wanted; the time of the last one */
     uint64_t dropped;
 };
 
@@ -129,6 +130,7 @@ static int start_camera(struct iso_picture_stream *s, int index, struct iso_faul
 int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault *fault)
 {
     stream->has_number = false;
+    stream->interval_ns = 0;
     for (int i = 0; i < stream->n_cameras; i++) {
         const int error = start_camera(stream, i, fault);
         if (error) {
@@ -244,9 +246,9 @@ static enum iso_pair_verdict judge_pair(const struct iso_picture_stream *s)
                           s->tolerance_ns);
 }
 
-/* Moves the oldest pictures out of the queues, because the next fetch would overwrite them
- * there. */
-static void hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
+/* Moves the oldest pictures out of the queues, because the next fetch would overwrite them there.
+ * Returns false if the set is passed over: the next set then follows the one before this one. */
+static bool hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
 {
     for (int i = 0; i < s->n_cameras; i++) {
         struct camera *camera = &s->cameras[i];
@@ -266,9 +268,12 @@ static void hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
     if (s->has_number) {
         out->sequence = s->last_sequence + (uint32_t)(first->sequence - s->last_number);
     }
+    const bool wanted = s->interval_ns == 0 || out->t_ns - s->handed_ns >= s->interval_ns;
     s->last_number = first->sequence;
-    s->last_sequence = out->sequence;
+    s->last_sequence = wanted ? out->sequence : out->sequence - 1;
+    s->handed_ns = wanted ? out->t_ns : s->handed_ns;
     s->has_number = s->has_last = true;
+    return wanted;
 }
 
 /* Assembles a set from the waiting pictures. Returns -EAGAIN if more pictures are needed. */
@@ -286,8 +291,10 @@ static int assemble_set(struct iso_picture_stream *s, struct iso_picture_set *ou
         case ISO_PAIR_WAIT:
             return -EAGAIN;
         case ISO_PAIR_TAKE:
-            hand_out(s, out);
-            return 0;
+            if (hand_out(s, out)) {
+                return 0;
+            }
+            continue;
         case ISO_PAIR_DROP_FIRST:
             drop_oldest(&s->cameras[0]);
             break;
@@ -319,6 +326,11 @@ int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_
                                       "video devices cannot be polled: %m");
         }
     }
+}
+
+void iso_picture_stream_set_interval(struct iso_picture_stream *stream, int64_t interval_ns)
+{
+    stream->interval_ns = interval_ns;
 }
 
 int iso_picture_stream_fd(const struct iso_picture_stream *stream)

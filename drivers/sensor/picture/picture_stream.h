@@ -43,6 +43,10 @@ int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault
     __attribute__((warn_unused_result));
 int iso_picture_stream_stop(struct iso_picture_stream *stream);
 
+/* From now on takes at most one set in interval_ns; 0: every set, as after each start. The others
+ * are passed over and leave no gap in the sequence. */
+void iso_picture_stream_set_interval(struct iso_picture_stream *stream, int64_t interval_ns);
+
 /* Takes the next set, oldest first; polls until deadline_ns of the injected clock at the latest.
  * -ETIMEDOUT, and the errors of a source's take except -EAGAIN; -EBADMSG also for a picture that
  * comes after one that was taken later: it is dropped, and the stream continues. */

@@ -56,8 +56,9 @@ struct replay {
     size_t next;                     /* index of the frame to play next */
     int64_t origin_ns;               /* clock time of the recording's time stamp 0 */
 
-    uint64_t sequence; /* sequence of the next frame */
-    int64_t last_ns;   /* t_ns of the last frame */
+    uint64_t sequence;   /* sequence of the next frame */
+    int64_t last_ns;     /* t_ns of the last frame */
+    int64_t interval_ns; /* at most one frame is wanted in this time; 0: every frame */
 };
 
 /* ---- opening and closing ---------------------------------------------------- */
@@ -106,6 +107,7 @@ static int replay_start(void *self, struct iso_fault *fault)
     (void)fault;
     close_recording(replay);
     replay->slot = (struct slot){.there = false};
+    replay->interval_ns = 0;
     return 0;
 }
 
@@ -214,6 +216,14 @@ static bool has_next(const struct replay *replay)
     return replay->recording && replay->next < iso_recording_frames(replay->recording);
 }
 
+static void advance(struct replay *replay)
+{
+    replay->next++;
+    if (replay->loop && !has_next(replay)) {
+        rewind_loop(replay);
+    }
+}
+
 static int64_t due_ns(const struct replay *replay, int64_t now_ns)
 {
     int64_t due = now_ns;
@@ -223,6 +233,29 @@ static int64_t due_ns(const struct replay *replay, int64_t now_ns)
     return due > replay->last_ns ? due : replay->last_ns + 1;
 }
 
+/* The earliest time of a frame that is wanted. A recording that is played at once (`asap`) has no
+ * times of its own, so every frame of it is wanted. */
+static int64_t wanted_ns(const struct replay *replay)
+{
+    return replay->realtime && replay->interval_ns > 0 && replay->sequence > 0
+               ? replay->last_ns + replay->interval_ns
+               : INT64_MIN;
+}
+
+/* Passes over the frames that are due by now and are not wanted. */
+static void pass_over(struct replay *replay, int64_t now_ns)
+{
+    while (has_next(replay) && due_ns(replay, now_ns) <= now_ns &&
+           due_ns(replay, now_ns) < wanted_ns(replay)) {
+        advance(replay);
+    }
+}
+
+static void replay_set_interval(void *self, int64_t interval_ns)
+{
+    ((struct replay *)self)->interval_ns = interval_ns;
+}
+
 static int read_next(struct replay *replay, int64_t t_ns, struct iso_fault *fault)
 {
     const int error = iso_recording_read(replay->recording, replay->next, replay->frame, fault);
@@ -230,10 +263,7 @@ static int read_next(struct replay *replay, int64_t t_ns, struct iso_fault *faul
     replay->frame->sequence = replay->sequence;
     replay->last_ns = t_ns;
     replay->sequence++;
-    replay->next++;
-    if (replay->loop && !has_next(replay)) {
-        rewind_loop(replay);
-    }
+    advance(replay);
     return error && error != -ENOMEM
                ? iso_fault_code_default(fault, ISO_FAULT_RECORDING_DAMAGED, -EBADMSG)
                : error;
@@ -249,6 +279,7 @@ static int replay_wait(void *self, int64_t deadline_ns, const struct iso_frame *
         return error;
     }
     const int64_t now_ns = iso_clock_now_ns(&replay->clock);
+    pass_over(replay, now_ns);
     if (!has_next(replay)) {
         return -ETIMEDOUT;
     }
@@ -268,7 +299,8 @@ static int replay_next_due_ns(void *self, int64_t *out)
     const struct replay *replay = self;
     const int64_t now_ns = iso_clock_now_ns(&replay->clock);
     const int64_t look_ns = now_ns + ISO_SENSOR_REPLAY_LOOK_MS * INT64_C(1000000);
-    const int64_t frame_ns = has_next(replay) ? due_ns(replay, now_ns) : look_ns;
+    const int64_t due = has_next(replay) ? due_ns(replay, now_ns) : look_ns;
+    const int64_t frame_ns = due > wanted_ns(replay) ? due : wanted_ns(replay);
     *out = frame_ns < look_ns ? frame_ns : look_ns;
     return 0;
 }
@@ -313,6 +345,7 @@ const struct iso_sensor_ops iso_sensor_replay_ops = {
     .start = replay_start,
     .wait = replay_wait,
     .next_due_ns = replay_next_due_ns,
+    .set_interval = replay_set_interval,
     .describe = replay_describe,
     .health = replay_health,
     .stop = replay_stop,

@@ -176,6 +176,7 @@ const struct iso_sensor_ops iso_sensor_v4l2_ops = {
     .start = iso_picture_sensor_start,
     .wait = v4l2_wait,
     .poll_fd = iso_picture_sensor_poll_fd,
+    .set_interval = iso_picture_sensor_set_interval,
     .describe = v4l2_describe,
     .health = iso_picture_sensor_health,
     .stop = iso_picture_sensor_stop,

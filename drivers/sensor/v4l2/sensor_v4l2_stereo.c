@@ -111,6 +111,7 @@ const struct iso_sensor_ops iso_sensor_v4l2_stereo_ops = {
     .start = iso_picture_sensor_start,
     .wait = iso_sensor_stereo_wait,
     .poll_fd = iso_picture_sensor_poll_fd,
+    .set_interval = iso_picture_sensor_set_interval,
     .describe = pair_describe,
     .health = iso_picture_sensor_health,
     .stop = iso_picture_sensor_stop,

@@ -130,6 +130,39 @@ static void objects_out_of_reach_do_not_count(void **state)
     }
 }
 
+/* A frame with a person after a second of the empty room. With no more of the room than its own
+ * noise nothing stirs, once the first half second is over. */
+static void the_first_frame_with_a_person_stirs(void **state)
+{
+    struct fixture *f = *state;
+    static const char *const rooms[] = {"none-nobody1", "none-nobody2"};
+    static const char *const visitors[] = {"p01-v1", "none-back1"};
+    for (size_t i = 0; i < 4; i++) {
+        load(f, rooms[i / 2]);
+        f->scene = (struct iso_scene_motion){0};
+        for (int k = 0; k < 40; k++) {
+            (void)feed(f, k, 0);
+            assert_true(iso_scene_motion_stirs(&f->scene) == (k <= 16));
+        }
+        load(f, visitors[i % 2]);
+        (void)feed(f, 0, 0);
+        assert_true(iso_scene_motion_stirs(&f->scene));
+    }
+}
+
+static void frames_that_are_too_small_stir(void **state)
+{
+    struct iso_scene_motion scene = {.frames = 0};
+    float depth_mm[8] = {900, 900, 900, 900, 900, 900, 900, 900};
+    struct iso_frame frame = {.width_px = 8, .height_px = 1, .depth_mm = depth_mm};
+    (void)state;
+    for (int i = 0; i < 90; i++) {
+        frame.t_ns += frame_ns;
+        (void)iso_scene_motion_feed(&scene, &frame, reach_mm, quiet_ns);
+        assert_true(iso_scene_motion_stirs(&scene));
+    }
+}
+
 static void another_size_begins_anew(void **state)
 {
     struct fixture *f = *state;
@@ -150,6 +183,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_scene_is_quiet_some_seconds_after_the_last_motion, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(objects_out_of_reach_do_not_count, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_first_frame_with_a_person_stirs, set_up, tear_down),
+        cmocka_unit_test(frames_that_are_too_small_stir),
         cmocka_unit_test_setup_teardown(another_size_begins_anew, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -160,6 +160,28 @@ static void loops_in_time(void **state)
     iso_sensor_close(sensor);
 }
 
+/* Frames are 125 ms apart. At most one in 300 ms is wanted, so every third one comes. */
+static void passes_over_frames_that_are_not_wanted(void **state)
+{
+    struct iso_sensor *sensor = start(scratch_path(*state, "r"), "realtime", "yes");
+    const int64_t began_ns = now_ns;
+    int64_t due_ns = 0;
+    assert_frame(sensor, 0, 0, began_ns);
+    iso_sensor_set_interval(sensor, 300 * MS);
+    now_ns += 299 * MS;
+    assert_nothing(sensor);
+    now_ns = began_ns + 375 * MS;
+    assert_frame(sensor, 0, 1, now_ns); /* number 3, which is number 0 again */
+    assert_int_equal(iso_sensor_next_due_ns(sensor, &due_ns), 0);
+    now_ns += 50 * MS; /* the slot is looked at every 50 ms */
+    assert_int_equal(due_ns, now_ns);
+    iso_sensor_set_interval(sensor, 0);
+    now_ns = began_ns + 500 * MS;
+    assert_frame(sensor, 1, 2, now_ns);
+    assert_int_equal(iso_sensor_health(sensor).lost, 0);
+    iso_sensor_close(sensor);
+}
+
 static void starts_anew(void **state)
 {
     struct iso_sensor *sensor = start(scratch_path(*state, "r"), "asap", "no");
@@ -311,6 +333,7 @@ int main(void)
         IN_SCRATCH(plays_in_real_time),
         IN_SCRATCH(plays_at_once),
         IN_SCRATCH(loops_in_time),
+        IN_SCRATCH(passes_over_frames_that_are_not_wanted),
         IN_SCRATCH(starts_anew),
         IN_SCRATCH(reports_damage_once_and_goes_on),
         IN_SCRATCH(refuses_a_recording_once),

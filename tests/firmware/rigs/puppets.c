@@ -44,11 +44,11 @@ int puppet_face_of(const struct iso_template *tmpl)
 /* The first pixel of a frame is the face, the second the outcome, the third the position. Each
  * value is at least 100, so that it is a valid depth. The other pixels are the scene, which may
  * move. */
-enum { CODE_PX = 3, WIDTH_PX = 8 };
+enum { CODE_PX = 3, WIDTH_PX = 8, ROOM_WIDTH_PX = 40, ROOM_HEIGHT_PX = 30 };
 
 struct stream {
     struct puppet_sensor *sensor;
-    float depth_mm[WIDTH_PX];
+    float depth_mm[ROOM_WIDTH_PX * ROOM_HEIGHT_PX];
     struct iso_frame frame;
 };
 
@@ -75,15 +75,17 @@ static int stream_open(const struct iso_option *options, size_t n_options,
         return refuse(being_opened, -ENOMEM, "puppet: out of memory", fault);
     }
     stream->sensor = being_opened;
+    const int width_px = being_opened->has_room ? ROOM_WIDTH_PX : WIDTH_PX;
+    const int height_px = being_opened->has_room ? ROOM_HEIGHT_PX : 1;
     stream->frame = (struct iso_frame){
         .camera = {.projection = ISO_PINHOLE,
-                   .width_px = WIDTH_PX,
-                   .height_px = 1,
+                   .width_px = width_px,
+                   .height_px = height_px,
                    .fx_px = 500,
                    .fy_px = 500,
                    .cx_px = 1},
-        .width_px = WIDTH_PX,
-        .height_px = 1,
+        .width_px = width_px,
+        .height_px = height_px,
         .depth_mm = stream->depth_mm,
     };
     being_opened->opened++;
@@ -117,12 +119,20 @@ static int stream_wait(void *self, int64_t deadline_ns, const struct iso_frame *
     stream->depth_mm[2] = (float)(1100 + sensor->frames[sensor->next].right_mm);
     stream->frame.t_ns = sensor->frames[sensor->next].t_ns;
     const bool elsewhere = sensor->scene_moves && stream->frame.t_ns / ISO_NS_PER_S % 2;
-    for (int i = CODE_PX; i < WIDTH_PX; i++) {
-        stream->depth_mm[i] = elsewhere ? 1200.0F : 900.0F;
+    const int n = stream->frame.width_px * stream->frame.height_px;
+    for (int i = CODE_PX; i < n; i++) {
+        const bool covered = sensor->has_room && sensor->frames[sensor->next].face && i < n / 2;
+        stream->depth_mm[i] = covered ? 700.0F : elsewhere ? 1200.0F : 900.0F;
     }
     stream->frame.sequence = sensor->forgotten + (uint64_t)sensor->next++;
     *frame = &stream->frame;
     return 0;
+}
+
+static void stream_set_interval(void *self, int64_t interval_ns)
+{
+    const struct stream *stream = self;
+    stream->sensor->interval_ns = interval_ns;
 }
 
 static int stream_next_due_ns(void *self, int64_t *due_ns)
@@ -175,6 +185,7 @@ static const struct iso_sensor_ops idle_ops = {
     .start = stream_start,
     .wait = stream_wait,
     .next_due_ns = stream_next_due_ns,
+    .set_interval = stream_set_interval,
     .describe = stream_describe,
     .stop = stream_stop,
     .close = stream_close,
@@ -234,6 +245,7 @@ static int extract(void *self, const struct iso_frame *frame, const char *sensor
 {
     struct puppet_pipeline *pipeline = self;
     (void)snprintf(pipeline->sensor, sizeof pipeline->sensor, "%s", sensor);
+    pipeline->extracted++;
     if (pipeline->extract_error) {
         return pipeline->extract_error;
     }

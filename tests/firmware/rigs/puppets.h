@@ -32,12 +32,14 @@ struct puppet_sensor {
     int n_frames, next;
     uint64_t forgotten; /* number of frames before these; all of them were fetched */
     int open_error, start_error, wait_error; /* error of every next call of each operation */
-    const char *text;   /* text of an open_error or a wait_error; NULL: a text of the puppet */
-    double rate_hz;     /* nominal rate; 0: unknown */
-    bool scene_moves;   /* the scene around the face moves every second */
-    bool streams;       /* it has no next_due_ns; silence is a fault */
-    int descriptor;     /* if it streams: its poll_fd; 0: it has none */
-    int opened, closed; /* how often it was opened and closed */
+    const char *text;    /* text of an open_error or a wait_error; NULL: a text of the puppet */
+    double rate_hz;      /* nominal rate; 0: unknown */
+    bool scene_moves;    /* the scene around the face moves every second */
+    bool has_room;       /* frames are 40 x 30: a room, half of which a face covers */
+    int64_t interval_ns; /* of the frames that it is asked for; the test takes it into account */
+    bool streams;        /* it has no next_due_ns; silence is a fault */
+    int descriptor;      /* if it streams: its poll_fd; 0: it has none */
+    int opened, closed;  /* how often it was opened and closed */
 };
 
 /* A source that opens this sensor at every request. `sensor` must outlive it. */
@@ -56,7 +58,8 @@ void puppet_sensor_add_at(struct puppet_sensor *sensor, int64_t t_ns, int face,
  * here. */
 struct puppet_pipeline {
     int extract_error, search_error;
-    bool raving; /* searches find people who do not exist, with an infinite score */
+    int extracted; /* number of extractions */
+    bool raving;   /* searches find people who do not exist, with an infinite score */
     double yaw_rad, pitch_rad, expression, uncovered;
     enum iso_capture cue;    /* of every frame that is not usable */
     char sensor[32];         /* name of the sensor, as the last extraction got it */

@@ -9,7 +9,7 @@ people=$2
 frames=${3:-100}
 templates=${4:-1}
 adapt=${5:-no}
-source_dir=$(cd "$(dirname "$0")/../.." && pwd)
+source_dir=$(cd "$(dirname "$0")/../../.." && pwd)
 run=$(mktemp -d -p "${TMPDIR:-/var/tmp}")
 bus_pid='' daemon_pid=''
 
