@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define UPDATES_FOLDER "/var/lib/isotherm-update"
+
 static const char usage[] =
     "Usage: isotherm-link [OPTION...] run           connects the door to its hub; for the service\n"
     "       isotherm-link [OPTION...] join ADDRESS  lets the door join a fleet\n"
@@ -14,22 +16,20 @@ static const char usage[] =
     "\n"
     "  --state DIR    key, certificate and the hub's address (" ISOTHERM_LINK_STATE ")\n"
     "  --bus ADDRESS  system, session or an address of D-Bus (system)\n"
+    "  --updates DIR  run, leave: updates of the image (" UPDATES_FOLDER ")\n"
     "  --restart FROM-UNTIL  run: hours of the day at which an update may restart the machine\n"
     "                 (any), such as 1-5\n"
     "  --metrics      status: figures in the text format of Prometheus\n"
     "  --help         print this and end\n"
     "  --version      print the version and end\n";
 
-enum choice { STATE = 1, BUS, METRICS, RESTART, HELP, VERSION };
+enum choice { STATE = 1, BUS, METRICS, RESTART, UPDATES, HELP, VERSION };
 
 static const struct option longs[] = {
-    {"state", required_argument, NULL, STATE},
-    {"bus", required_argument, NULL, BUS},
-    {"metrics", no_argument, NULL, METRICS},
-    {"help", no_argument, NULL, HELP},
-    {"version", no_argument, NULL, VERSION},
-    {"restart", required_argument, NULL, RESTART},
-    {NULL, 0, NULL, 0},
+    {"state", required_argument, NULL, STATE},     {"bus", required_argument, NULL, BUS},
+    {"metrics", no_argument, NULL, METRICS},       {"help", no_argument, NULL, HELP},
+    {"version", no_argument, NULL, VERSION},       {"restart", required_argument, NULL, RESTART},
+    {"updates", required_argument, NULL, UPDATES}, {NULL, 0, NULL, 0},
 };
 
 static int complain(const char *why)
@@ -62,6 +62,9 @@ static int take(int option, const char *value, struct link_options *out)
         return 0;
     case METRICS:
         out->metrics = true;
+        return 0;
+    case UPDATES:
+        out->updates = value;
         return 0;
     case RESTART:
         return take_hours(value, out);
@@ -106,8 +109,10 @@ int link_options_read(int argc, char **argv, struct link_options *out)
 {
     int option, result = 0;
 
-    *out = (struct link_options){
-        .command = LINK_COMMAND_RUN, .bus = "system", .state = ISOTHERM_LINK_STATE};
+    *out = (struct link_options){.command = LINK_COMMAND_RUN,
+                                 .bus = "system",
+                                 .state = ISOTHERM_LINK_STATE,
+                                 .updates = UPDATES_FOLDER};
     while (result == 0 && (option = getopt_long(argc, argv, "", longs, NULL)) != -1) {
         result = take(option, optarg, out);
     }

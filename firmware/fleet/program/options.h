@@ -12,6 +12,7 @@ struct link_options {
     bool metrics;              /* of `status`: for Prometheus */
     const char *bus;           /* "system", "session" or an address */
     const char *state;         /* the folder (home.h) */
+    const char *updates;       /* the folder of the image in which updates are */
     int from_hour, until_hour; /* of `run`: when the machine may restart; equal: always */
 };
 
