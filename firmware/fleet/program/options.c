@@ -38,19 +38,6 @@ static int complain(const char *why)
     return -EINVAL;
 }
 
-/* "FROM-UNTIL": whole hours, 0 to 23, which differ. */
-static int take_hours(const char *value, struct link_options *out)
-{
-    int end = 0;
-
-    if (sscanf(value, "%2d-%2d%n", &out->from_hour, &out->until_hour, &end) != 2 || value[end] ||
-        out->from_hour < 0 || out->from_hour > 23 || out->until_hour < 0 || out->until_hour > 23 ||
-        out->from_hour == out->until_hour) {
-        return complain("--restart needs two hours of the day, such as 1-5");
-    }
-    return 0;
-}
-
 static int take(int option, const char *value, struct link_options *out)
 {
     switch (option) {
@@ -67,7 +54,9 @@ static int take(int option, const char *value, struct link_options *out)
         out->updates = value;
         return 0;
     case RESTART:
-        return take_hours(value, out);
+        return iso_restart_hours_read(value, &out->restart) == 0
+                   ? 0
+                   : complain("--restart needs two hours of the day, such as 1-5");
     case HELP:
         fputs(usage, stdout);
         return 1;

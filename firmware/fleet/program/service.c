@@ -78,8 +78,8 @@ static int start_update(struct service *service, const char *ca, struct iso_faul
                                             .folder = options->state,
                                             .program = ISOTHERM_PROGRAM,
                                             .updates = options->updates,
-                                            .from_hour = options->from_hour,
-                                            .until_hour = options->until_hour,
+                                            .restart = options->restart,
+
                                             .quiet_s = QUIET_S,
                                             .note = on_note,
                                             .note_context = service};

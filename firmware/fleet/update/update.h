@@ -45,6 +45,7 @@
 
 #include <systemd/sd-event.h>
 
+#include "drivers/base/restart_hours.h"
 #include "firmware/fleet/link/link_daemon.h"
 #include "firmware/fleet/link/link_http.h"
 
@@ -53,15 +54,16 @@ struct link_update;
 struct link_update_setup {
     sd_event *event;
     struct iso_link_daemon daemon;
-    struct link_http *http;    /* outlives the object */
-    const char *hub_url;       /* "https://HOST:PORT" */
-    const char *ca_file;       /* its authority; NULL: plain HTTP, for tests */
-    const char *folder;        /* of the record */
-    const char *updates;       /* the folder of the image in which updates are */
-    const char *program;       /* isotherm(1), which shows the slots */
-    int from_hour, until_hour; /* when the machine may restart, in local time; equal: always */
-    uint32_t quiet_s;          /* for how long nobody must have been at the door */
-    uint32_t retry_ms;         /* before the second try, twice as much before the third... */
+    struct link_http *http;           /* outlives the object */
+    const char *hub_url;              /* "https://HOST:PORT" */
+    const char *ca_file;              /* its authority; NULL: plain HTTP, for tests */
+    const char *folder;               /* of the record */
+    const char *updates;              /* the folder of the image in which updates are */
+    const char *program;              /* isotherm(1), which shows the slots */
+    struct iso_restart_hours restart; /* when the machine may restart, in local time; also the
+                                     daemon has to allow it, which calls the door busy otherwise */
+    uint32_t quiet_s;                 /* for how long nobody must have been at the door */
+    uint32_t retry_ms;                /* before the second try, twice as much before the third... */
     void *note_context;
     void (*note)(void *context, const char *line); /* one line for people; may be NULL */
 };
