@@ -48,13 +48,23 @@ static void refuse_for_room(struct link_update *u)
                                      : "the disk has no room for the update");
 }
 
+/* RAUC makes root the owner of a file that it reads, so that nobody changes it meanwhile; then it
+ * has to be fetched again. */
+static int open_part(struct link_update *u, struct iso_fault *fault)
+{
+    return iso_file_open(u->file, O_RDWR | O_CREAT, ISO_FLEET_UPDATE_BYTES_MAX, &u->fd, fault);
+}
+
 void link_update_fetch_begin(struct link_update *u)
 {
     struct iso_fault fault = {.text = ""};
     struct stat file;
 
     link_update_fetch_end(u);
-    int r = iso_file_open(u->file, O_RDWR | O_CREAT, ISO_FLEET_UPDATE_BYTES_MAX, &u->fd, &fault);
+    int r = open_part(u, &fault);
+    if (r < 0 && unlink(u->file) == 0) {
+        r = open_part(u, &fault);
+    }
     if (r < 0) {
         link_update_refused(u, "disk", fault.text);
         return;

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "tests/firmware/rigs/cmocka_headers.h"
@@ -90,6 +91,19 @@ static void a_damaged_download_is_fetched_again(void **state)
     update_rig_wait(rig, ISO_FLEET_UPDATE_INSTALLED);
     update_rig_expect_installed(rig);
     assert_int_equal(rig->begins, 2);
+}
+
+/* RAUC has made root its owner; here, where the test may be root, it is no file at all. */
+static void a_file_that_cannot_be_opened_is_fetched_again(void **state)
+{
+    struct update_rig *rig = *state;
+    char path[400];
+    (void)snprintf(path, sizeof path, "%s/hub/bundle.part", rig->state);
+    assert_int_equal(mkfifo(path, 0600), 0);
+    update_rig_begin(rig, "\n");
+    update_rig_slots(rig, "1.1", true, true);
+    update_rig_wait(rig, ISO_FLEET_UPDATE_INSTALLED);
+    update_rig_expect_installed(rig);
 }
 
 /* How often an order was refused is not forgotten with the link. */
@@ -222,6 +236,7 @@ int main(void)
         TEST(what_passes_by_itself_is_tried_again),
         TEST(a_refusal_that_does_not_pass_is_a_failure_at_last),
         TEST(a_damaged_download_is_fetched_again),
+        TEST(a_file_that_cannot_be_opened_is_fetched_again),
         TEST(tries_are_counted_over_a_restart),
         TEST(a_hub_that_is_away_is_no_failure),
         TEST(an_image_that_says_nothing_is_asked_again),
