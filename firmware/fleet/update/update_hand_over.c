@@ -91,9 +91,12 @@ void link_update_take_result(struct link_update *u)
 
 static void hand_over(struct link_update *u)
 {
+    char why[ISO_FLEET_UPDATE_FAULT_SIZE];
+
     u->record.stamp = stamp_of(u->result_file);
     u->handed_us = link_update_now_us(u);
-    link_update_set(u, ISO_FLEET_UPDATE_INSTALLING, "");
+    memcpy(why, u->record.fault, sizeof why); /* the last refusal, until it has succeeded */
+    link_update_set(u, ISO_FLEET_UPDATE_INSTALLING, why);
     (void)unlink(u->bundle);
     if (link(u->file, u->bundle) < 0) {
         link_update_refused(u, "disk", "the file of the update cannot be given to the image");

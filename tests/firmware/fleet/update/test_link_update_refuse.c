@@ -57,9 +57,14 @@ static void what_passes_by_itself_is_tried_again(void **state)
         update_rig_turn(rig);
     }
     assert_true(update_rig_is_told(rig, ISO_FLEET_UPDATE_FETCHING));
+    rig->has_no_units = true;
+    update_rig_wait(rig, ISO_FLEET_UPDATE_INSTALLING);
+    assert_string_equal(link_update_report(rig->update)->fault, "refused: on-trial");
+    rig->has_no_units = false;
     update_rig_slots(rig, "1.1", true, true);
     update_rig_wait(rig, ISO_FLEET_UPDATE_INSTALLED);
     update_rig_expect_installed(rig);
+    assert_string_equal(link_update_report(rig->update)->fault, "");
     char *asked = read_text(rig, "asked");
     assert_string_equal(asked, "busy\non-trial\n\n");
     free(asked);
