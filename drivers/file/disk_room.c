@@ -2,12 +2,19 @@
 
 #include <sys/statvfs.h>
 
+static uint64_t beyond_reserve(uint64_t bytes)
+{
+    return bytes > ISO_DISK_RESERVE_BYTES ? bytes - ISO_DISK_RESERVE_BYTES : 0;
+}
+
 uint64_t iso_disk_room(const char *path)
 {
     struct statvfs disk;
-    if (statvfs(path, &disk) < 0) {
-        return 0;
-    }
-    const uint64_t room = (uint64_t)disk.f_bavail * disk.f_frsize;
-    return room > ISO_DISK_RESERVE_BYTES ? room - ISO_DISK_RESERVE_BYTES : 0;
+    return statvfs(path, &disk) < 0 ? 0 : beyond_reserve((uint64_t)disk.f_bavail * disk.f_frsize);
+}
+
+uint64_t iso_disk_size(const char *path)
+{
+    struct statvfs disk;
+    return statvfs(path, &disk) < 0 ? 0 : beyond_reserve((uint64_t)disk.f_blocks * disk.f_frsize);
 }

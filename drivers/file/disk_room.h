@@ -12,4 +12,7 @@
  * or if the disk cannot be asked. */
 uint64_t iso_disk_room(const char *path);
 
+/* What the disk could have free beyond the reserve if it were empty; 0 if it cannot be asked. */
+uint64_t iso_disk_size(const char *path);
+
 #endif

@@ -171,6 +171,11 @@ struct iso_config_reset {
     char link[ISO_CONFIG_TEXT_SIZE];       /* the folder of the link's state */
 };
 
+/* The fleet to which the door belongs. */
+struct iso_config_fleet {
+    char restart_hours[ISO_CONFIG_TEXT_SIZE]; /* drivers/base/restart_hours.h; "": the whole day */
+};
+
 struct iso_config_process {
     bool confine;
 };
@@ -199,6 +204,7 @@ struct iso_config {
     struct iso_config_bus bus;
     struct iso_config_login login;
     struct iso_config_reset reset;
+    struct iso_config_fleet fleet;
     struct iso_config_process process;
     struct iso_config_model model;
     const char *obsolete; /* the last obsolete key in the file, "[section] name"; NULL: none */

@@ -248,6 +248,9 @@ const struct iso_config_key iso_config_keys[] = {
     {"reset", "link", ISO_CONFIG_TEXT, AT(reset, link), 0, 0, NULL, "/var/lib/isotherm-link",
      "membership of a fleet, which a factory reset empties"},
 
+    {"fleet", "restart_hours", ISO_CONFIG_TEXT, AT(fleet, restart_hours), 0, 0, NULL, "",
+     "hours in which an update of the hub may restart the machine, such as 1-5; any if empty"},
+
     {"process", "confine", ISO_CONFIG_SWITCH, AT(process, confine), 0, 0, NULL, "yes",
      "give up what the daemon does not need of files and system calls (Landlock, seccomp)"},
 

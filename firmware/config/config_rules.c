@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "drivers/base/restart_hours.h"
 #include "firmware/config/config_options.h"
 #include "firmware/config/config_value.h"
 
@@ -69,6 +70,11 @@ const char *iso__config_find_conflict(const struct iso_config *config)
     }
     if (config->login.desk && strcmp(config->door.backend, "null") != 0) {
         return "[login] desk needs [door] backend = null: a login would leave the door unwatched";
+    }
+    struct iso_restart_hours hours;
+    if (*config->fleet.restart_hours &&
+        iso_restart_hours_read(config->fleet.restart_hours, &hours) < 0) {
+        return "[fleet] restart_hours is not two hours of the day, such as 1-5";
     }
     const char *conflict = find_reader_conflict(config);
     return conflict ? conflict : find_pose_conflict(&config->enroll);

@@ -18,7 +18,8 @@
  *   FleetUpdate(s state, s rollout, s version, s board, s fault) -> b
  *                                   what the next QUESTIONs tell about the image of the door
  *                                   (firmware/fleet/order/update_order.h); whether somebody is at the
- *                                   door, so that the machine must not restart now
+ *                                   door, or it waits for a restart and [fleet] restart_hours allows
+ *                                   none, so that the machine must not restart now
  *   FleetFetchUpdate(s rollout, t after) -> ay  FETCH for the part of an update that begins after so
  *                                   many bytes
  *

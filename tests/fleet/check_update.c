@@ -6,11 +6,8 @@
 #include "firmware/fleet/update/update.h"
 
 /* Under the folder of the door, as they are in an image (firmware/fleet/program/service.c). */
-#define UPDATES     "image/var/lib/isotherm-update"
-#define INBOX       UPDATES "/hub"
-#define TAKEN_FILE  UPDATES "/hub.raucb"
-#define RESULT_FILE UPDATES "/result.json"
-#define PROGRAM     "image/bin/isotherm"
+#define UPDATES "image/var/lib/isotherm-update"
+#define PROGRAM "image/bin/isotherm"
 
 static void on_ordered(void *context, const struct iso_fleet_update *order)
 {
@@ -25,10 +22,8 @@ static void on_answered(void *context)
 int check_update_start(const char *folder, struct link_setup *link, struct link_update **out,
                        struct iso_fault *fault)
 {
-    char inbox[PATH_MAX], taken[PATH_MAX], result[PATH_MAX], program[PATH_MAX];
-    (void)snprintf(inbox, sizeof inbox, "%s/" INBOX, folder);
-    (void)snprintf(taken, sizeof taken, "%s/" TAKEN_FILE, folder);
-    (void)snprintf(result, sizeof result, "%s/" RESULT_FILE, folder);
+    char updates[PATH_MAX], program[PATH_MAX];
+    (void)snprintf(updates, sizeof updates, "%s/" UPDATES, folder);
     (void)snprintf(program, sizeof program, "%s/" PROGRAM, folder);
     const struct link_update_setup setup = {.event = link->event,
                                             .daemon = link->daemon,
@@ -36,10 +31,9 @@ int check_update_start(const char *folder, struct link_setup *link, struct link_
                                             .hub_url = link->hub_url,
                                             .ca_file = link->broker.ca_file,
                                             .folder = folder,
-                                            .inbox = inbox,
-                                            .taken_file = taken,
-                                            .result_file = result,
+                                            .updates = updates,
                                             .program = program,
+                                            .retry_ms = 500,
                                             .note_context = link->note_context,
                                             .note = link->note};
     const int error = link_update_new(&setup, out, fault);

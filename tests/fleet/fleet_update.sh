@@ -46,6 +46,11 @@ make_image() { # DOOR
 #!/bin/sh
 [ "\$1 \$2" = 'update --json' ] || exit 9
 [ \$# = 3 ] || exec cat "$image/slots"
+if [ -e "$image/trial" ]; then
+    rm "$image/trial"
+    echo '{"error":{"code":"on-trial","message":"the running version is on trial","exit_code":1}}'
+    exit 1
+fi
 if [ -e "$image/refuses" ]; then
     echo '{"error":{"code":"other-board","message":"the update is for another board","exit_code":1}}'
     exit 1
@@ -164,6 +169,7 @@ annex_first_door() { # FILE
     expect "update: an order for it was recorded ($(stat -c %s "$work/order") bytes)" [ -s "$work/order" ]
     hub update stop annex
     expect "update: the rollout is stopped, and the door leaves what it fetches" wait_for 120 door_says "$first" idle
+    expect "update: nothing of the file is left at the door" [ ! -e "$(inbox_of "$first")/bundle.part" ]
     expect "update: the recorded order, sent again, is not obeyed" leaves_old_order "$first" "$work/order"
     hub update resume annex
     expect "update: the rollout goes on with the same door" wait_for 120 door_says "$first" fetching
@@ -180,7 +186,10 @@ annex_first_door() { # FILE
 annex_failures() {
     local told
     told=($(doors_that_are fetching))
-    touch "$(image_of "${told[0]}")/refuses" "$(image_of "${told[1]}")/refuses"
+    touch "$(image_of "${told[0]}")/trial" "$(image_of "${told[0]}")/refuses" "$(image_of "${told[1]}")/refuses"
+    image_takes "${told[0]}" || return 1
+    expect "update: a refusal that passes by itself is no failure" \
+        wait_for 120 eval "hub update show annex | grep '^door${told[0]} .*fetching .*the running version is on trial' >/dev/null"
     image_takes "${told[0]}" || return 1
     expect "update: a door whose image refuses the file says why" \
         wait_for 120 eval "hub update show annex | grep '^door${told[0]} .*failed .*the update is for another board' >/dev/null"

@@ -73,6 +73,11 @@ result_is() {
     grep -q '"at_s":[1-9][0-9]*,' "$state/result.json" || die 'the result has no time'
 }
 
+# own_result_is WAY WORDS: what this way has said last, whatever another one has done since
+own_result_is() {
+    tr -d '\n' <"$state/result-$1.json" | grep -q "$2" || die "the result of $1 is $(cat "$state/result-$1.json"), and not $2"
+}
+
 act_is() {
     isotherm log --json | tr -d '\n' | grep -q "$1, asked by $2 of user" || die "not on record: $1 by $2"
 }
@@ -119,6 +124,16 @@ result_is '"code": "foreign-key"'
 if grep -q InstallBundle "$root/rauc.log"; then
     die 'RAUC is asked to install a foreign bundle'
 fi
+# The hub and a page bring one each.
+mkdir -p "$state/hub"
+rauc_is --error 'Pre-install handler error: Child process exited with code 5'
+echo early >"$state/hub/bundle.raucb"
+"$source_dir/board/image/programs/install-update" hub "$state/hub/bundle.raucb" >"$root/said" 2>&1 || die 'install-update fails'
+rauc_is
+page good
+own_result_is hub '"from":"hub",.*"code": "on-trial"'
+own_result_is page '"from":"page",.*"installed": true'
+result_is '"from":"page",.*"installed": true'
 # What whoever has taken over the web server could put there: a folder, or a link to another file, which stays.
 rauc_is
 mkdir "$state/page/bundle.raucb"
@@ -131,7 +146,7 @@ result_is '"code":"bad-file"'
 [ ! -s "$root/rauc.log" ] || die 'RAUC is asked for what is no file'
 [ ! -L "$state/page/bundle.raucb" ] || die 'the link is not removed'
 [ -e "$root/kept" ] || die 'what the link names is removed'
-echo '    install-update: a good bundle, an older one, a foreign one, what is none'
+echo '    install-update: a good bundle, an older one, a foreign one, two ways, what is none'
 
 # ---- the restart ----
 

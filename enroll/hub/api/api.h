@@ -45,6 +45,7 @@ void hub__api_reject_request(void *api, struct web_exchange *exchange);
 /* ---- api_updates.c ---- */
 void hub__api_list_updates(void *api, struct web_exchange *exchange);
 void hub__api_list_rollout_doors(void *api, struct web_exchange *exchange);
+void hub__api_turn_rollout(void *api, struct web_exchange *exchange);
 
 /* ---- api_events.c ---- */
 void hub__api_list_events(void *api, struct web_exchange *exchange);

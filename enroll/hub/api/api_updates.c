@@ -65,23 +65,54 @@ static int append_door(void *list, const struct hub_rollout_door *door)
                : 0;
 }
 
-static int list_rollout_doors(struct hub_call *call, struct hub_store *store,
-                              struct iso_fault *fault)
+static int show_doors(struct hub_call *call, struct hub_store *store, const struct hub_zone *zone,
+                      struct iso_fault *fault)
 {
-    struct hub_zone zone;
-    int error = hub__look_zone(call, store, web_exchange_part(call->request), &zone, fault);
-
-    if (error) {
-        return error;
-    }
     json_t *list = json_array();
-    error = hub_rollout_doors(store, zone.name, append_door, list, fault);
+    int error = hub_rollout_doors(store, zone->name, append_door, list, fault);
+
     error = error == -ENOENT ? 0 : error; /* the zone has had no rollout */
     call->json = json_pack("{s:o}", "doors", list);
     return error == -ENOMEM || (!error && !call->json) ? hub__no_memory(fault) : error;
 }
 
+static int list_rollout_doors(struct hub_call *call, struct hub_store *store,
+                              struct iso_fault *fault)
+{
+    struct hub_zone zone;
+    const int error = hub__look_zone(call, store, web_exchange_part(call->request), &zone, fault);
+
+    return error ? error : show_doors(call, store, &zone, fault);
+}
+
 void hub__api_list_rollout_doors(void *api, struct web_exchange *exchange)
 {
     hub__call(api, exchange, HUB_LANE_LOOKS, list_rollout_doors);
+}
+
+/* Stops the rollout of a zone, or lets it go on. */
+static int turn_rollout(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
+{
+    struct hub_zone zone;
+    bool has = false, running = false;
+    int error = hub__call_flag(call, "running", &has, &running, fault);
+
+    if (!error && !has) {
+        return hub__call_refuse(call, fault, 400, "invalid-member",
+                                "running has to be true or false");
+    }
+    error = error ? error
+                  : hub__look_zone(call, store, web_exchange_part(call->request), &zone, fault);
+    if (error) {
+        return error;
+    }
+    call->absent = "no-such-update"; /* the version of a stopped rollout may be removed */
+    error = running ? hub_rollout_resume(store, zone.name, fault)
+                    : hub_rollout_stop(store, zone.name, fault);
+    return error ? error : show_doors(call, store, &zone, fault);
+}
+
+void hub__api_turn_rollout(void *api, struct web_exchange *exchange)
+{
+    hub__call(api, exchange, HUB_LANE_CHANGES, turn_rollout);
 }

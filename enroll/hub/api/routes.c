@@ -23,6 +23,7 @@ const struct web_route hub_api_routes[] = {
     {"POST", "/zones/{name}/epoch", WEB_ROLE_ADMINISTRATOR, hub__api_renew_zone},
     {"POST", "/zones/{name}/recovery", WEB_ROLE_ADMINISTRATOR, hub__api_recover_zone},
     {"GET", "/zones/{name}/rollout", WEB_ROLE_OBSERVER, hub__api_list_rollout_doors},
+    {"PATCH", "/zones/{name}/rollout", WEB_ROLE_ADMINISTRATOR, hub__api_turn_rollout},
     {"GET", "/updates", WEB_ROLE_OBSERVER, hub__api_list_updates},
     {"GET", "/lockdown", WEB_ROLE_OBSERVER, hub__api_get_lockdown},
     {"PUT", "/lockdown", WEB_ROLE_ADMINISTRATOR, hub__api_set_lockdown},

@@ -1,10 +1,17 @@
 /* Updates of doors: the files that the hub keeps, and rollouts, which bring a version to the doors
  * of a zone in stages (rollout_stage.h). The errors of hub_store.h, and as stated.
  *
- * A door counts as failed when it says so, when it runs its former version again, or when it has
- * not reported for HUB_UPDATE_SILENT_S after it was told. A time in which the hub itself did not
- * look does not count. The hub looks when a door of the rollout asks, and once a minute
- * (hub_rollouts_look()).
+ * A door that was told counts as failed, so that a stage always ends,
+ *
+ *   when it says so, or when it runs its former version again;
+ *   when it has not reported for HUB_UPDATE_SILENT_S; it is told again when it reports;
+ *   when it has reported for HUB_UPDATE_SILENT_S, but has said nothing of its updates, or that it
+ *   takes none; it is told again when it says more;
+ *   when it has been told, fetching or installed for HUB_UPDATE_STILL_S; it stays failed unless it
+ *   runs the version, because it would begin the same again.
+ *
+ * A time in which the hub itself did not look, or in which the rollout was stopped, does not count.
+ * The hub looks when a door of the rollout asks, and once a minute (hub_rollouts_look()).
  *
  *   state of a door   what it means
  *   waiting           it was not told yet; doors are told in the order in which they ask
@@ -25,6 +32,7 @@
 
 enum {
     HUB_UPDATE_SILENT_S = 30 * 60,
+    HUB_UPDATE_STILL_S = 48 * 3600, /* two days have twice the hours in which it may restart */
     HUB_UPDATE_PATH_SIZE = 320,
     HUB_UPDATE_FIRST = 5,            /* doors of the first stage, unless it is said */
     HUB_UPDATE_DOORS_MOST = 1000000, /* of a stage, and failures */
@@ -103,7 +111,8 @@ int hub_rollout_each(struct hub_store *store,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 
 struct hub_rollout_door {
-    const char *name, *state, *fault;
+    const char *name, *state;
+    const char *fault; /* why it has failed, is unable, or is not further; "": nothing is known */
     int64_t changed_s, reported_s; /* 0: never */
 };
 

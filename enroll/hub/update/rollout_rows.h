@@ -35,4 +35,14 @@ int hub__rollout_count(struct hub_store *store, const struct iso_fleet_id *rollo
                        struct hub_rollout_count *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* A door that is expelled takes no part any more. */
+int hub__rollout_leave_out_expelled(struct hub_store *store, const struct iso_fleet_id *rollout,
+                                    struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Doors that were told have failed if they are silent, say nothing of their updates, or have not
+ * moved for too long (hub_update.h). `watched_s`: since when the hub looks. */
+int hub__rollout_fail_late(struct hub_store *store, const struct iso_fleet_id *rollout,
+                           int64_t watched_s, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 #endif

@@ -80,7 +80,9 @@ int hub_rollout_doors(struct hub_store *store, const char *zone_name,
     }
     hub_value_id(&values, &id);
     error = hub_db_run(store->db,
-                       "SELECT door.name, d.state, d.fault, d.changed_s, door.reported_s FROM "
+                       "SELECT door.name, d.state, CASE WHEN d.fault = '' AND d.mute_s > 0 AND "
+                       "d.state IN ('told', 'fetching', 'installed') THEN 'it says nothing of its "
+                       "updates' ELSE d.fault END, d.changed_s, door.reported_s FROM "
                        "rollout_door d JOIN door ON door.id = d.door WHERE d.rollout = $1 ORDER BY "
                        "array_position(ARRAY['failed', 'went-back', 'told', 'fetching', "
                        "'installed', 'waiting', 'unable', 'healthy'], d.state), door.name",

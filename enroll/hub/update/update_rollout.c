@@ -148,7 +148,7 @@ static int check_again(const struct turn *t, const struct hub_zone *zone, const 
 }
 
 /* Runs the statement for the rollout of the zone that has the state `from`; its $1 is the id, its
- * $2 the actor. */
+ * $2 the actor, its $3 the time. */
 static int turn(void *context, struct iso_fault *fault)
 {
     const struct turn *t = context;
@@ -177,6 +177,7 @@ static int turn(void *context, struct iso_fault *fault)
         const struct iso_fleet_id id = hub_row_id(rows, 0, 0);
         hub_value_id(&values, &id);
         hub_value_text(&values, t->store->actor);
+        hub_value_integer(&values, t->store->now_s());
         error = hub_db_run(t->store->db, t->sql, &values, NULL, fault);
     }
     error = error ? error
@@ -192,7 +193,8 @@ int hub_rollout_stop(struct hub_store *store, const char *zone, struct iso_fault
         .store = store,
         .zone = zone,
         .from = "running",
-        .sql = "UPDATE rollout SET state = 'stopped', why = 'by ' || $2 WHERE id = $1",
+        .sql = "UPDATE rollout SET state = 'stopped', why = 'by ' || $2, watched_s = $3 "
+               "WHERE id = $1",
         .act = "update-stop",
         .unfit = "is running",
     };
@@ -205,9 +207,10 @@ int hub_rollout_resume(struct hub_store *store, const char *zone, struct iso_fau
         .store = store,
         .zone = zone,
         .from = "stopped",
+        /* The hub has not waited for its doors meanwhile. */
         .sql = "WITH d AS (UPDATE rollout_door SET counts = false WHERE rollout = $1 AND state IN "
-               "('failed', 'went-back')) UPDATE rollout SET state = 'running', why = '' "
-               "WHERE id = $1 AND $2 <> ''",
+               "('failed', 'went-back')) UPDATE rollout SET state = 'running', why = '', "
+               "watched_s = $3, counted_s = $3 WHERE id = $1 AND $2 <> ''",
         .act = "update-resume",
         .unfit = "was stopped",
         .begins = true,

@@ -24,7 +24,9 @@ struct step {
     int64_t told, counted_s, watched_s;
     int64_t doors; /* that were told or wait; 0: not counted now */
     enum hub__door_state state;
-    bool counts;
+    bool counts, stuck;
+    int64_t mute_s; /* since when it says nothing of its updates; 0: it does */
+    char why[ISO_FLEET_UPDATE_FAULT_SIZE];
     struct hub_update_file file; /* for the board of the door; size 0: there is none */
 };
 
@@ -37,7 +39,8 @@ static int find(struct step *s, bool *found, struct iso_fault *fault)
     const int error = hub_db_run_often(
         s->store->db,
         "SELECT r.id, r.version, z.name, r.state, r.stage, r.most, r.stop_after, r.wait_s, "
-        "r.told, r.counted_s, r.watched_s, d.state, d.counts, d.board FROM rollout_door d "
+        "r.told, r.counted_s, r.watched_s, d.state, d.counts, d.board, d.stuck, d.mute_s, d.fault "
+        "FROM rollout_door d "
         "JOIN rollout r ON r.id = d.rollout JOIN zone z ON z.id = r.zone WHERE d.door = $1 AND "
         "r.state IN ('running', 'stopped') ORDER BY r.state, r.started_s DESC LIMIT 1",
         &values, &rows, fault);
@@ -53,6 +56,9 @@ static int find(struct step *s, bool *found, struct iso_fault *fault)
         s->state = hub__door_state_read(hub_row_text(rows, 0, 11));
         s->counts = hub_row_switch(rows, 0, 12);
         (void)snprintf(s->board, sizeof s->board, "%s", hub_row_text(rows, 0, 13));
+        s->stuck = hub_row_switch(rows, 0, 14);
+        s->mute_s = hub_row_integer(rows, 0, 15);
+        iso_fleet_update_fault_copy(s->why, hub_row_text(rows, 0, 16));
     }
     PQclear(rows);
     return error;
@@ -96,16 +102,23 @@ static enum hub__door_state state_of_report(enum iso_fleet_update_state state,
     }
 }
 
-/* The state of the door by what it says, and why it is unable or has failed. */
+/* A door that was told restarts, and its first question may come before it knows its state. If it
+ * goes on to say nothing, it fails (rollout_late.c). */
+static bool is_mute(const struct step *s)
+{
+    return s->counts && (!s->report.is_known || s->report.state == ISO_FLEET_UPDATE_NONE);
+}
+
+/* The state of the door by what it says, and why it is unable, is late or has failed. */
 static enum hub__door_state new_state(const struct step *s, const char **why)
 {
     const struct iso_fleet_update_report *report = &s->report;
     const bool is_this = iso_fleet_id_is_same(&report->rollout, &s->rollout);
-    *why = "";
-    /* A door that was told restarts, and its first question may come before it knows its state. */
-    if (s->counts && (!report->is_known || report->state == ISO_FLEET_UPDATE_NONE)) {
+    *why = s->why;
+    if (is_mute(s)) {
         return s->state;
     }
+    *why = "";
     if (!report->is_known) {
         *why = "its release does not know updates by the hub";
         return HUB__DOOR_UNABLE;
@@ -118,6 +131,11 @@ static enum hub__door_state new_state(const struct step *s, const char **why)
         (report->state == ISO_FLEET_UPDATE_HEALTHY || report->state == ISO_FLEET_UPDATE_IDLE)) {
         return HUB__DOOR_HEALTHY;
     }
+    /* It would begin the same again, and its stage would never end. */
+    if (s->stuck) {
+        *why = s->why;
+        return HUB__DOOR_FAILED;
+    }
     if (is_this && report->state != ISO_FLEET_UPDATE_HEALTHY &&
         report->state != ISO_FLEET_UPDATE_IDLE) {
         *why = report->fault;
@@ -127,10 +145,14 @@ static enum hub__door_state new_state(const struct step *s, const char **why)
         *why = "the hub has no file of this version for its board";
         return HUB__DOOR_UNABLE;
     }
-    /* It reports again after it was silent, or is able now. */
-    return s->state == HUB__DOOR_UNABLE                ? HUB__DOOR_WAITING
-           : s->state == HUB__DOOR_FAILED && s->counts ? HUB__DOOR_TOLD
-                                                       : s->state;
+    if (s->state == HUB__DOOR_UNABLE) {
+        return HUB__DOOR_WAITING;
+    }
+    if (s->state == HUB__DOOR_FAILED && s->counts) { /* it was silent, and reports again */
+        return HUB__DOOR_TOLD;
+    }
+    *why = s->why;
+    return s->state;
 }
 
 static int store_state(const struct step *s, enum hub__door_state state, bool counts,
@@ -144,9 +166,13 @@ static int store_state(const struct step *s, enum hub__door_state state, bool co
     hub_value_integer(&values, s->store->now_s());
     hub_value_text(&values, why);
     hub_value_text(&values, s->file.board); /* "" without a file */
+    hub_value_integer(&values, s->mute_s);
+    /* A door that says something else of the same state has not moved. */
     return hub_db_run_often(s->store->db,
-                            "UPDATE rollout_door SET state = $3, counts = $4, changed_s = $5, "
-                            "fault = $6, board = $7 WHERE rollout = $1 AND door = $2",
+                            "UPDATE rollout_door SET changed_s = CASE WHEN state = $3 THEN "
+                            "changed_s ELSE $5 END, state = $3, counts = $4, fault = $6, "
+                            "board = $7, mute_s = $8, stuck = stuck AND $3 = 'failed' "
+                            "WHERE rollout = $1 AND door = $2",
                             &values, NULL, fault);
 }
 
@@ -174,40 +200,6 @@ static int lock(struct step *s, bool *is_locked, struct iso_fault *fault)
     }
     PQclear(rows);
     return error;
-}
-
-/* A door that is expelled takes no part any more. */
-static int leave_out_expelled(const struct step *s, struct iso_fault *fault)
-{
-    struct hub_values values = {.n = 0};
-    hub_value_id(&values, &s->rollout);
-    hub_value_integer(&values, s->store->now_s());
-    return hub_db_run_often(s->store->db,
-                            "UPDATE rollout_door d SET state = 'unable', counts = false, "
-                            "changed_s = $2, fault = 'it is expelled' FROM door "
-                            "WHERE door.id = d.door AND d.rollout = $1 AND door.expelled_s > 0 "
-                            "AND d.state NOT IN ('unable', 'healthy')",
-                            &values, NULL, fault);
-}
-
-/* A door that was told and is silent has failed. */
-static int fail_silent(struct step *s, struct iso_fault *fault)
-{
-    const int64_t now_s = s->store->now_s();
-    struct hub_values values = {.n = 0};
-    if (now_s - s->counted_s > PAUSE_S) {
-        s->watched_s = now_s;
-    }
-    hub_value_id(&values, &s->rollout);
-    hub_value_integer(&values, now_s);
-    hub_value_integer(&values, s->watched_s);
-    hub_value_integer(&values, now_s - HUB_UPDATE_SILENT_S);
-    return hub_db_run_often(
-        s->store->db,
-        "UPDATE rollout_door d SET state = 'failed', changed_s = $2, fault = 'it does not report' "
-        "FROM door WHERE door.id = d.door AND d.rollout = $1 AND d.counts AND d.state IN ('told', "
-        "'fetching', 'installed') AND greatest(door.reported_s, d.changed_s, $3) < $4",
-        &values, NULL, fault);
 }
 
 static int store_stage(const struct step *s, const struct hub_rollout_count *count, const char *why,
@@ -245,8 +237,13 @@ static int move(struct step *s, struct iso_fault *fault)
     const struct hub_rollout_stage before = s->stage;
     struct hub_rollout_count count;
     char why[96] = "";
-    int error = leave_out_expelled(s, fault);
-    error = error ? error : fail_silent(s, fault);
+    if (s->store->now_s() - s->counted_s > PAUSE_S) {
+        s->watched_s = s->store->now_s();
+    }
+    int error = hub__rollout_leave_out_expelled(s->store, &s->rollout, fault);
+    if (!error && s->stage.state == HUB_ROLLOUT_RUNNING) { /* a stopped one waits for nobody */
+        error = hub__rollout_fail_late(s->store, &s->rollout, s->watched_s, fault);
+    }
     error = error ? error : hub__rollout_count(s->store, &s->rollout, &count, fault);
     if (error) {
         return error;
@@ -273,10 +270,16 @@ static int move(struct step *s, struct iso_fault *fault)
     return error ? error : store_stage(s, &count, why, fault);
 }
 
-/* Whether something is to be written. */
-static bool is_due(const struct step *s, enum hub__door_state state)
+/* Whether the door says something that is not stored. */
+static bool says_more(const struct step *s, enum hub__door_state state, const char *why)
 {
-    return state != s->state ||
+    return state != s->state || strcmp(why, s->why) != 0 || is_mute(s) != (s->mute_s > 0);
+}
+
+/* Whether something is to be written. */
+static bool is_due(const struct step *s, enum hub__door_state state, const char *why)
+{
+    return says_more(s, state, why) ||
            (s->stage.state == HUB_ROLLOUT_RUNNING && state == HUB__DOOR_WAITING &&
             s->told < s->stage.most) ||
            s->store->now_s() - s->counted_s >= COUNT_EVERY_S;
@@ -288,14 +291,15 @@ static int take_state(struct step *s, struct iso_fault *fault)
     const char *why = "";
     const enum hub__door_state state = new_state(s, &why);
     bool is_locked = false;
-    if (!is_due(s, state)) {
+    if (!is_due(s, state, why)) {
         return 0;
     }
     int error = lock(s, &is_locked, fault);
     if (error || !is_locked) {
         return error;
     }
-    if (state != s->state) {
+    if (says_more(s, state, why)) {
+        s->mute_s = is_mute(s) ? s->store->now_s() : 0;
         /* A door that was not told counts if it acts by an order whose record was lost. */
         const bool counts = s->counts || state == HUB__DOOR_FETCHING ||
                             state == HUB__DOOR_INSTALLED;

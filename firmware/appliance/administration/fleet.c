@@ -4,7 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 #include <syslog.h>
+#include <time.h>
 
+#include "drivers/base/restart_hours.h"
 #include "firmware/appliance/administration/administration.h"
 #include "firmware/appliance/appliance_access.h"
 #include "firmware/appliance/appliance_calls.h"
@@ -117,6 +119,18 @@ static bool is_busy(void *context)
            door.state == ISO_DOOR_OPENED || appliance->visit.decision.state != ISO_DECISION_IDLE;
 }
 
+/* A clock that cannot be read allows nothing. */
+static bool may_restart(void *context)
+{
+    const struct iso_appliance *appliance = context;
+    const char *text = appliance->borrowed.config->fleet.restart_hours;
+    const time_t now = (time_t)(iso_times_wall_ns(&appliance->borrowed.times) / ISO_NS_PER_S);
+    struct iso_restart_hours hours;
+    struct tm local;
+    return !*text || (iso_restart_hours_read(text, &hours) == 0 && localtime_r(&now, &local) &&
+                      iso_restart_hours_have(&hours, local.tm_hour));
+}
+
 static void say(void *context, int priority, const char *line)
 {
     iso__appliance_say(context, priority, "%s", line);
@@ -217,6 +231,7 @@ static int open_fleet(struct iso_appliance *appliance)
                  .changed = changed,
                  .health = write_health,
                  .busy = is_busy,
+                 .may_restart = may_restart,
                  .say = say},
         .algorithm = iso_appliance_status(appliance).algorithm,
     };

@@ -80,6 +80,8 @@ struct iso_fleet_host {
     void (*health)(void *context, struct iso_json_line *line);
     /* Whether somebody is at the door, or has the camera. NULL: it is not known. */
     bool (*busy)(void *context);
+    /* Whether the machine may restart for an update now, if nobody is there. NULL: always. */
+    bool (*may_restart)(void *context);
     /* A line for the system's log; names nobody. NULL: none. */
     void (*say)(void *context, int priority, const char *line);
 };

@@ -39,7 +39,10 @@ int iso_fleet_set_update(struct iso_fleet *fleet, const struct iso_fleet_update_
         return iso_fault_set(fault, -EINVAL, "the version, the board or the fault is none");
     }
     fleet->update = *report;
-    *busy = host->busy && host->busy(host->context);
+    /* A door that waits for its restart has nothing else to be busy for. */
+    *busy = (host->busy && host->busy(host->context)) ||
+            (report->state == ISO_FLEET_UPDATE_INSTALLED && host->may_restart &&
+             !host->may_restart(host->context));
     return 0;
 }
 

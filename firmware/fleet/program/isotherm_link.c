@@ -13,6 +13,7 @@
 #include "firmware/fleet/program/options.h"
 #include "firmware/fleet/program/renew.h"
 #include "firmware/fleet/program/service.h"
+#include "firmware/fleet/update/update.h"
 
 /* As in enroll/cli/client/fault.h. */
 enum { EXIT_NO = 1, EXIT_USAGE = 2, EXIT_NOT_FOUND = 3, EXIT_FAULT = 4 };
@@ -63,6 +64,7 @@ static int leave(struct link_bus *bus, const struct link_options *options, struc
     const int r = link_leave(bus, options->state, fault);
 
     if (r == 0) {
+        link_update_forget(options->state, options->updates);
         puts("the door belongs to no fleet");
     }
     return r;

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define UPDATES_FOLDER "/var/lib/isotherm-update"
+
 static const char usage[] =
     "Usage: isotherm-link [OPTION...] run           connects the door to its hub; for the service\n"
     "       isotherm-link [OPTION...] join ADDRESS  lets the door join a fleet\n"
@@ -14,41 +16,26 @@ static const char usage[] =
     "\n"
     "  --state DIR    key, certificate and the hub's address (" ISOTHERM_LINK_STATE ")\n"
     "  --bus ADDRESS  system, session or an address of D-Bus (system)\n"
+    "  --updates DIR  run, leave: updates of the image (" UPDATES_FOLDER ")\n"
     "  --restart FROM-UNTIL  run: hours of the day at which an update may restart the machine\n"
     "                 (any), such as 1-5\n"
     "  --metrics      status: figures in the text format of Prometheus\n"
     "  --help         print this and end\n"
     "  --version      print the version and end\n";
 
-enum choice { STATE = 1, BUS, METRICS, RESTART, HELP, VERSION };
+enum choice { STATE = 1, BUS, METRICS, RESTART, UPDATES, HELP, VERSION };
 
 static const struct option longs[] = {
-    {"state", required_argument, NULL, STATE},
-    {"bus", required_argument, NULL, BUS},
-    {"metrics", no_argument, NULL, METRICS},
-    {"help", no_argument, NULL, HELP},
-    {"version", no_argument, NULL, VERSION},
-    {"restart", required_argument, NULL, RESTART},
-    {NULL, 0, NULL, 0},
+    {"state", required_argument, NULL, STATE},     {"bus", required_argument, NULL, BUS},
+    {"metrics", no_argument, NULL, METRICS},       {"help", no_argument, NULL, HELP},
+    {"version", no_argument, NULL, VERSION},       {"restart", required_argument, NULL, RESTART},
+    {"updates", required_argument, NULL, UPDATES}, {NULL, 0, NULL, 0},
 };
 
 static int complain(const char *why)
 {
     fprintf(stderr, "isotherm-link: %s; try --help\n", why);
     return -EINVAL;
-}
-
-/* "FROM-UNTIL": whole hours, 0 to 23, which differ. */
-static int take_hours(const char *value, struct link_options *out)
-{
-    int end = 0;
-
-    if (sscanf(value, "%2d-%2d%n", &out->from_hour, &out->until_hour, &end) != 2 || value[end] ||
-        out->from_hour < 0 || out->from_hour > 23 || out->until_hour < 0 || out->until_hour > 23 ||
-        out->from_hour == out->until_hour) {
-        return complain("--restart needs two hours of the day, such as 1-5");
-    }
-    return 0;
 }
 
 static int take(int option, const char *value, struct link_options *out)
@@ -63,8 +50,13 @@ static int take(int option, const char *value, struct link_options *out)
     case METRICS:
         out->metrics = true;
         return 0;
+    case UPDATES:
+        out->updates = value;
+        return 0;
     case RESTART:
-        return take_hours(value, out);
+        return iso_restart_hours_read(value, &out->restart) == 0
+                   ? 0
+                   : complain("--restart needs two hours of the day, such as 1-5");
     case HELP:
         fputs(usage, stdout);
         return 1;
@@ -106,8 +98,10 @@ int link_options_read(int argc, char **argv, struct link_options *out)
 {
     int option, result = 0;
 
-    *out = (struct link_options){
-        .command = LINK_COMMAND_RUN, .bus = "system", .state = ISOTHERM_LINK_STATE};
+    *out = (struct link_options){.command = LINK_COMMAND_RUN,
+                                 .bus = "system",
+                                 .state = ISOTHERM_LINK_STATE,
+                                 .updates = UPDATES_FOLDER};
     while (result == 0 && (option = getopt_long(argc, argv, "", longs, NULL)) != -1) {
         result = take(option, optarg, out);
     }

@@ -4,15 +4,18 @@
 
 #include <stdbool.h>
 
+#include "drivers/base/restart_hours.h"
+
 enum link_command { LINK_COMMAND_RUN, LINK_COMMAND_JOIN, LINK_COMMAND_LEAVE, LINK_COMMAND_STATUS };
 
 struct link_options {
     enum link_command command;
-    const char *address;       /* of `join` */
-    bool metrics;              /* of `status`: for Prometheus */
-    const char *bus;           /* "system", "session" or an address */
-    const char *state;         /* the folder (home.h) */
-    int from_hour, until_hour; /* of `run`: when the machine may restart; equal: always */
+    const char *address;              /* of `join` */
+    bool metrics;                     /* of `status`: for Prometheus */
+    const char *bus;                  /* "system", "session" or an address */
+    const char *state;                /* the folder (home.h) */
+    const char *updates;              /* the folder of the image in which updates are */
+    struct iso_restart_hours restart; /* of `run`: when the machine may restart */
 };
 
 /* Reads the command line. Returns 0; 1 if help or version was printed; or -EINVAL after a line on

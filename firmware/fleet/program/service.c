@@ -26,11 +26,6 @@ enum {
     QUIET_S = 60, /* nobody was at the door, before a restart */
 };
 
-/* Of the image (board/image/etc/image.tmpfiles). */
-#define INBOX       "/var/lib/isotherm-update/hub"
-#define TAKEN_FILE  "/var/lib/isotherm-update/hub.raucb"
-#define RESULT_FILE "/var/lib/isotherm-update/result.json"
-
 struct service {
     const struct link_options *options;
     sd_event *event;
@@ -82,11 +77,9 @@ static int start_update(struct service *service, const char *ca, struct iso_faul
                                             .ca_file = ca,
                                             .folder = options->state,
                                             .program = ISOTHERM_PROGRAM,
-                                            .inbox = INBOX,
-                                            .taken_file = TAKEN_FILE,
-                                            .result_file = RESULT_FILE,
-                                            .from_hour = options->from_hour,
-                                            .until_hour = options->until_hour,
+                                            .updates = options->updates,
+                                            .restart = options->restart,
+
                                             .quiet_s = QUIET_S,
                                             .note = on_note,
                                             .note_context = service};
@@ -169,6 +162,7 @@ static void follow_home(struct service *service)
     service->changed = now;
     stop_link(service);
     if (now.tv_sec == 0) {
+        link_update_forget(service->options->state, service->options->updates);
         return;
     }
     int r = link_home_read(service->options->state, &service->home, &fault);
@@ -267,6 +261,10 @@ int link_service_run(const struct link_options *options, struct iso_fault *fault
     const struct link_bus_calls calls = {.context = &service, .came = on_came, .work = on_work};
     int r = open_loop(&service, fault);
 
+    if (link_home_read(options->state, &service.home, NULL) == -ENOENT) {
+        link_update_forget(options->state,
+                           options->updates); /* it has left, or was reset, while no link ran */
+    }
     r = r < 0 ? r : link_bus_new(service.event, options->bus, &calls, &service.bus, fault);
     r = r < 0 ? r : link_http_new(service.event, &service.http, fault);
     if (r == 0) {

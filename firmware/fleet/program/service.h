@@ -3,7 +3,7 @@
  * whether an administrator has joined or left a fleet.
  *
  *   NONE     LINKED  link.json is there
- *   LINKED   NONE    link.json is gone
+ *   LINKED   NONE    link.json is gone: what is left of updates is removed
  *            LINKED  it is another one: the link is made anew */
 #ifndef ISO_FIRMWARE_FLEET_PROGRAM_SERVICE_H
 #define ISO_FIRMWARE_FLEET_PROGRAM_SERVICE_H

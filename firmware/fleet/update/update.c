@@ -9,13 +9,19 @@
 enum {
     LOOK_AGAIN_S = 60, /* RAUC was busy or did not answer */
     SPREAD_MOST_S = 4 * 3600,
-    HOLDS_S = 15 * 60, /* doors ask each minute */
-    CHECKS_S = 15,     /* until the checks of a new version have ended */
+    HOLDS_S = 15 * 60,   /* doors ask each minute */
+    KEEPS_S = 24 * 3600, /* the file of an order that does not come again */
+    ANSWERS_WITHOUT = 2, /* the first answer may have lost the order */
     TEXT_SIZE = 4096,
     EXIT_NO_IMAGE = 3, /* isotherm(1): not found */
 };
 
 #define TIMER_ACCURACY_US 100000
+
+#define PART    "hub/bundle.part"
+#define BUNDLE  "hub/bundle.raucb"
+#define RESTART "hub/restart"
+#define RECORD  "update.record"
 
 void link_update_note(const struct link_update *u, const char *line)
 {
@@ -80,61 +86,19 @@ void link_update_fail(struct link_update *u, const char *fault)
     link_update_note(u, u->record.fault);
 }
 
-void link_update_cancel(struct link_update *u)
+void link_update_cancel(struct link_update *u, bool keeps_file)
 {
     link_update_fetch_end(u);
     u->step = LINK_UPDATE_IDLE;
+    if (keeps_file) {
+        link_update_in(u, KEEPS_S * LINK_UPDATE_S_US);
+    } else {
+        (void)unlink(u->file);
+    }
     link_update_set(u, ISO_FLEET_UPDATE_IDLE, "");
 }
 
 /* ---- the slots ---- */
-
-/* The slots are known: what became of the last rollout. */
-static void settle(struct link_update *u)
-{
-    const bool is_running = strcmp(u->slots.version, u->record.version) == 0;
-
-    u->step = LINK_UPDATE_IDLE;
-    switch (u->record.state) {
-    case ISO_FLEET_UPDATE_INSTALLED:
-        if (is_running && u->slots.good) {
-            link_update_set(u, ISO_FLEET_UPDATE_HEALTHY, "");
-        } else if (is_running || u->slots.waiting) {
-            u->step = LINK_UPDATE_INSTALLED;
-            link_update_in(u,
-                           (is_running ? CHECKS_S : LINK_UPDATE_QUIET_LOOK_S) * LINK_UPDATE_S_US);
-        } else {
-            link_update_set(u, ISO_FLEET_UPDATE_WENT_BACK,
-                            "the new version did not pass its checks");
-        }
-        break;
-    case ISO_FLEET_UPDATE_FAILED:
-    case ISO_FLEET_UPDATE_WENT_BACK:
-        if (is_running && u->slots.good) { /* another way has brought the version */
-            link_update_set(u, ISO_FLEET_UPDATE_HEALTHY, "");
-        }
-        break;
-    case ISO_FLEET_UPDATE_HEALTHY:
-        if (!is_running) {
-            u->record.state = ISO_FLEET_UPDATE_IDLE; /* another way has brought another version */
-        }
-        break;
-    case ISO_FLEET_UPDATE_INSTALLING:
-        if (link_update_is_handed_over(u)) {
-            u->step = LINK_UPDATE_INSTALL;
-            link_update_in(u, 0);
-            break;
-        }
-        u->record.state = ISO_FLEET_UPDATE_IDLE; /* the order comes again */
-        break;
-    case ISO_FLEET_UPDATE_FETCHING:
-        u->record.state = ISO_FLEET_UPDATE_IDLE; /* the order comes again */
-        break;
-    default:
-        break;
-    }
-    link_update_tell(u);
-}
 
 static int on_look(sd_event_source *source, int fd, uint32_t events, void *context)
 {
@@ -147,7 +111,7 @@ static int on_look(sd_event_source *source, int fd, uint32_t events, void *conte
         u->step = LINK_UPDATE_OFF;
         link_update_tell(u);
     } else if (exit == 0 && link_update_slots_read(text, &u->slots) == 0) {
-        settle(u);
+        link_update_settle(u);
     } else {
         link_update_in(u, LOOK_AGAIN_S * LINK_UPDATE_S_US);
     }
@@ -190,8 +154,10 @@ static int on_time(sd_event_source *source, uint64_t at_us, void *context)
     case LINK_UPDATE_INSTALLED:
         link_update_wait(u);
         break;
-    case LINK_UPDATE_OFF:
     case LINK_UPDATE_IDLE:
+        (void)unlink(u->file); /* the order has not come again */
+        break;
+    case LINK_UPDATE_OFF:
         break;
     }
     return 0;
@@ -209,8 +175,11 @@ static void begin(struct link_update *u)
     if (!is_same_file) {
         (void)unlink(u->file);
     }
-    u->record = (struct link_update_record){.rollout = u->order.rollout};
+    const bool is_same = iso_fleet_id_is_same(&u->record.rollout, &u->order.rollout);
+    u->record = (struct link_update_record){.rollout = u->order.rollout,
+                                            .tries = is_same ? u->record.tries : 0};
     memcpy(u->record.version, u->order.version, sizeof u->record.version);
+    memcpy(u->record.former, u->slots.version, sizeof u->record.former);
     memcpy(u->record.sha256, u->order.sha256, sizeof u->record.sha256);
     u->step = LINK_UPDATE_WAIT;
     link_update_set(u, ISO_FLEET_UPDATE_FETCHING, "");
@@ -232,6 +201,7 @@ void link_update_ordered(struct link_update *u, const struct iso_fleet_update *o
 {
     const bool is_same = iso_fleet_id_is_same(&order->rollout, &u->record.rollout);
 
+    u->without = 0;
     if (u->step == LINK_UPDATE_OFF || u->step == LINK_UPDATE_LOOK) {
         return; /* the order comes again */
     }
@@ -249,9 +219,13 @@ void link_update_answered(struct link_update *u)
 {
     u->holds = u->comes;
     u->comes = false;
+    u->without++;
+    if (u->step == LINK_UPDATE_IDLE && u->without >= ANSWERS_WITHOUT) {
+        (void)unlink(u->file); /* of an order that was taken back while the link did not run */
+    }
     if (!u->holds && (u->step == LINK_UPDATE_WAIT || u->step == LINK_UPDATE_FETCH ||
                       u->step == LINK_UPDATE_CHECK)) {
-        link_update_cancel(u);
+        link_update_cancel(u, false);
     } else if (u->step != LINK_UPDATE_LOOK) {
         link_update_tell(u); /* the daemon may have been started again */
     }
@@ -262,16 +236,29 @@ const struct iso_fleet_update_report *link_update_report(const struct link_updat
     return &u->report;
 }
 
+static bool join(char out[PATH_MAX], const char *folder, const char *name)
+{
+    return snprintf(out, PATH_MAX, "%s/%s", folder, name) < PATH_MAX;
+}
+
+void link_update_forget(const char *folder, const char *updates)
+{
+    const char *const names[][2] = {
+        {updates, PART}, {updates, BUNDLE}, {updates, RESTART}, {folder, RECORD}};
+    char path[PATH_MAX];
+
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (join(path, names[i][0], names[i][1])) {
+            (void)unlink(path);
+        }
+    }
+}
+
 /* ---- begin and end ---- */
 
 static char *copy(const char *text)
 {
     return text ? strdup(text) : NULL;
-}
-
-static bool join(char out[PATH_MAX], const char *folder, const char *name)
-{
-    return snprintf(out, PATH_MAX, "%s/%s", folder, name) < PATH_MAX;
 }
 
 static int copy_setup(struct link_update *u, const struct link_update_setup *setup)
@@ -281,18 +268,18 @@ static int copy_setup(struct link_update *u, const struct link_update_setup *set
     u->setup.ca_file = copy(setup->ca_file);
     u->setup.folder = copy(setup->folder);
     u->setup.program = copy(setup->program);
-    u->setup.inbox = copy(setup->inbox);
-    u->setup.taken_file = copy(setup->taken_file);
-    u->setup.result_file = copy(setup->result_file);
     u->setup.event = sd_event_ref(setup->event);
-    if (!u->setup.hub_url || !u->setup.folder || !u->setup.program || !u->setup.inbox ||
-        !u->setup.taken_file || !u->setup.result_file || !u->setup.ca_file != !setup->ca_file) {
+    u->setup.updates = NULL; /* the names below have it */
+    if (!u->setup.hub_url || !u->setup.folder || !u->setup.program ||
+        !u->setup.ca_file != !setup->ca_file) {
         return -ENOMEM;
     }
-    const bool fits = join(u->file, setup->inbox, "bundle.part") &&
-                      join(u->bundle, setup->inbox, "bundle.raucb") &&
-                      join(u->restart_file, setup->inbox, "restart") &&
-                      join(u->record_file, setup->folder, "update.record");
+    const bool fits = join(u->file, setup->updates, PART) &&
+                      join(u->bundle, setup->updates, BUNDLE) &&
+                      join(u->restart_file, setup->updates, RESTART) &&
+                      join(u->taken_file, setup->updates, "hub.raucb") &&
+                      join(u->result_file, setup->updates, "result-hub.json") &&
+                      join(u->record_file, setup->folder, RECORD);
     return fits ? 0 : -ENAMETOOLONG;
 }
 
@@ -332,8 +319,5 @@ void link_update_free(struct link_update *u)
     free((char *)(uintptr_t)u->setup.ca_file);
     free((char *)(uintptr_t)u->setup.folder);
     free((char *)(uintptr_t)u->setup.program);
-    free((char *)(uintptr_t)u->setup.inbox);
-    free((char *)(uintptr_t)u->setup.taken_file);
-    free((char *)(uintptr_t)u->setup.result_file);
     free(u);
 }

@@ -11,12 +11,16 @@
  *   IDLE       WAIT       there is an order
  *   WAIT       FETCH      after a random part of the time that the order names
  *   FETCH      CHECK      all parts are there
- *              IDLE       it failed too often, or the disk is too small
  *   CHECK      INSTALL    the digest is that of the order
- *   INSTALL    LOOK       the image has installed the file
- *              IDLE       the image has refused it, or has not taken it
+ *   INSTALL    LOOK       the image has done with the file
  *   INSTALLED  LOOK       from time to time, once the new version runs
  *   WAIT, FETCH, CHECK  IDLE  the order holds no more
+ *   FETCH, CHECK, INSTALL, LOOK
+ *              WAIT       something has refused it, and it may succeed later (update_refuse.c)
+ *              IDLE       it cannot succeed, or was refused too often
+ *
+ * What became of a file is decided by a look at the slots: which version runs, and which starts
+ * next. The image says only why it has refused one.
  *
  * An order holds until the second answer of the hub that comes without it: the first one may have
  * lost it on its way. A machine whose order holds no more does not restart, but a file that is
@@ -25,18 +29,23 @@
  * in the file update.record, so a restart does not forget it; a rollout that has failed at this
  * door is not tried again.
  *
- * The link has no right to install anything or to restart the machine. Both are wishes in a folder,
- * the inbox, which units of root look at (board/image/README.md):
+ * The link has no right to install anything or to restart the machine. Both are wishes in the
+ * folder "hub" of the image's folder of updates, which units of root look at
+ * (board/image/README.md):
  *
- *   bundle.part    comes just now; after a restart the rest is fetched if the same file is ordered
- *   bundle.raucb   complete; isotherm-update@hub.service takes it away, installs it, and says in
- *                  the result file what became of it. As long as it works, the taken file is there
- *   restart        isotherm-restart@hub.service restarts the machine if an update waits */
+ *   bundle.part    comes just now, or is to be installed
+ *   bundle.raucb   complete, the same file; isotherm-update@hub.service takes it away, installs it,
+ *                  and says in ../result-hub.json what became of it; meanwhile it is ../hub.raucb
+ *   restart        isotherm-restart@hub.service restarts the machine if an update waits
+ *
+ * bundle.part is removed when its order is done, holds no more, or has not come for a day, and when
+ * the door leaves its fleet. After a restart the rest is fetched if the same file is ordered. */
 #ifndef ISO_FIRMWARE_FLEET_UPDATE_UPDATE_H
 #define ISO_FIRMWARE_FLEET_UPDATE_UPDATE_H
 
 #include <systemd/sd-event.h>
 
+#include "drivers/base/restart_hours.h"
 #include "firmware/fleet/link/link_daemon.h"
 #include "firmware/fleet/link/link_http.h"
 
@@ -45,16 +54,16 @@ struct link_update;
 struct link_update_setup {
     sd_event *event;
     struct iso_link_daemon daemon;
-    struct link_http *http;    /* outlives the object */
-    const char *hub_url;       /* "https://HOST:PORT" */
-    const char *ca_file;       /* its authority; NULL: plain HTTP, for tests */
-    const char *folder;        /* of the record */
-    const char *inbox;         /* the folder that the image looks at */
-    const char *taken_file;    /* the name of the file while the image installs it */
-    const char *result_file;   /* what became of the last file that the image has taken */
-    const char *program;       /* isotherm(1), which shows the slots */
-    int from_hour, until_hour; /* when the machine may restart, in local time; equal: always */
-    uint32_t quiet_s;          /* for how long nobody must have been at the door */
+    struct link_http *http;           /* outlives the object */
+    const char *hub_url;              /* "https://HOST:PORT" */
+    const char *ca_file;              /* its authority; NULL: plain HTTP, for tests */
+    const char *folder;               /* of the record */
+    const char *updates;              /* the folder of the image in which updates are */
+    const char *program;              /* isotherm(1), which shows the slots */
+    struct iso_restart_hours restart; /* when the machine may restart, in local time; also the
+                                     daemon has to allow it, which calls the door busy otherwise */
+    uint32_t quiet_s;                 /* for how long nobody must have been at the door */
+    uint32_t retry_ms;                /* before the second try, twice as much before the third... */
     void *note_context;
     void (*note)(void *context, const char *line); /* one line for people; may be NULL */
 };
@@ -70,6 +79,10 @@ void link_update_ordered(struct link_update *update, const struct iso_fleet_upda
 
 /* The hub has answered a question. An order that holds comes next. */
 void link_update_answered(struct link_update *update);
+
+/* Removes what is left of updates when the door belongs to no fleet any more; the folders are those
+ * of the setup. */
+void link_update_forget(const char *folder, const char *updates);
 
 /* What the daemon was told last. */
 const struct iso_fleet_update_report *link_update_report(const struct link_update *update);

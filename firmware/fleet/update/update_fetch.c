@@ -22,8 +22,6 @@ enum {
     STATUS_FORBIDDEN = 403,
 };
 
-static const char no_room[] = "the disk has no room for the update";
-
 void link_update_fetch_end(struct link_update *u)
 {
     link_http_cancel(u->request);
@@ -40,15 +38,35 @@ static bool has_room(const struct link_update *u)
     return iso_disk_room(u->file) >= u->order.size - u->have;
 }
 
+/* Others may use the room for a time. */
+static void refuse_for_room(struct link_update *u)
+{
+    const bool is_too_small = iso_disk_size(u->file) < u->order.size;
+
+    link_update_refused(u, is_too_small ? "too-small" : "no-room",
+                        is_too_small ? "the disk is too small for the update"
+                                     : "the disk has no room for the update");
+}
+
+/* RAUC makes root the owner of a file that it reads, so that nobody changes it meanwhile; then it
+ * has to be fetched again. */
+static int open_part(struct link_update *u, struct iso_fault *fault)
+{
+    return iso_file_open(u->file, O_RDWR | O_CREAT, ISO_FLEET_UPDATE_BYTES_MAX, &u->fd, fault);
+}
+
 void link_update_fetch_begin(struct link_update *u)
 {
     struct iso_fault fault = {.text = ""};
     struct stat file;
 
     link_update_fetch_end(u);
-    int r = iso_file_open(u->file, O_RDWR | O_CREAT, ISO_FLEET_UPDATE_BYTES_MAX, &u->fd, &fault);
+    int r = open_part(u, &fault);
+    if (r < 0 && unlink(u->file) == 0) {
+        r = open_part(u, &fault);
+    }
     if (r < 0) {
-        link_update_fail(u, fault.text);
+        link_update_refused(u, "disk", fault.text);
         return;
     }
     u->have = fstat(u->fd, &file) == 0 ? (uint64_t)file.st_size : 0;
@@ -57,7 +75,7 @@ void link_update_fetch_begin(struct link_update *u)
         u->have = 0;
     }
     if (r < 0 || !has_room(u)) {
-        link_update_fail(u, no_room);
+        refuse_for_room(u);
         return;
     }
     u->backoff = (struct link_backoff){.base_ms = BACKOFF_BASE_MS, .cap_ms = BACKOFF_CAP_MS};
@@ -65,7 +83,8 @@ void link_update_fetch_begin(struct link_update *u)
     link_update_in(u, 0);
 }
 
-/* Tries again later, or gives up. */
+/* Asks for the part again later. A hub that is away orders the update again when it is back; one
+ * that orders it and gives no part of it refuses it. */
 static void again(struct link_update *u, const char *why)
 {
     char fault[ISO_FLEET_UPDATE_FAULT_SIZE];
@@ -73,7 +92,12 @@ static void again(struct link_update *u, const char *why)
 
     if (u->backoff.failures + 1 >= FAILURES_MOST) {
         (void)snprintf(fault, sizeof fault, "it could not be fetched: %.150s", why);
-        link_update_fail(u, fault);
+        if (link_update_now_us(u) < u->holds_until_us) {
+            link_update_refused(u, "not-fetched", fault);
+        } else {
+            link_update_note(u, fault);
+            link_update_cancel(u, true);
+        }
         return;
     }
     link_update_note(u, why);
@@ -113,7 +137,7 @@ static void take_part(struct link_update *u, const struct link_http_reply *reply
     /* Others may have filled the disk meanwhile, and the log needs it. */
     const int r = has_room(u) ? append(u, reply->fd, reply->size) : -ENOSPC;
     if (r == -ENOSPC || r == -EDQUOT) {
-        link_update_fail(u, no_room);
+        refuse_for_room(u);
         return;
     }
     if (r < 0) {
@@ -138,7 +162,7 @@ static void on_reply(void *context, const struct link_http_reply *reply)
         take_part(u, reply);
     } else if (reply->error == 0 && reply->status == STATUS_FORBIDDEN) {
         link_update_note(u, "the hub does not order the update any more");
-        link_update_cancel(u);
+        link_update_cancel(u, false);
     } else {
         (void)snprintf(why, sizeof why, "%.120s (status %d)",
                        reply->error ? reply->why : "the hub refuses a part of the update",
@@ -202,17 +226,16 @@ static void finish_check(struct link_update *u)
 
     (void)crypto_hash_sha256_final(&u->digest, digest);
     if (memcmp(digest, u->order.sha256, sizeof digest) != 0) {
-        link_update_fail(u, "the file is not the one that the hub has ordered");
+        link_update_refused(u, "damaged", "the file is not the one that the hub has ordered");
         return;
     }
     if (fsync(u->fd)) {
-        link_update_fail(u, "the disk has not stored the file");
+        link_update_refused(u, "disk", "the disk has not stored the file");
         return;
     }
     link_update_fetch_end(u);
     u->step = LINK_UPDATE_INSTALL;
     u->handed_us = 0;
-    link_update_set(u, ISO_FLEET_UPDATE_INSTALLING, "");
     link_update_in(u, 0);
 }
 
@@ -223,7 +246,7 @@ void link_update_check_next(struct link_update *u)
     for (size_t read = 0; read < CHECK_BYTES && u->have < u->order.size;) {
         const ssize_t n = pread(u->fd, piece, sizeof piece, (off_t)u->have);
         if (n <= 0) {
-            link_update_fail(u, "the file cannot be read again");
+            link_update_refused(u, "damaged", "the file cannot be read again");
             return;
         }
         (void)crypto_hash_sha256_update(&u->digest, piece, (unsigned long long)n);

@@ -1,5 +1,7 @@
-/* The image, which installs a complete file: it is given the file by a rename, removes it in any
- * case, and says in the result file what became of it (board/image/programs/install-update). */
+/* The image, which installs a complete file: it is given the file under a second name, removes this
+ * name in any case, and says in the result file what became of it
+ * (board/image/programs/install-update). The first name stays, so that a file that was refused for
+ * a time needs not be fetched again. */
 #include <errno.h>
 #include <jansson.h>
 #include <stdio.h>
@@ -35,13 +37,7 @@ static bool is_same(const struct link_update_stamp *a, const struct link_update_
 /* Whether the image has still to take the file, or has not done with it. */
 static bool is_with_image(const struct link_update *u)
 {
-    return access(u->bundle, F_OK) == 0 || access(u->setup.taken_file, F_OK) == 0;
-}
-
-static void begin_to_wait(struct link_update *u)
-{
-    u->stamp = stamp_of(u->setup.result_file);
-    u->handed_us = link_update_now_us(u);
+    return access(u->bundle, F_OK) == 0 || access(u->taken_file, F_OK) == 0;
 }
 
 bool link_update_is_handed_over(struct link_update *u)
@@ -49,15 +45,16 @@ bool link_update_is_handed_over(struct link_update *u)
     if (!is_with_image(u)) {
         return false;
     }
-    begin_to_wait(u);
+    u->handed_us = link_update_now_us(u);
     return true;
 }
 
-int link_update_result_read(const char *path, char why[ISO_FLEET_UPDATE_FAULT_SIZE])
+int link_update_result_read(const char *path, struct link_update_result *out)
 {
+    struct link_update_result read = {.code = ""};
     void *bytes = NULL;
     size_t size = 0;
-    const char *from = NULL, *message = NULL;
+    const char *from = NULL, *code = "", *message = NULL;
     int installed = 0;
 
     if (iso_data_file_read(path, RESULT_BYTES_MAX, &bytes, &size, NULL) < 0) {
@@ -65,38 +62,44 @@ int link_update_result_read(const char *path, char why[ISO_FLEET_UPDATE_FAULT_SI
     }
     json_t *json = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, NULL);
     free(bytes);
-    const bool is_read = json_unpack(json, "{s:s, s:{s?b, s?{s:s}}}", "from", &from, "result",
-                                     "installed", &installed, "error", "message", &message) == 0 &&
+    const bool is_read = json_unpack(json, "{s:s, s:{s?b, s?{s?s, s:s}}}", "from", &from, "result",
+                                     "installed", &installed, "error", "code", &code, "message",
+                                     &message) == 0 &&
                          strcmp(from, "hub") == 0 && (installed || message);
     if (is_read) {
-        (void)snprintf(why, ISO_FLEET_UPDATE_FAULT_SIZE, "%s", installed ? "" : message);
+        read.installed = installed;
+        (void)snprintf(read.code, sizeof read.code, "%s", code);
+        (void)snprintf(read.why, sizeof read.why, "%s", installed ? "" : message);
+        *out = read;
     }
     json_decref(json);
     return is_read ? 0 : -EBADMSG;
 }
 
-/* The image has done with the file. */
-static void take_result(struct link_update *u)
+void link_update_take_result(struct link_update *u)
 {
-    const struct link_update_stamp now = stamp_of(u->setup.result_file);
-    char why[ISO_FLEET_UPDATE_FAULT_SIZE];
+    const struct link_update_stamp now = stamp_of(u->result_file);
+    struct link_update_result result;
 
-    if (is_same(&now, &u->stamp) || link_update_result_read(u->setup.result_file, why) < 0) {
-        link_update_fail(u, "the image has not said what became of the update");
-    } else if (*why) {
-        link_update_fail(u, why);
+    if (is_same(&now, &u->record.stamp) || link_update_result_read(u->result_file, &result) < 0 ||
+        result.installed) {
+        link_update_refused(u, "no-result", "the image has not said what became of the update");
     } else {
-        link_update_set(u, ISO_FLEET_UPDATE_INSTALLED, "");
-        u->step = LINK_UPDATE_LOOK;
-        link_update_in(u, 0);
+        link_update_refused(u, result.code, result.why);
     }
 }
 
 static void hand_over(struct link_update *u)
 {
-    begin_to_wait(u);
-    if (rename(u->file, u->bundle) < 0) {
-        link_update_fail(u, "the file of the update cannot be renamed");
+    char why[ISO_FLEET_UPDATE_FAULT_SIZE];
+
+    u->record.stamp = stamp_of(u->result_file);
+    u->handed_us = link_update_now_us(u);
+    memcpy(why, u->record.fault, sizeof why); /* the last refusal, until it has succeeded */
+    link_update_set(u, ISO_FLEET_UPDATE_INSTALLING, why);
+    (void)unlink(u->bundle);
+    if (link(u->file, u->bundle) < 0) {
+        link_update_refused(u, "disk", "the file of the update cannot be given to the image");
         return;
     }
     link_update_in(u, LOOK_S * LINK_UPDATE_S_US);
@@ -107,10 +110,11 @@ void link_update_install(struct link_update *u)
     if (!u->handed_us) {
         hand_over(u);
     } else if (!is_with_image(u)) {
-        take_result(u);
+        u->step = LINK_UPDATE_LOOK; /* link_update_settle() */
+        link_update_in(u, 0);
     } else if (link_update_now_us(u) - u->handed_us > MOST_S * LINK_UPDATE_S_US) {
         (void)unlink(u->bundle);
-        link_update_fail(u, "the image does not take the update");
+        link_update_refused(u, "not-taken", "the image does not take the update");
     } else {
         link_update_in(u, LOOK_S * LINK_UPDATE_S_US);
     }

@@ -24,26 +24,37 @@ enum link_update_step {
     LINK_UPDATE_INSTALLED,
 };
 
+/* Tells one content of the result file from another; zeros: there is none. */
+struct link_update_stamp {
+    ino_t inode;
+    struct timespec changed;
+};
+
 /* What became of the last rollout; update.record. */
 struct link_update_record {
     struct iso_fleet_id rollout; /* zeros: none */
     char version[ISO_FLEET_UPDATE_WORD_SIZE];
-    uint8_t sha256[32]; /* of the file that is in bundle.part, or was */
+    char former[ISO_FLEET_UPDATE_WORD_SIZE]; /* that ran when it began; "": not known */
+    uint8_t sha256[32];                      /* of the file that is in bundle.part, or was */
     enum iso_fleet_update_state state;
     char fault[ISO_FLEET_UPDATE_FAULT_SIZE];
+    unsigned tries;                 /* that were refused */
+    struct link_update_stamp stamp; /* of the result file when the image was given the file */
 };
 
 /* What `isotherm update --json` says. */
 struct link_update_slots {
     char version[ISO_FLEET_UPDATE_WORD_SIZE], board[ISO_FLEET_UPDATE_WORD_SIZE];
-    bool good;    /* the running version has passed its checks */
-    bool waiting; /* the other slot starts next */
+    char other[ISO_FLEET_UPDATE_WORD_SIZE]; /* the version of the other slot; "": not known */
+    bool good;                              /* the running version has passed its checks */
+    bool waiting;                           /* the other slot starts next */
 };
 
-/* Tells one content of the result file from another; zeros: there is none. */
-struct link_update_stamp {
-    ino_t inode;
-    struct timespec changed;
+/* What the image has said in the result file. */
+struct link_update_result {
+    bool installed;
+    char code[32]; /* of the refusal; "": it has none */
+    char why[ISO_FLEET_UPDATE_FAULT_SIZE];
 };
 
 /* A program that runs, and what it prints. */
@@ -56,19 +67,21 @@ struct link_update_child {
 struct link_update {
     struct link_update_setup setup; /* its texts belong to the object */
     char file[PATH_MAX], bundle[PATH_MAX], restart_file[PATH_MAX], record_file[PATH_MAX];
+    char taken_file[PATH_MAX];  /* the name of the file while the image installs it */
+    char result_file[PATH_MAX]; /* what the image has said of the last file of the hub */
     sd_event_source *timer;
     enum link_update_step step;
     struct link_update_slots slots;
     struct link_update_record record;
     struct iso_fleet_update_report report;
     struct iso_fleet_update order;
-    bool holds;                     /* the order */
-    bool comes;                     /* it has come since the last answer */
-    uint64_t holds_until_us;        /* without answers; the machine does not restart later */
-    bool busy;                      /* somebody is at the door */
-    uint64_t quiet_since_us;        /* 0: not quiet */
-    uint64_t handed_us;             /* when the image was given the file; 0: not yet */
-    struct link_update_stamp stamp; /* of the result file at that time */
+    bool holds;              /* the order */
+    bool comes;              /* it has come since the last answer */
+    uint64_t holds_until_us; /* without answers; the machine does not restart later */
+    unsigned without;        /* answers without it, in a row */
+    bool busy;               /* somebody is at the door */
+    uint64_t quiet_since_us; /* 0: not quiet */
+    uint64_t handed_us;      /* when the image was given the file; 0: not yet */
     struct link_update_child child;
     struct link_http_request *request;
     int fd;        /* of the file; -1 */
@@ -91,11 +104,26 @@ void link_update_set(struct link_update *u, enum iso_fleet_update_state state, c
 /* Tells the daemon, and learns whether somebody is at the door. */
 void link_update_tell(struct link_update *u);
 
-/* Ends what is under way: the order cannot be carried out. */
+/* Ends what is under way: the order cannot be carried out, and is not tried again. */
 void link_update_fail(struct link_update *u, const char *fault);
 
-/* Ends what is under way, without a failure. */
-void link_update_cancel(struct link_update *u);
+/* Ends what is under way, without a failure. The order may come again; the file is kept for a day
+ * if the hub is only away. */
+void link_update_cancel(struct link_update *u, bool keeps_file);
+
+/* ---- update_refuse.c ---- */
+
+/* How often an order is tried in all if this is why it is refused: 1 if the same cannot succeed
+ * later. The table is in isotherm-link(8), too. */
+unsigned link_update_tries(const char *code);
+
+/* Something has refused the order. It is tried again after a time that grows, or has failed. */
+void link_update_refused(struct link_update *u, const char *code, const char *why);
+
+/* ---- update_settle.c ---- */
+
+/* The slots are known: what became of the last rollout. */
+void link_update_settle(struct link_update *u);
 
 /* ---- update_fetch.c ---- */
 
@@ -112,9 +140,11 @@ bool link_update_is_handed_over(struct link_update *u);
 /* Gives the image the file, or looks whether it has taken it; step INSTALL. */
 void link_update_install(struct link_update *u);
 
-/* Reads the result file: `why` is "" if the image has installed the file, or the reason why not.
- * -EBADMSG: it is not about a file of the hub. */
-int link_update_result_read(const char *path, char why[ISO_FLEET_UPDATE_FAULT_SIZE])
+/* Takes the result file, if the image has written it since it was given the file, and settles. */
+void link_update_take_result(struct link_update *u);
+
+/* Reads the result file. -EBADMSG: there is none, or it is not about a file of the hub. */
+int link_update_result_read(const char *path, struct link_update_result *out)
     __attribute__((warn_unused_result));
 
 /* ---- update_restart.c ---- */

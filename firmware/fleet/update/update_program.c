@@ -123,6 +123,9 @@ int link_update_slots_read(const char *text, struct link_update_slots *out)
         has_running = has_running || running;
         read.good = read.good || (running && json_is_true(json_object_get(slot, "good")));
         read.waiting = read.waiting || (!running && next);
+        if (!running && !take_word(json_object_get(slot, "version"), read.other)) {
+            read.other[0] = '\0';
+        }
     }
     const bool is_read = has_running &&
                          take_word(json_object_get(object, "version"), read.version) &&

@@ -7,7 +7,7 @@
 #include "drivers/file/data_file.h"
 #include "firmware/fleet/update/update_inner.h"
 
-enum { BYTES_MAX = 4096 };
+enum { BYTES_MAX = 4096, TRIES_MOST = 1000 };
 
 static const char *member(const json_t *object, const char *name)
 {
@@ -16,10 +16,30 @@ static const char *member(const json_t *object, const char *name)
     return text ? text : "";
 }
 
+/* "INODE.SECONDS.NANOSECONDS"; an earlier release has none. */
+static void read_stamp(const char *text, struct link_update_stamp *out)
+{
+    unsigned long long inode = 0;
+    long long seconds = 0;
+    long nanoseconds = 0;
+    int end = 0;
+
+    if (sscanf(text, "%20llu.%20lld.%9ld%n", &inode, &seconds, &nanoseconds, &end) == 3 &&
+        !text[end]) {
+        *out = (struct link_update_stamp){
+            .inode = (ino_t)inode, .changed = {.tv_sec = (time_t)seconds, .tv_nsec = nanoseconds}};
+    }
+}
+
 static bool read_object(const json_t *object, struct link_update_record *out)
 {
     size_t n = 0;
     const char *digits = member(object, "sha256");
+    const json_int_t tries = json_integer_value(json_object_get(object, "tries"));
+
+    out->tries = tries > 0 && tries < TRIES_MOST ? (unsigned)tries : 0;
+    read_stamp(member(object, "stamp"), &out->stamp);
+    (void)snprintf(out->former, sizeof out->former, "%s", member(object, "former"));
 
     (void)snprintf(out->version, sizeof out->version, "%s", member(object, "version"));
     (void)snprintf(out->fault, sizeof out->fault, "%s", member(object, "fault"));
@@ -52,12 +72,16 @@ void link_update_record_read(const char *path, struct link_update_record *out)
 int link_update_record_write(const char *path, const struct link_update_record *record,
                              struct iso_fault *fault)
 {
-    char rollout[ISO_FLEET_ID_TEXT_SIZE], digits[65];
+    char rollout[ISO_FLEET_ID_TEXT_SIZE], digits[65], stamp[64];
+
+    (void)snprintf(stamp, sizeof stamp, "%llu.%lld.%09ld", (unsigned long long)record->stamp.inode,
+                   (long long)record->stamp.changed.tv_sec, record->stamp.changed.tv_nsec);
     json_t *object = json_pack(
-        "{s:s, s:s, s:s, s:s, s:s}", "rollout", iso_fleet_id_text(&record->rollout, rollout),
-        "version", record->version, "sha256",
+        "{s:s, s:s, s:s, s:s, s:s, s:s, s:I, s:s}", "rollout",
+        iso_fleet_id_text(&record->rollout, rollout), "version", record->version, "sha256",
         sodium_bin2hex(digits, sizeof digits, record->sha256, sizeof record->sha256), "state",
-        iso_fleet_update_state_word(record->state), "fault", record->fault);
+        iso_fleet_update_state_word(record->state), "fault", record->fault, "former",
+        record->former, "tries", (json_int_t)record->tries, "stamp", stamp);
     char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL;
     const int r = text ? iso_data_file_replace(path, text, strlen(text), fault)
                        : iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);

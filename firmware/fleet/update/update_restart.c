@@ -10,14 +10,10 @@
 static bool is_in_window(const struct link_update *u)
 {
     const time_t now = time(NULL);
-    const int from = u->setup.from_hour, until = u->setup.until_hour;
     struct tm local;
 
-    if (from == until || !localtime_r(&now, &local)) {
-        return from == until;
-    }
-    return from < until ? local.tm_hour >= from && local.tm_hour < until
-                        : local.tm_hour >= from || local.tm_hour < until;
+    return u->setup.restart.from == u->setup.restart.until ||
+           (localtime_r(&now, &local) && iso_restart_hours_have(&u->setup.restart, local.tm_hour));
 }
 
 /* The image restarts the machine when the file is there, and removes it before. */

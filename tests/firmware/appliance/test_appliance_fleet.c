@@ -87,6 +87,30 @@ static void the_hub_learns_how_the_door_stands(void **state)
     expect_health("\"door-state\":\"locked\",\"tamper\":0,");
 }
 
+/* It is half past eight in the morning. */
+static void an_update_restarts_the_machine_in_its_hours(void **state)
+{
+    static const struct {
+        const char *hours;
+        enum iso_fleet_update_state state;
+        bool busy;
+    } cases[] = {
+        {"", ISO_FLEET_UPDATE_INSTALLED, false},     {"1-5", ISO_FLEET_UPDATE_INSTALLED, true},
+        {"8-9", ISO_FLEET_UPDATE_INSTALLED, false},  {"9-8", ISO_FLEET_UPDATE_INSTALLED, true},
+        {"22-9", ISO_FLEET_UPDATE_INSTALLED, false}, {"1-5", ISO_FLEET_UPDATE_FETCHING, false},
+    };
+    struct rig *rig = *state;
+    assert_int_equal(setenv("TZ", "UTC", 1), 0);
+    begin(rig, "");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct iso_fleet_update_report report = {.is_known = true, .state = cases[i].state};
+        bool busy = !cases[i].busy;
+        strcpy(rig->config.fleet.restart_hours, cases[i].hours);
+        assert_int_equal(iso_fleet_set_update(hub.fleet, &report, &busy, NULL), 0);
+        assert_int_equal(busy, cases[i].busy);
+    }
+}
+
 /* An hour is over; the door has a clock of its own, and the hub answers again. */
 static void without_a_lease_nobody_of_the_hub_enters(void **state)
 {
@@ -256,6 +280,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(a_person_of_the_hub_comes_and_goes),
         TEST(the_hub_learns_how_the_door_stands),
+        TEST(an_update_restarts_the_machine_in_its_hours),
         TEST(without_a_lease_nobody_of_the_hub_enters),
         TEST(local_people_enter_if_the_hub_says_so),
         TEST(the_policy_does_not_replace_the_lease),

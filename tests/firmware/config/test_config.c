@@ -293,6 +293,20 @@ static void refuses_values_that_contradict_each_other(void **state)
 }
 
 /* The angles of the poses exclude the frontal attitude, and the extractor accepts all of them. */
+static void refuses_what_are_no_hours(void **state)
+{
+    static const char *const bad[] = {"5", "1-24", "-1-5", "3-3", "1-5h", "one-five"};
+    struct iso_config config;
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char text[80];
+        (void)snprintf(text, sizeof text, "[fleet]\nrestart_hours = %s\n", bad[i]);
+        refuses(text, "door.conf: [fleet] restart_hours is not two hours of the day, such as 1-5");
+    }
+    assert_int_equal(iso_config_parse("c", "[fleet]\nrestart_hours = 22-5\n", &config, NULL), 0);
+    assert_string_equal(config.fleet.restart_hours, "22-5");
+}
+
 static void refuses_poses_that_no_frame_can_show(void **state)
 {
     const struct iso_extract_options extract = iso_extract_options_default();
@@ -354,6 +368,7 @@ int main(void)
         cmocka_unit_test(refuses_bad_lines),
         cmocka_unit_test(refuses_bad_values),
         cmocka_unit_test(refuses_values_that_contradict_each_other),
+        cmocka_unit_test(refuses_what_are_no_hours),
         cmocka_unit_test(refuses_poses_that_no_frame_can_show),
         cmocka_unit_test(names_a_file_that_does_not_exist),
         cmocka_unit_test(hands_on_the_options_that_are_given),

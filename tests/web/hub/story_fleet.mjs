@@ -187,6 +187,16 @@ async function updates(run) {
   await run.shoot(page, 'rollout');
   await press(page, 'button', /^close$/i);
   await closes(page);
+  await press(page, 'button', /^stop… house$/i);
+  await find(page, 'dialog', /stop the rollout of 1\.2 in house/i);
+  await press(page, 'button', /^stop it$/i);
+  await seesText(page, /the rollout is stopped/i);
+  await eventually('the rollout is shown as stopped', () => page.evaluate(() => /Stopped by [^]*0 of 2 run it/.test(document.querySelector('main').innerText)), 15000);
+  await press(page, 'button', /^let it go on… house$/i);
+  await find(page, 'dialog', /let the rollout of 1\.2 in house go on/i);
+  await press(page, 'button', /^let it go on$/i);
+  await seesText(page, /the rollout goes on/i);
+  await eventually('the rollout is under way again', () => page.evaluate(() => /Under way[^]*0 of 2 run it/.test(document.querySelector('main').innerText)), 15000);
   await run.rig.play('update Front healthy 1.2');
   await eventually('the rollout is done', () => page.evaluate(() => /Done[^]*1 of 2 run it/.test(document.querySelector('main').innerText)), 15000);
 }

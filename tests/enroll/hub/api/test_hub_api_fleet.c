@@ -292,6 +292,47 @@ static void updates_and_their_rollouts_are_shown(void **state)
     api_rig_refused(WEB_ROLE_NONE, "GET", "/updates", NULL, 401, "login-required");
 }
 
+static void administrators_stop_a_rollout_and_let_it_go_on(void **state)
+{
+    static const char path[] = "/zones/house/rollout";
+    static struct played_door doors[3];
+    struct iso_fault fault = {.text = ""};
+    (void)state;
+    api_rig_do("POST", "/zones", "{'name': 'house'}", 201);
+    api_rig_refused(ADMIN, "PATCH", path, "{'running': false}", 409, "done-before");
+    begin_rollout(doors);
+    api_rig_refused(WEB_ROLE_ENROLLER, "PATCH", path, "{'running': false}", 403, "not-allowed");
+    api_rig_refused(ADMIN, "PATCH", path, "{}", 400, "invalid-member");
+    api_rig_refused(ADMIN, "PATCH", path, "{'running': 'no'}", 400, "invalid-member");
+    api_rig_refused(ADMIN, "PATCH", "/zones/garden/rollout", "{'running': true}", 404,
+                    "no-such-zone");
+    api_rig_refused(ADMIN, "PATCH", path, "{'running': true}", 409, "done-before");
+    assert_int_equal(store_rig_number(api_rig.hub, "SELECT count(*) FROM act WHERE what IN "
+                                                   "('update-stop', 'update-resume')"),
+                     0);
+    json_t *list = api_rig_ask(ADMIN, "PATCH", path, "{'running': false}", 200);
+    assert_string_equal(api_rig_text(list, "doors.0.name"), "near");
+    json_decref(list);
+    list = get("/updates");
+    assert_string_equal(api_rig_text(list, "rollouts.0.state"), "stopped");
+    assert_string_equal(api_rig_text(list, "rollouts.0.why"), "by administrator");
+    json_decref(list);
+    store_rig_fine(played_door_ask(&doors[0], &api_rig.hub->store, &fault), &fault);
+    assert_false(doors[0].is_ordered);
+    json_decref(api_rig_ask(ADMIN, "PATCH", path, "{'running': true}", 200));
+    store_rig_fine(played_door_ask(&doors[0], &api_rig.hub->store, &fault), &fault);
+    assert_true(doors[0].is_ordered);
+    /* Both are on record, with who did it. */
+    assert_int_equal(store_rig_number(api_rig.hub,
+                                      "SELECT count(*) FROM act WHERE actor = 'administrator' "
+                                      "AND what IN ('update-stop', 'update-resume')"),
+                     2);
+    /* The version of a stopped one is removed. */
+    json_decref(api_rig_ask(ADMIN, "PATCH", path, "{'running': false}", 200));
+    store_rig_fine(hub_update_remove(&api_rig.hub->store, "1.2", &fault), &fault);
+    api_rig_refused(ADMIN, "PATCH", path, "{'running': true}", 404, "no-such-update");
+}
+
 #define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, api_rig_setup, api_rig_teardown)
 
 int main(void)
@@ -304,6 +345,7 @@ int main(void)
         TEST(an_enroller_chooses_no_zones),
         TEST(events_are_filtered_and_come_in_pages),
         TEST(updates_and_their_rollouts_are_shown),
+        TEST(administrators_stop_a_rollout_and_let_it_go_on),
     };
     return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);
 }

@@ -114,14 +114,121 @@ static void a_rollout_goes_on_only_if_it_still_can(void **state)
     assert_int_equal(hub_rollout_resume(&rig->store, "office", &rollout_fault), -ENOENT);
 }
 
+static int expect_first(void *context, const struct hub_rollout_door *door)
+{
+    const char **text = context;
+    if (*text) {
+        char line[256];
+        (void)snprintf(line, sizeof line, "%s %s %s", door->name, door->state, door->fault);
+        assert_string_equal(line, *text);
+        *text = NULL;
+    }
+    return 0;
+}
+
+static void expect_attention(struct store_rig *rig, const char *text)
+{
+    store_rig_fine(hub_rollout_doors(&rig->store, "office", expect_first, &text, &rollout_fault),
+                   &rollout_fault);
+}
+
+/* The door reports each minute. */
+static void minutes_of(struct store_rig *rig, struct player *p, int minutes)
+{
+    for (int i = 0; i < minutes; i++) {
+        store_rig_now_s += 60;
+        rollout_rig_ask(rig, p);
+    }
+}
+
+/* Its link does not work any more: the daemon goes on to report, without a word of the image. */
+static void a_door_that_says_nothing_of_updates_fails(void **state)
+{
+    static const char *const healths[] = {NULL, "{\"update-state\":\"none\"}"};
+    struct store_rig *rig = *state;
+    struct player *p = &rollout_players[0];
+    (void)rollout_rig_join_all(rig);
+    rollout_rig_start(rig, 1, 5, 0);
+    for (size_t i = 0; i < 2; i++) {
+        rollout_rig_ask(rig, p);
+        assert_int_equal(rollout_rig_count(rig, "told"), 1);
+        p->door.health = healths[i];
+        for (int minute = 0; minute <= HUB_UPDATE_SILENT_S / 60; minute++) {
+            store_rig_now_s += 60;
+            store_rig_fine(played_door_ask(&p->door, &rig->store, &rollout_fault), &rollout_fault);
+            assert_int_equal(rollout_rig_count(rig, "told"), 1);
+        }
+        expect_attention(rig, "door00 told it says nothing of its updates");
+        minutes_of_silence(rig, 1); /* not silence: it has reported a minute ago */
+        expect_attention(rig, "door00 failed it reports, but says nothing of its updates");
+        /* It says no more, and stays failed; then it says more, and is told again. */
+        store_rig_fine(played_door_ask(&p->door, &rig->store, &rollout_fault), &rollout_fault);
+        assert_int_equal(rollout_rig_count(rig, "failed"), 1);
+        assert_false(p->door.is_ordered);
+    }
+    rollout_rig_ask(rig, p);
+    assert_true(p->door.is_ordered);
+}
+
+/* It waits for ever for a quiet moment to restart. */
+static void a_door_that_does_not_move_fails(void **state)
+{
+    struct store_rig *rig = *state;
+    struct player *p = &rollout_players[0];
+    (void)rollout_rig_join_all(rig);
+    rollout_rig_start(rig, 1, 5, 0);
+    rollout_rig_step(rig, p);
+    strcpy(p->state, "installed");
+    minutes_of(rig, p, HUB_UPDATE_STILL_S / 60 + 1);
+    assert_int_equal(rollout_rig_count(rig, "installed"), 1);
+    minutes_of(rig, p, 1);
+    expect_attention(rig, "door00 failed it was installed for too long");
+    /* It does not hold the stage, and is not told to begin the same again. */
+    minutes_of(rig, p, 2);
+    strcpy(p->state, "idle");
+    minutes_of(rig, p, 1);
+    assert_int_equal(rollout_rig_count(rig, "failed"), 1);
+    assert_false(p->door.is_ordered);
+    rollout_rig_ask(rig, &rollout_players[1]);
+    assert_true(rollout_players[1].door.is_ordered);
+    /* Somebody restarts it. */
+    strcpy(p->state, "healthy");
+    strcpy(p->version, "1.2");
+    minutes_of(rig, p, 1);
+    assert_int_equal(rollout_rig_count(rig, "healthy"), 1);
+    assert_int_equal(rollout_rig_count(rig, "failed"), 0);
+}
+
+static void a_stopped_rollout_waits_for_nobody(void **state)
+{
+    struct store_rig *rig = *state;
+    struct player *p = &rollout_players[0];
+    (void)rollout_rig_join_all(rig);
+    rollout_rig_start(rig, 1, 5, 0);
+    rollout_rig_step(rig, p);
+    rollout_rig_ask(rig, p);
+    store_rig_fine(hub_rollout_stop(&rig->store, "office", &rollout_fault), &rollout_fault);
+    minutes_of(rig, p, HUB_UPDATE_STILL_S / 60 + 10);
+    assert_int_equal(rollout_rig_count(rig, "fetching"), 1);
+    store_rig_fine(hub_rollout_resume(&rig->store, "office", &rollout_fault), &rollout_fault);
+    minutes_of(rig, p, 2);
+    assert_int_equal(rollout_rig_count(rig, "fetching"), 1);
+    assert_true(p->door.is_ordered);
+}
+
 #define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, rollout_rig_setup, rollout_rig_teardown)
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(silence_is_noticed_although_nobody_asks),   TEST(a_door_that_comes_back_is_told_again),
-        TEST(an_order_holds_over_a_restart_of_the_door), TEST(expelled_doors_are_left_out),
+        TEST(silence_is_noticed_although_nobody_asks),
+        TEST(a_door_that_comes_back_is_told_again),
+        TEST(an_order_holds_over_a_restart_of_the_door),
+        TEST(expelled_doors_are_left_out),
         TEST(a_rollout_goes_on_only_if_it_still_can),
+        TEST(a_door_that_says_nothing_of_updates_fails),
+        TEST(a_door_that_does_not_move_fails),
+        TEST(a_stopped_rollout_waits_for_nobody),
     };
     return cmocka_run_group_tests(tests, store_rig_start, store_rig_stop);
 }

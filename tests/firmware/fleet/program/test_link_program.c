@@ -16,6 +16,7 @@
 #include "tests/firmware/fleet/link/bus_service.h"
 #include "tests/firmware/fleet/link/link_rig.h"
 #include "tests/firmware/fleet/program/link_figures.h"
+#include "tests/firmware/fleet/program/link_leftover.h"
 #include "tests/firmware/rigs/cmocka_headers.h"
 #include "tests/support/programs/private_bus.h"
 #include "tests/support/programs/run.h"
@@ -138,8 +139,8 @@ static int teardown(void **state)
 
 static void begin(struct office *office, struct run *run, const char *command, const char *address)
 {
-    const char *const argv[] = {PROGRAM,     "--state", office->state, "--bus",
-                                bus.address, command,   address,       NULL};
+    const char *const argv[] = {PROGRAM,     "--state",     office->state, "--bus", bus.address,
+                                "--updates", office->state, command,       address, NULL};
 
     run_start(run, argv);
 }
@@ -231,7 +232,9 @@ static void a_door_joins_and_leaves(void **state)
     struct stat file;
 
     (void)fake_hub_zone(&rig->hub, 10);
+    link_leftover_make(office->state); /* a factory reset has deleted link.json */
     begin(office, &service, "run", NULL);
+    link_rig_until(rig, !link_leftover_is_there(office->state));
     join(office);
     assert_int_equal(office->joins, 1);
     assert_int_equal(stat(scratch_path(office->state, "door.key"), &file), 0);
@@ -250,10 +253,12 @@ static void a_door_joins_and_leaves(void **state)
     run_expect(&run, 1);
     assert_non_null(strstr(run.err, "leave it first"));
     run_free(&run);
+    link_leftover_make(office->state);
     command(office, &run, "leave", NULL);
     run_expect(&run, 0);
     run_free(&run);
-    assert_false(has(office, "link.json") || has(office, "door.key") || has(office, "door.crt"));
+    assert_false(link_leftover_is_there(office->state) || has(office, "link.json") ||
+                 has(office, "door.key") || has(office, "door.crt"));
     link_rig_until(rig, strcmp(rig->hub.online, "0") == 0);
     assert_int_equal(kill(service.pid, SIGTERM), 0);
     run_finish(&service);

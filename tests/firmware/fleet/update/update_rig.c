@@ -52,6 +52,7 @@ static void answer(void *context, const char *path, const void *body, size_t siz
     assert_string_equal(path, "/fleet/v1/fetch");
     rig->last_after = iso_fleet_take_u64(&in);
     const uint64_t left = UPDATE_FILE_BYTES - rig->last_after;
+    rig->begins += rig->last_after == 0;
     out->status = rig->cut_at && rig->last_after >= rig->cut_at ? 503 : rig->status;
     if (out->status != 200) {
         return;
@@ -60,7 +61,7 @@ static void answer(void *context, const char *path, const void *body, size_t siz
     out->bytes = malloc(out->size);
     assert_non_null(out->bytes);
     memcpy(out->bytes, rig->file + rig->last_after, out->size);
-    if (rig->is_damaged) {
+    if (rig->is_damaged || rig->begins <= rig->damaged) {
         *(uint8_t *)out->bytes ^= 1;
     }
 }
@@ -70,6 +71,12 @@ static void answer(void *context, const char *path, const void *body, size_t siz
 /* What `isotherm update --json` says next. */
 void update_rig_slots(struct update_rig *rig, const char *version, bool good, bool waiting)
 {
+    update_rig_slots_with(rig, version, "", good, waiting);
+}
+
+void update_rig_slots_with(struct update_rig *rig, const char *version, const char *other,
+                           bool good, bool waiting)
+{
     char path[320], text[400];
     (void)snprintf(path, sizeof path, "%s/slots", rig->folder);
     (void)snprintf(
@@ -77,8 +84,8 @@ void update_rig_slots(struct update_rig *rig, const char *version, bool good, bo
         "{\"image\": \"isotherm-pc-usb\", \"board\": \"" UPDATE_BOARD "\", \"version\": "
         "\"%s\", \"operation\": \"idle\", \"percent\": 0, \"slots\": [{\"slot\": \"a\", "
         "\"version\": \"%s\", \"running\": true, \"good\": %s, \"next\": %s}, {\"slot\": "
-        "\"b\", \"version\": \"\", \"running\": false, \"good\": true, \"next\": %s}]}\n",
-        version, version, good ? "true" : "false", waiting ? "false" : "true",
+        "\"b\", \"version\": \"%s\", \"running\": false, \"good\": true, \"next\": %s}]}\n",
+        version, version, good ? "true" : "false", waiting ? "false" : "true", other,
         waiting ? "true" : "false");
     scratch_write_text(path, text);
 }
@@ -91,20 +98,25 @@ static void write_program(const struct update_rig *rig, const char *name, const 
     assert_int_equal(chmod(path, 0700), 0);
 }
 
-/* The script copies what it installs, and says what `isotherm update --json FILE` would. */
-void update_rig_program(struct update_rig *rig, int exit_code)
+/* The script copies what it installs, and says what `isotherm update --json FILE` would. Each line
+ * of the file "refusals" is the code of one refusal; the last one stays. */
+void update_rig_program(struct update_rig *rig, const char *refusals)
 {
-    static const char *const said[] = {
-        "{\"installed\": true, \"slot\": \"b\", \"version\": \"1.2\"}",
-        "{\"error\":{\"code\":\"other-board\",\"message\":\"the update is for another "
-        "board\",\"exit_code\":1}}"};
-    char text[1400];
-    (void)snprintf(text, sizeof text,
-                   "#!/bin/sh\n[ \"$1 $2\" = 'update --json' ] || exit 9\n"
-                   "if [ $# = 2 ]; then [ -e %s/slots ] || exit 3; cat %s/slots; exit 0; fi\n"
-                   "cp \"$3\" %s/installed\necho '%s'\nexit %d\n",
-                   rig->folder, rig->folder, rig->folder, said[exit_code != 0], exit_code);
+    char text[1600], path[320];
+    (void)snprintf(
+        text, sizeof text,
+        "#!/bin/sh\n[ \"$1 $2\" = 'update --json' ] || exit 9\ncd %s\n"
+        "if [ $# = 2 ]; then [ -e slots ] || exit 3; cat slots; exit 0; fi\n"
+        "code=$(head -n 1 refusals); [ \"$(wc -l <refusals)\" -le 1 ] || sed -i 1d refusals\n"
+        "echo \"$code\" >>asked\n"
+        "if [ -n \"$code\" ]; then printf '{\"error\":{\"code\":\"%%s\",\"message\":\"refused: "
+        "%%s\",\"exit_code\":1}}' \"$code\" \"$code\"; exit 1; fi\n"
+        "cp \"$3\" installed\n[ ! -e slots.after ] || mv slots.after slots\n"
+        "echo '{\"installed\": true, \"slot\": \"b\", \"version\": \"1.2\"}'\n",
+        rig->folder);
     write_program(rig, "isotherm", text);
+    (void)snprintf(path, sizeof path, "%s/refusals", rig->folder);
+    scratch_write_text(path, refusals);
     write_program(rig, "busctl", "#!/bin/sh\n");
 }
 
@@ -134,20 +146,15 @@ void update_rig_turn(struct update_rig *rig)
 
 void update_rig_start(struct update_rig *rig)
 {
-    char inbox[340], taken[340], result[340];
-    (void)snprintf(inbox, sizeof inbox, "%s/hub", rig->state);
-    (void)snprintf(taken, sizeof taken, "%s/hub.raucb", rig->state);
-    (void)snprintf(result, sizeof result, "%s/result.json", rig->state);
     const struct link_update_setup setup = {
         .event = rig->event,
         .daemon = {.context = rig, .update = update, .fetch_update = fetch_update},
         .http = rig->http,
         .hub_url = rig->server.url,
         .folder = rig->folder,
-        .inbox = inbox,
-        .taken_file = taken,
-        .result_file = result,
-        .program = rig->program};
+        .updates = rig->state,
+        .program = rig->program,
+        .retry_ms = 100};
     struct iso_fault fault = {.text = ""};
     assert_int_equal(link_update_new(&setup, &rig->update, &fault), 0);
 }
@@ -188,7 +195,7 @@ int update_rig_setup(void **state)
                                            .version = "1.2",
                                            .board = UPDATE_BOARD};
     (void)crypto_hash_sha256(rig->order.sha256, rig->file, UPDATE_FILE_BYTES);
-    update_rig_program(rig, 0);
+    update_rig_program(rig, "\n");
     *state = rig;
     return 0;
 }
@@ -258,4 +265,13 @@ void update_rig_order(struct update_rig *rig)
 {
     link_update_answered(rig->update);
     link_update_ordered(rig->update, &rig->order);
+}
+
+void update_rig_begin(struct update_rig *rig, const char *refusals)
+{
+    update_rig_slots(rig, "1.1", true, false);
+    update_rig_program(rig, refusals);
+    update_rig_start(rig);
+    update_rig_wait(rig, ISO_FLEET_UPDATE_IDLE);
+    update_rig_order(rig);
 }

@@ -24,8 +24,9 @@ struct update_rig {
     uint8_t *file;
     struct iso_fleet_update order;
     /* Of the hub. */
-    unsigned status; /* of the next replies; 200 */
-    bool is_damaged; /* a byte of the file is another one */
+    unsigned status;          /* of the next replies; 200 */
+    bool is_damaged;          /* a byte of the file is another one */
+    unsigned begins, damaged; /* how often it was fetched; so many times it was damaged at first */
     uint64_t last_after;
     uint64_t cut_at;   /* replies behind it fail; 0: none */
     bool has_no_units; /* nothing of the image looks at the inbox */
@@ -43,15 +44,21 @@ void update_rig_start(struct update_rig *rig);
 void update_rig_stop(struct update_rig *rig);
 
 /* What `isotherm update --json` says from now on; before the first call there is no RAUC. The
- * script keeps a copy of what it installs, as the file "installed", and ends with this code. */
+ * script keeps a copy of what it installs, as the file "installed", and refuses with the code of a
+ * line of `refusals` each time, at last always with that of the last line; "": it installs. */
 void update_rig_slots(struct update_rig *rig, const char *version, bool good, bool waiting);
-void update_rig_program(struct update_rig *rig, int exit_code);
+void update_rig_slots_with(struct update_rig *rig, const char *version, const char *other,
+                           bool good, bool waiting); /* RAUC knows the version of the other one */
+void update_rig_program(struct update_rig *rig, const char *refusals);
 
 /* One turn of the event loop, and of the units of the image. */
 void update_rig_turn(struct update_rig *rig);
 
 /* The hub answers a question, and orders. */
 void update_rig_order(struct update_rig *rig);
+
+/* All of it, for a door with version 1.1: it starts, and the hub orders what is refused so. */
+void update_rig_begin(struct update_rig *rig, const char *refusals);
 
 /* Whether the daemon was told this last; runs the loop until it was; until the server has had so
  * many requests. Each of them plays the units of the image. */

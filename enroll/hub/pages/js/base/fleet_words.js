@@ -60,6 +60,7 @@ export const FLEET_FAULTS = {
     'no-such-door': N_('There is no such door any more.'),
     'no-such-person': N_('There is no such person any more.'),
     'no-such-request': N_('There is no such request any more.'),
+    'no-such-update': N_('The hub does not keep this version any more.'),
     'no-such-zone': N_('There is no such zone any more.'),
     'zone-behind': N_('The database was restored from an old copy: recover the zone first.'),
 };

@@ -1,5 +1,6 @@
 /* The page Updates: which versions of the doors' image the hub keeps, how far the zones are with
- * them, and in a dialog each door of a zone. Only the command isotherm-hub update changes something. */
+ * them, and in a dialog each door of a zone. Administrators stop rollouts here and let them go on; versions are added and rolled out by
+ * the command isotherm-hub update. */
 
 import {N_, _, _f} from '../base/i18n.js';
 import {DOOR_UPDATES, ROLLOUTS} from '../base/fleet_words.js';
@@ -7,8 +8,8 @@ import {fill, h} from '../base/dom.js';
 import {dateTime, number} from '../base/format.js';
 import {faultText} from '../transport/fault.js';
 import {badge} from '../view/badge.js';
-import {openDialog} from '../view/dialog.js';
-import {noticeFault} from '../view/notice.js';
+import {confirm, openDialog} from '../view/dialog.js';
+import {notice, noticeFault} from '../view/notice.js';
 import {stack} from '../view/stack.js';
 
 const MIB = 1 << 20;
@@ -78,6 +79,44 @@ async function openDoors({ api }, zone) {
         { wide: true });
 }
 
+/* Stops a rollout, or lets a stopped one go on. */
+async function turn({ api, changed }, { zone, version }, running) {
+    const name = { name: zone, version };
+    const agreed = running ?
+        confirm(
+            _f('Let the rollout of {version} in {name} go on?', name),
+            _('Doors that have failed so far do not count any more, and are not told again.'), _('Let it go on')) :
+        confirm(
+            _f('Stop the rollout of {version} in {name}?', name),
+            _('No further door is told. Doors that install it just now finish that, and do not restart.'), _('Stop it'),
+            { danger: true });
+    try {
+        if (await agreed) {
+            await api.turnRollout(zone, running);
+            notice(running ? _('The rollout goes on.') : _('The rollout is stopped.'));
+        }
+    } catch (error) {
+        noticeFault(error);
+    }
+    changed();
+}
+
+function turnButton(context, rollout) {
+    const running = rollout.state === 'stopped';
+    if (!running && rollout.state !== 'running') {
+        return null;
+    }
+    const text = running ? _('Let it go on…') : _('Stop…');
+    return h(
+        'button', {
+            type: 'button',
+            class: running ? '' : 'plain danger',
+            'aria-label': [text, rollout.zone].join(' '),
+            onclick: () => turn(context, rollout, running)
+        },
+        text);
+}
+
 /* Only the newest rollout of a zone has doors to show. */
 function rolloutRow(context, rollout, isNewest) {
     const name = h('bdi', {}, rollout.zone);
@@ -89,11 +128,14 @@ function rolloutRow(context, rollout, isNewest) {
               name),
         h('td', {}, h('bdi', {}, rollout.version)),
         h('td', {}, badge(ROLLOUT_KINDS[rollout.state], _(ROLLOUTS[rollout.state])), english(rollout.why)),
-        h('td', {}, progress(rollout)), h('td', {}, dateTime(rollout.started_s * 1000)));
+        h('td', {}, progress(rollout)), h('td', {}, dateTime(rollout.started_s * 1000)),
+        context.admin && h('td', {}, turnButton(context, rollout)));
 }
 
 function make(context) {
-    const { api, hub } = context;
+    const { api, hub, may } = context;
+    const admin = may('administrator');
+    const acts = { api, admin, changed: () => load() };
     const fault = h('p', { class: 'fault', role: 'alert' });
     const files = h('tbody', {}), rollouts = h('tbody', {});
     const noFiles = h('p', { class: 'quiet', role: 'status' }), noRollouts = h('p', { class: 'quiet', role: 'status' });
@@ -106,7 +148,7 @@ function make(context) {
         fill(rollouts, newestFirst.map((one) => {
             const isNewest = !seen.has(one.zone);
             seen.add(one.zone);
-            return rolloutRow(context, one, isNewest);
+            return rolloutRow(acts, one, isNewest);
         }));
         fill(noFiles, all.files.length ? '' : _('The hub keeps no update.'));
         fill(noRollouts, all.rollouts.length ? '' : _('No update was rolled out yet.'));
@@ -138,7 +180,10 @@ function make(context) {
             fault,
             panel(
                 _('Rollouts'),
-                table(_('Rollouts'), [_('Zone'), _('Version'), _('State'), _('Doors'), _('Since')], rollouts),
+                table(
+                    _('Rollouts'),
+                    [_('Zone'), _('Version'), _('State'), _('Doors'), _('Since'), ...(admin ? [_('Change')] : [])],
+                    rollouts),
                 noRollouts),
             panel(_('Files'), table(_('Files'), [_('Version'), _('Board'), _('Size'), _('Added')], files), noFiles)),
         resume: load,
