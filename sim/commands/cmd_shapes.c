@@ -115,8 +115,9 @@ static const struct sim_option crops_options[] = {
 };
 
 static const struct sim_option describe_options[] = {
-    {"", "MESH...", "files: OFF, OBJ, PLY, STL, or TOSCA's .vert beside its .tri", sim_option_list,
-     FIELD(describe.meshes)},
+    {"", "MESH...",
+     "files: OFF, OBJ, PLY, STL, or TOSCA's .vert beside its .tri; clouds: the same or XYZ",
+     sim_option_list, FIELD(describe.meshes)},
     {"out", "DIR", "where a directory for each mesh goes (made if it is missing)", sim_option_text,
      FIELD(describe.out)},
     {"what", "NAME,...|all", "what is written, see below (all)", sim_option_text,
@@ -135,6 +136,14 @@ static const struct sim_option describe_options[] = {
     {"energies", "N", "energies of wks (100)", sim_option_int, FIELD(describe.quantity.energies)},
     {"persistence", "S", "segments: least persistence of a peak, in ranges of the heat (0.1)",
      sim_option_number, FIELD(describe.quantity.persistence)},
+    {"neighbours", "N", "clouds: neighbours of a point from which its triangles are made (30)",
+     sim_option_int, FIELD(describe.neighbours)},
+    {"source", "V", "heat: the vertex of the shape where it starts, from 0 (0)", sim_option_int,
+     FIELD(describe.quantity.heat_source)},
+    {"views", "N", "how many best views, 1..16 (4)", sim_option_int,
+     FIELD(describe.quantity.views)},
+    {"view-score", "entropy|divergence", "which views are the best (entropy)", sim_option_text,
+     FIELD(describe.view_score)},
     {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
      FIELD(describe.vertices)},
     {"smooth", "N", "double steps of Taubin's filter before all else (0)", sim_option_int,
@@ -376,6 +385,7 @@ int sim_cmd_shapes(int argc, char **argv)
         .describe = {.what = "all",
                      .format = "npy",
                      .laplacian = "plain",
+                     .view_score = "entropy",
                      .quantity = {.persistence = 0.1}},
     };
     arguments.threads = sim_threads_default(ISO_HEAT_DIRECT);

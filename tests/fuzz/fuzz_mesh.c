@@ -1,6 +1,7 @@
-/* Mesh files: the first byte chooses the format. The first '!' separates the two files of a TOSCA
- * mesh.
+/* Mesh files: the first byte chooses the format, and whether clouds are wanted. The first '!'
+ * separates the two files of a TOSCA mesh.
  */
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,7 +24,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         *tri = '\0';
         tri += length < size - 1;
     }
-    int error = iso_mesh_parse(format, "input", bytes, length, tri, &mesh, &fault);
+    const bool clouds = data[0] / ISO_MESH_FORMATS % 2;
+    int error = (clouds ? iso_mesh_or_cloud_parse : iso_mesh_parse)(format, "input", bytes, length,
+                                                                    tri, &mesh, &fault);
     if (error) {
         fuzz_check(mesh.mesh == NULL && fault.text[0] != '\0', "a fault and no mesh");
     } else if (iso_mesh_mend(&mesh, NULL) == 0) {

@@ -1,5 +1,6 @@
 /** @file
- * Triangle meshes of other programs: the contents of their files, and what is mended in them.
+ * Triangle meshes and clouds of points of other programs: the contents of their files, and what is
+ * mended in them.
  *
  *  - OFF and COFF, text (Geomview);
  *  - OBJ (Wavefront), text: v (with colours, as MeshLab writes them) and f; statements for normals,
@@ -7,7 +8,10 @@
  *  - PLY, as text, little and big endian; elements `vertex` and `face`; others are ignored;
  *  - STL, as text and binary; each triangle comes with vertices of its own;
  *  - TOSCA: one vertex in each line of the .vert; one triangle in each line of the .tri, counted
- *    from 1.
+ *    from 1;
+ *  - XYZ, text: a point in each line; what follows its three numbers is ignored.
+ *
+ * OFF, OBJ, PLY and XYZ may have points without triangles: a cloud.
  *
  * Faces of more than three corners are cut into fans. Coordinates are not converted, whatever their
  * unit. A reader refuses contents that it does not understand, with a fault "file:line: what is
@@ -43,13 +47,14 @@ enum iso_mesh_format {
     ISO_MESH_FORMAT_PLY,   /**< PLY (Turk 1994). */
     ISO_MESH_FORMAT_STL,   /**< STL. */
     ISO_MESH_FORMAT_TOSCA, /**< Two files, .vert and .tri. */
+    ISO_MESH_FORMAT_XYZ,   /**< Points alone. */
     ISO_MESH_FORMATS       /**< How many formats there are. */
 };
 
 /** The ending of the names of a format's files.
  *
  * @param format  The format.
- * @return "off", "obj", "ply", "stl", "vert"; NULL for an unknown format. */
+ * @return "off", "obj", "ply", "stl", "vert", "xyz"; NULL for an unknown format. */
 const char *iso_mesh_format_suffix(enum iso_mesh_format format);
 
 /** Reads a mesh from the contents of its file, without mending it: triangles may repeat a corner or
@@ -69,6 +74,21 @@ int iso_mesh_parse(enum iso_mesh_format format, const char *name, char *bytes, s
                    char *tri, struct iso_coloured_mesh *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/** Reads a mesh or a cloud of points: as iso_mesh_parse(), but contents without triangles are no
+ * fault. They give a mesh without triangles, of which iso_shape_new_cloud() makes a shape.
+ *
+ * @param format  The format.
+ * @param name    Stands for the file in faults.
+ * @param bytes   [size]: as for iso_mesh_parse().
+ * @param size    How many bytes.
+ * @param tri     As for iso_mesh_parse().
+ * @param out     Receives the mesh; free it with iso_coloured_mesh_done().
+ * @param fault   If not NULL: on failure, receives a text that says what is wrong.
+ * @return As iso_mesh_parse(); -EBADMSG if there are no vertices. */
+int iso_mesh_or_cloud_parse(enum iso_mesh_format format, const char *name, char *bytes, size_t size,
+                            char *tri, struct iso_coloured_mesh *out, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /** The defects that mending removed. */
 struct iso_mesh_mended {
     int32_t merged;    /**< Vertices at exactly the same place as another one. */
@@ -82,16 +102,17 @@ struct iso_mesh_mended {
  *  - Vertices at exactly the same place become one vertex with the mean of their colours, so that
  *    separately written faces are connected.
  *  - Triangles with two corners at the same place, and copies of a triangle, are removed.
- *  - Vertices of no triangle are removed.
+ *  - Vertices of no triangle are removed, except from a cloud, which has no triangles.
  *  - Boundaries, edges of more than two triangles, triangles without area, triangles that are
  *    turned inside out, and several components stay, because heat needs no more. shape.h describes
  *    how they are handled.
  *
  * The remaining vertices and triangles keep their order.
  *
- * @param mesh    The mesh; every index of its triangles is in range.
+ * @param mesh    The mesh, or a cloud; every index of its triangles is in range.
  * @param report  If not NULL: receives what was removed.
- * @return 0; -EBADMSG if no triangle remains; -ENOMEM; the mesh is then unchanged. */
+ * @return 0; -EBADMSG if no triangle of a mesh remains, or without vertices; -ENOMEM; the mesh is
+ *         then unchanged. */
 int iso_mesh_mend(struct iso_coloured_mesh *mesh, struct iso_mesh_mended *report)
     __attribute__((warn_unused_result));
 

@@ -9,6 +9,8 @@
 #ifndef ISOTHERM_SHAPE_H
 #define ISOTHERM_SHAPE_H
 
+#include <stdbool.h>
+
 #include "isotherm/eigenpairs.h"
 #include "isotherm/mesh.h"
 #include "isotherm/stiffness_mass.h"
@@ -43,6 +45,7 @@ struct iso_shape {
     /** Of a shape with colours: ISO_SHAPE_WEIGHTED_PAIRS pairs on the manifold whose density is one
      * channel of them (Abdelrahman 2013, 5.2), at least ISO_SHAPE_DENSITY_MIN. */
     struct iso_eigenpairs *weighted[ISO_CHANNELS];
+    bool is_cloud; /**< Made by iso_shape_new_cloud(). */
 };
 
 /** Makes a shape of a mesh, which may be as it comes:
@@ -76,6 +79,28 @@ int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, 
  * @return As iso_shape_new(); -ENOTRECOVERABLE also from iso_stiffness_mass_robust(). */
 int iso_shape_new_robust(const struct iso_mesh *mesh, const struct iso_colour *colour,
                          int32_t n_pairs, struct iso_shape **out)
+    __attribute__((warn_unused_result));
+
+/** Makes a shape of a cloud: points of a surface without triangles, with the matrices of
+ * iso_stiffness_mass_cloud() and eigenpairs of these. The triangles of iso_cloud_triangulate() join
+ * the points; of several components the one of the largest area is the shape. In the shape,
+ *
+ *  - `mesh` has the points and those triangles, each once. Some of them overlap, and they have no
+ *    common orientation;
+ *  - `area` is the sum of a row of the mass matrix, and `total_area` the sum of all;
+ *  - a point is on the boundary if its triangles do not close a ring.
+ *
+ * A point far from all others is not left out: it is joined to its nearest neighbours.
+ *
+ * @param point       [n]: the points, finite, in any unit.
+ * @param colour      [n]: a colour for each point, or NULL.
+ * @param n           How many.
+ * @param neighbours  As for iso_cloud_triangulate(); 0: ISO_CLOUD_NEIGHBOURS.
+ * @param n_pairs     As for iso_shape_new().
+ * @param out         Receives the shape; free it with iso_shape_free().
+ * @return As iso_shape_new_robust(); -EFBIG from iso_cloud_triangulate(). */
+int iso_shape_new_cloud(const struct iso_vec3 *point, const struct iso_colour *colour, int32_t n,
+                        int32_t neighbours, int32_t n_pairs, struct iso_shape **out)
     __attribute__((warn_unused_result));
 
 /** Frees a shape.

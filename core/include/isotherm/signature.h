@@ -1,6 +1,7 @@
 /** @file
  * Functions of the vertices of a shape, made of its eigenpairs: heat kernel signatures, the wave
- * kernel signature, and the vertices where a function has an extremum (the critical points).
+ * kernel signature, and the vertices where a function has an extremum (the critical points). And
+ * the directions from which most is seen of a mesh.
  *
  * Signatures take the eigenpairs of any (weighted) operator: L and B of stiffness_mass.h. Times are
  * as in heat_kernel.h: in the square of the mesh's unit, with decay exp(-lambda t). These are
@@ -126,5 +127,53 @@ int iso_shape_critical_points(const struct iso_shape *shape, struct iso_critical
  *
  * @param points  The points. */
 void iso_critical_points_done(struct iso_critical_points *points);
+
+/** A direction from which a mesh is seen in parallel projection, and what is seen of it. With p_i
+ * the share of the picture of the mesh that triangle i takes, and q_i its share of the area of the
+ * surface: */
+struct iso_shape_view {
+    struct iso_vec3 direction; /**< From the mesh to the viewer, of unit length. */
+    /** Viewpoint entropy -sum p_i log2 p_i, in bits (Vazquez, Feixas, Sbert and Heidrich,
+     * "Viewpoint selection using viewpoint entropy", VMV 2001, without the background). It is large
+     * if many triangles are seen, all of the same size. So it depends on how the surface is
+     * divided. */
+    double entropy;
+    /** Viewpoint Kullback-Leibler divergence sum p_i log2 (p_i / q_i), in bits (Sbert, Plemenos,
+     * Feixas and Gonzalez, "Viewpoint quality: measures and applications", Computational Aesthetics
+     * 2005). It is small if the picture shows all parts by their area. Cutting triangles into
+     * pieces does not change it, as long as the pieces are of more than some pixels. */
+    double divergence;
+};
+
+/** By which score a view is good. */
+enum iso_view_score {
+    ISO_VIEW_ENTROPY,    /**< A large entropy. */
+    ISO_VIEW_DIVERGENCE, /**< A small divergence. */
+};
+
+/** Finds the best views of a mesh. 162 directions, which turn with the principal axes of the
+ * surface, are looked at; the best one is improved in steps of 7 degrees to half a degree; then the
+ * best one of those that are far enough from it, and so on. Areas are counted in a picture of 512 x
+ * 512 pixels.
+ *
+ * @param mesh       The mesh. Triangles are seen from both sides.
+ * @param score      Which views are good.
+ * @param apart_rad  The least angle between two views, above 0 and below pi.
+ * @param n          How many views, at least 1.
+ * @param out        [n]: receives the views, the best one first.
+ * @param n_found    Receives how many there are: fewer than n if there is no room for more.
+ * @return 0; -EINVAL for numbers out of range, and for a mesh without area or one that
+ *         iso_mesh_check() refuses; -EDOM if its axes cannot be computed; -ENOMEM. */
+int iso_shape_views(const struct iso_mesh *mesh, enum iso_view_score score, double apart_rad, int n,
+                    struct iso_shape_view *out, int *n_found) __attribute__((warn_unused_result));
+
+/** The scores of one direction.
+ *
+ * @param mesh       The mesh, as for iso_shape_views().
+ * @param direction  From the mesh to the viewer, of any length above 0.
+ * @param out        Receives the scores, and the direction of unit length.
+ * @return As iso_shape_views(). */
+int iso_shape_view_of(const struct iso_mesh *mesh, struct iso_vec3 direction,
+                      struct iso_shape_view *out) __attribute__((warn_unused_result));
 
 #endif

@@ -106,4 +106,46 @@ int iso_stiffness_mass_robust(const struct iso_mesh *mesh, enum iso_mass kind,
                               const double *density, struct iso_symmetric *stiffness,
                               struct iso_symmetric *mass) __attribute__((warn_unused_result));
 
+enum {
+    ISO_CLOUD_NEIGHBOURS = 30,      /**< Neighbours of a point of a cloud, as a rule. */
+    ISO_CLOUD_NEIGHBOURS_MIN = 6,   /**< The least number of them. */
+    ISO_CLOUD_NEIGHBOURS_MAX = 200, /**< The largest one. */
+};
+
+/** Finds triangles of a cloud: points of a surface of which nothing else is known (Sharp and Crane
+ * 2020, section 5.7). For each point, the nearest neighbours are projected into the plane that is
+ * nearest to them, and the triangles around the point in their Delaunay triangulation are taken. A
+ * triangle on which all three corners agree is therefore there three times. All triangles together
+ * are not a surface that a program could draw or walk on, but iso_stiffness_mass_cloud() makes good
+ * matrices of them.
+ *
+ * Four points on one circle have two triangulations. Small weights of the points (1e-6 squares of
+ * the distance to the nearest point), which depend on their numbers, decide in the same way for all
+ * four. Of several points at exactly the same place the first one is used. In the result the
+ * triangles of each point, which is their first corner, are together, in their order around it;
+ * triangles of different points need not have the same orientation.
+ *
+ * @param point       [n]: the points, finite.
+ * @param n           How many.
+ * @param neighbours  How many neighbours of each point are looked at; 0: ISO_CLOUD_NEIGHBOURS.
+ * @param out         Receives a mesh of the same points; free it with iso_mesh_free().
+ * @return 0; -EINVAL if there is no point, if one is not finite, or for a number of neighbours out
+ *         of range; -EFBIG for more than INT32_MAX / 12 triangles; -ENOMEM. */
+int iso_cloud_triangulate(const struct iso_vec3 *point, int32_t n, int32_t neighbours,
+                          struct iso_mesh **out) __attribute__((warn_unused_result));
+
+/** Assembles both matrices of a cloud: a third of those of iso_stiffness_mass_robust(), because
+ * triangles are there three times. No conductance is negative. Where the surface ends it is
+ * insulated.
+ *
+ * @param cloud      Of iso_cloud_triangulate(); all its triangles.
+ * @param kind       The kind of mass matrix.
+ * @param density    [n_vertices]: as for iso_stiffness_mass_weighted(), or NULL: 1 everywhere.
+ * @param stiffness  Is refilled with L; n_vertices + 3 n_triangles entries are enough.
+ * @param mass       Is refilled with B, the square of the points' unit.
+ * @return As iso_stiffness_mass_robust(). */
+int iso_stiffness_mass_cloud(const struct iso_mesh *cloud, enum iso_mass kind,
+                             const double *density, struct iso_symmetric *stiffness,
+                             struct iso_symmetric *mass) __attribute__((warn_unused_result));
+
 #endif

@@ -31,14 +31,15 @@ from ._face import LANDMARKS, Extractor, Face
 from ._frame import Camera, Frame
 from ._library import Error
 from ._matrix import SymmetricMatrix, eigenpairs, finite_elements
-from ._mesh import Mesh
+from ._mesh import Mesh, load_points
 from ._recording import Recording
 from ._shape import Shape
 from ._template import Metric, Template
+from ._views import View, best_views, view_of
 
 __all__ = [
     'Camera', 'Classifier', 'Coder', 'Described', 'Description', 'Error', 'Extractor', 'Face', 'Frame', 'Geodesics',
-    'LANDMARKS', 'Mesh', 'Method', 'Metric', 'Recording', 'Shape', 'SymmetricMatrix', 'Template', 'classifiers',
-    'describe', 'eigenpairs', 'finite_elements', 'functional_map', 'map_of_points', 'match', 'methods',
-    'points_of_map', 'read_described', 'zoom_out'
+    'LANDMARKS', 'Mesh', 'Method', 'Metric', 'Recording', 'Shape', 'SymmetricMatrix', 'Template', 'View', 'best_views',
+    'classifiers', 'describe', 'eigenpairs', 'finite_elements', 'functional_map', 'load_points', 'map_of_points',
+    'match', 'methods', 'points_of_map', 'read_described', 'view_of', 'zoom_out'
 ]

@@ -49,6 +49,7 @@ class Mesh:
     @classmethod
     def load(cls, path, mend=True):
         """Reads a mesh from a file named .off, .obj, .ply, .stl, or .vert with its .tri beside it.
+        load_points() reads clouds.
 
         mend: joins vertices at the same place, and removes triangles with two corners at one place,
         copies of triangles and vertices of no triangle; `mended` says how many.
@@ -56,22 +57,8 @@ class Mesh:
         line, for contents that are not understood.
         """
         path = os.fsdecode(path)
-        number = _format_of(path)
-        data = read_file(path)
-        text, tri = _terminated(data), None
-        if path.lower().endswith('.vert'):
-            tri = _terminated(read_file(path[:-len('vert')] + 'tri'), no_zero=path[:-len('vert')] + 'tri')
-        coloured, fault = structs.ColouredMesh(), structs.Fault()
-        code = lib.iso_mesh_parse(number, os.fsencode(path), address(text), len(data),
-                                  None if tri is None else address(tri), byref(coloured), byref(fault))
-        check(code, path, fault=fault)
-        owner = Owner(coloured, frees(lib.iso_coloured_mesh_done))
-        mended = structs.MeshMended()
-        if mend:
-            check(lib.iso_mesh_mend(byref(coloured), byref(mended)), path,
-                  {errno.EBADMSG: 'no triangle is left of it'})
-        return cls._of_owner(owner, coloured.mesh.contents, coloured.colour,
-                             {name: getattr(mended, name) for name, _ in mended._fields_})
+        owner, coloured, mended = _parse(path, lib.iso_mesh_parse, mend)
+        return cls._of_owner(owner, coloured.mesh.contents, coloured.colour, mended)
 
     @classmethod
     def from_depth(cls, depth, focal_length, centre=None, jump=10.0, largest_only=False):
@@ -149,6 +136,42 @@ class Mesh:
             len(self._arrays[0]), len(self._arrays[1]), '' if self._arrays[2] is None else ', coloured')
 
 
+def load_points(path, mend=True):
+    """Reads a cloud of points from a file named .xyz, or one named .off, .obj or .ply that has no
+    triangles: ((n, 3) float64, (n, 3) float32 of colours 0..1 or None), for Shape.of_points().
+
+    mend: points at the same place become one.
+    Raises OSError for a file that cannot be read, and Error, with the name of the file, for contents
+    that are not understood and for a mesh.
+    """
+    path = os.fsdecode(path)
+    owner, coloured, _ = _parse(path, lib.iso_mesh_or_cloud_parse, mend)
+    mesh = coloured.mesh.contents
+    if mesh.n_triangles:
+        raise Error('%s: it has triangles: Mesh.load() reads it' % path)
+    points = view(owner, mesh.vertices_mm, (mesh.n_vertices, 3), np.float64)
+    return points, view(owner, coloured.colour, (mesh.n_vertices, 3), np.float32) if coloured.colour else None
+
+
+def _parse(path, parse, mend):
+    """The contents of a file by a function of the library: their owner, the struct, and what was
+    mended, by name."""
+    number = _format_of(path)
+    data = read_file(path)
+    text, tri = _terminated(data), None
+    if path.lower().endswith('.vert'):
+        tri = _terminated(read_file(path[:-len('vert')] + 'tri'), no_zero=path[:-len('vert')] + 'tri')
+    coloured, fault = structs.ColouredMesh(), structs.Fault()
+    code = parse(number, os.fsencode(path), address(text), len(data), None if tri is None else address(tri),
+                 byref(coloured), byref(fault))
+    check(code, path, fault=fault)
+    owner = Owner(coloured, frees(lib.iso_coloured_mesh_done))
+    mended = structs.MeshMended()
+    if mend:
+        check(lib.iso_mesh_mend(byref(coloured), byref(mended)), path, {errno.EBADMSG: 'no triangle is left of it'})
+    return owner, coloured, {name: getattr(mended, name) for name, _ in mended._fields_}
+
+
 def _read_only(array):
     seen = array.view()
     seen.flags.writeable = False
@@ -162,7 +185,7 @@ def _format_of(path):
         if ending == '.' + suffix.decode():
             return number
         number += 1
-    raise Error('%s: not named .off, .obj, .ply, .stl or .vert' % path, errno.ENOTSUP)
+    raise Error('%s: not named .off, .obj, .ply, .stl, .vert or .xyz' % path, errno.ENOTSUP)
 
 
 def _terminated(data, no_zero=None):

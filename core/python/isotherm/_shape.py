@@ -12,6 +12,7 @@ from ._matrix import SPECTRUM_FAULTS, SymmetricMatrix, pairs_views
 VERTICES_MIN = 32  # ISO_SHAPE_VERTICES_MIN
 _NUMBERS_MAX = 10000
 _LEFT_OUT_MOST = 0.01
+_NEIGHBOURS_MIN, _NEIGHBOURS_MAX = 6, 200  # ISO_CLOUD_NEIGHBOURS_MIN, _MAX
 
 
 class Shape:
@@ -23,6 +24,7 @@ class Shape:
     vertices (n, 3) float64, triangles (m, 3) int32: the component, without unused vertices
     colours (n, 3) float32, or None
     areas (n,) float64: a third of the area of the triangles around each vertex
+    is_cloud: made by of_points()
     total_area: their sum; area_left_out: the share of the mesh's area that is not in the shape
     near_boundary (n,) bool: on the boundary, or two edges or less from it
     stiffness, mass: SymmetricMatrix
@@ -58,6 +60,41 @@ class Shape:
             warnings.warn('%.1f %% of the area of the mesh is not in its largest part, and is left out' %
                           (100 * self.area_left_out), stacklevel=2)
 
+    @classmethod
+    def of_points(cls, points, pairs=0, colours=None, neighbours=0):
+        """Makes the shape of a cloud: points of a surface, without triangles (Sharp and Crane 2020,
+        5.7). Triangles of the points and their nearest neighbours stand for the surface: the shape's
+        `triangles`, some of which overlap. `areas` are the sums of the rows of the mass matrix.
+
+        points: (n, 3) float64, in any unit. pairs: as for Shape(). colours: (n, 3) float32 of 0..1, or
+        None. neighbours: of each point, 6..200; 0: 30. area_left_out is the share of the points that
+        are not joined to the largest part, or at the place of another one.
+        Raises Error as Shape(). Warns if over 1 % of the points are left out.
+        """
+        points = array_in(points, np.float64, (None, 3), 'points')
+        pairs = number_in(pairs, 0, 2**31 - 1, 'pairs')
+        if neighbours != 0:
+            neighbours = number_in(neighbours, _NEIGHBOURS_MIN, _NEIGHBOURS_MAX, 'neighbours')
+        if colours is not None:
+            colours = array_in(colours, np.float32, (len(points), 3), 'colours')
+            if not ((colours >= 0) & (colours <= 1)).all():
+                raise Error('colours: a number is outside 0..1')
+        if not 0 < len(points) < 2**31:
+            raise Error('points: there are %d' % len(points))
+        pointer = POINTER(structs.Shape)()
+        check(lib.iso_shape_new_cloud(address(points), None if colours is None else address(colours), len(points),
+                                      neighbours, pairs, byref(pointer)), 'points', {
+            errno.ENODATA: 'their largest part has fewer than %d points' % VERTICES_MIN, **SPECTRUM_FAULTS})
+        shape = cls.__new__(cls)
+        shape._pointer = pointer
+        shape._owner = Owner(pointer, lib.iso_shape_free)
+        shape._see(pointer.contents)
+        shape.area_left_out = 1.0 - shape.n / len(points)
+        if shape.area_left_out > _LEFT_OUT_MOST:
+            warnings.warn('%.1f %% of the points are not in the largest part, and are left out' %
+                          (100 * shape.area_left_out), stacklevel=2)
+        return shape
+
     def _see(self, shape):
         owner, mesh = self._owner, shape.mesh.contents
         n = mesh.n_vertices
@@ -66,6 +103,7 @@ class Shape:
         self.colours = view(owner, shape.colour, (n, 3), np.float32) if shape.colour else None
         self.areas = view(owner, shape.area, (n, ), np.float64)
         self.total_area = shape.total_area
+        self.is_cloud = shape.is_cloud
         self.near_boundary = view(owner, shape.near_boundary, (n, ), np.bool_)
         self.stiffness = SymmetricMatrix(owner, shape.stiffness)
         self.mass = SymmetricMatrix(owner, shape.mass)

@@ -65,11 +65,16 @@ class Shape(Structure):  # shape.h
                 ('total_area', c_double), ('near_boundary', c_void_p),
                 ('neighbour_start', c_void_p), ('neighbour', c_void_p),
                 ('stiffness', POINTER(Symmetric)), ('mass', POINTER(Symmetric)),
-                ('pairs', POINTER(Eigenpairs)), ('weighted', POINTER(Eigenpairs) * CHANNELS)]
+                ('pairs', POINTER(Eigenpairs)), ('weighted', POINTER(Eigenpairs) * CHANNELS),
+                ('is_cloud', c_bool)]
 
 
 class CriticalPoints(Structure):  # signature.h
     _fields_ = [('n', c_int32), ('vertex', c_void_p)]
+
+
+class ShapeView(Structure):  # signature.h
+    _fields_ = [('direction', c_double * 3), ('entropy', c_double), ('divergence', c_double)]
 
 
 class SharedFunctions(Structure):  # correspondence.h; `from` is a word of Python
@@ -207,6 +212,7 @@ ALL = {
     'iso_rigid': Rigid,
     'iso_head_point': HeadPoint,
     'iso_head_model': HeadModel,
+    'iso_shape_view': ShapeView,
     'iso_shape_fit_options': ShapeFitOptions,
     'iso_occlusion': Occlusion,
     'iso_extract_options': ExtractOptions,

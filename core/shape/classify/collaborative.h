@@ -70,10 +70,11 @@ int iso_collaborative_rank(const void *model, const float *feature, int32_t left
 /* At most so many shapes are left out in turn while lambda is chosen, which bounds the time. */
 enum { ISO_COLLABORATIVE_SAMPLE_MAX = 60 };
 
-/* The shapes that are left out: the first of every class in turn, then the second of every class,
- * and so on. So every class counts, whatever the order of the shapes is. A shape that is alone in
- * its class is not taken. If there are more than ISO_COLLABORATIVE_SAMPLE_MAX classes, only the
- * first ones count. *n receives the number of shapes. -ENOMEM. */
+/* The shapes that are left out, by rising number. Every class gives as many as the others, or all
+ * that it has, and they are evenly spread over its shapes: of a class whose poses are sorted, not
+ * the first poses alone are taken. A shape that is alone in its class is not taken. If there are
+ * more than ISO_COLLABORATIVE_SAMPLE_MAX classes, only the first ones count. *n receives the number
+ * of shapes. -ENOMEM. */
 int iso_collaborative_sample(const struct iso_training_set *gallery,
                              int32_t sample[ISO_COLLABORATIVE_SAMPLE_MAX], int32_t *n)
     __attribute__((warn_unused_result));

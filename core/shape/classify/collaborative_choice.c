@@ -19,39 +19,55 @@ struct trial {
     struct iso_code code;
 };
 
-/* The first shape of a class at or after shape `from`; n if there is none. */
-static int32_t next_of_class(const struct iso_training_set *gallery, int32_t class, int32_t from)
+/* How many shapes of a class are taken, and how many of its shapes were met. */
+struct quota {
+    int32_t shapes, taken, met, found;
+};
+
+/* Takes one shape of every class in turn that has two shapes or more, until the sample is full or
+ * no shape is left. */
+static void divide_sample(struct quota *quota, int32_t n_classes)
 {
-    while (from < gallery->n && gallery->label[from] != class) {
-        from++;
+    int32_t all = 0;
+    for (bool more = true; more;) {
+        more = false;
+        for (int32_t c = 0; c < n_classes && all < ISO_COLLABORATIVE_SAMPLE_MAX; c++) {
+            if (quota[c].shapes > 1 && quota[c].taken < quota[c].shapes) {
+                quota[c].taken++;
+                all++;
+                more = true;
+            }
+        }
     }
-    return from;
+}
+
+/* Which shape of its class comes next: the middle one of each of `taken` equal stretches. */
+static int64_t next_place(const struct quota *quota)
+{
+    return (int64_t)(2 * quota->found + 1) * quota->shapes / (2 * (int64_t)quota->taken);
 }
 
 int iso_collaborative_sample(const struct iso_training_set *gallery,
                              int32_t sample[ISO_COLLABORATIVE_SAMPLE_MAX], int32_t *n)
 {
-    int32_t *next = calloc((size_t)gallery->n_classes, sizeof *next);
-    if (!next) {
+    struct quota *quota = calloc((size_t)gallery->n_classes, sizeof *quota);
+    if (!quota) {
         return -ENOMEM;
     }
     int32_t found = 0;
-    for (int32_t c = 0; c < gallery->n_classes; c++) {
-        const int32_t first = next_of_class(gallery, c, 0);
-        const bool alone = next_of_class(gallery, c, first + 1) >= gallery->n;
-        next[c] = alone ? gallery->n : first;
+    for (int32_t i = 0; i < gallery->n; i++) {
+        quota[gallery->label[i]].shapes++;
     }
-    for (bool more = true; more;) { /* a shape of every class that has one left */
-        more = false;
-        for (int32_t c = 0; c < gallery->n_classes && found < ISO_COLLABORATIVE_SAMPLE_MAX; c++) {
-            if (next[c] < gallery->n) {
-                sample[found++] = next[c];
-                next[c] = next_of_class(gallery, c, next[c] + 1);
-                more = true;
-            }
+    divide_sample(quota, gallery->n_classes);
+    for (int32_t i = 0; i < gallery->n; i++) {
+        struct quota *own = &quota[gallery->label[i]];
+        if (own->found < own->taken && own->met == next_place(own)) {
+            sample[found++] = i;
+            own->found++;
         }
+        own->met++;
     }
-    free(next);
+    free(quota);
     *n = found;
     return 0;
 }

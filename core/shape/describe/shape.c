@@ -5,10 +5,29 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
+#include "core/heat/intrinsic/cloud.h"
 #include "core/shape/describe/largest_part.h"
 
 /* The relative residual of the eigenpairs; the error of the eigenvalues is about its square. */
 static const double pairs_tolerance = 1e-8;
+
+/* What a shape is made of, and so its matrices. */
+enum surface { SURFACE_MESH, SURFACE_BAD_MESH, SURFACE_CLOUD };
+
+static int assemble(enum surface surface, const struct iso_mesh *mesh, const double *density,
+                    struct iso_symmetric *stiffness, struct iso_symmetric *mass)
+{
+    switch (surface) {
+    case SURFACE_BAD_MESH:
+        return iso_stiffness_mass_robust(mesh, ISO_MASS_CONSISTENT, density, stiffness, mass);
+    case SURFACE_CLOUD:
+        return iso_stiffness_mass_cloud(mesh, ISO_MASS_CONSISTENT, density, stiffness, mass);
+    default:
+        return density ? iso_stiffness_mass_weighted(mesh, ISO_MASS_CONSISTENT, density, stiffness,
+                                                     mass)
+                       : iso_stiffness_mass(mesh, ISO_MASS_CONSISTENT, stiffness, mass);
+    }
+}
 
 /* Whether a triangle belongs to the part whose vertices are 1 in `inside`. */
 static bool is_inside(const struct iso_mesh *mesh, int32_t t, const double *inside, bool keep_flat)
@@ -95,17 +114,35 @@ static int measure_area(struct iso_shape *shape)
     return 0;
 }
 
-static int assemble_matrices(struct iso_shape *shape)
+/* The triangles of a cloud overlap, so that the area of a point is the sum of its row of B. */
+static int measure_cloud(struct iso_shape *shape)
+{
+    const int32_t n = shape->mesh->n_vertices;
+    double *one = malloc((size_t)n * sizeof *one);
+    if (!one) {
+        return -ENOMEM;
+    }
+    for (int32_t v = 0; v < n; v++) {
+        one[v] = 1.0;
+    }
+    iso_symmetric_multiply(shape->mass, one, shape->area);
+    free(one);
+    shape->total_area = 0.0;
+    for (int32_t v = 0; v < n; v++) {
+        shape->total_area += shape->area[v];
+    }
+    return 0;
+}
+
+/* The matrices of the triangles as they are. Their entries are where the neighbours are. */
+static int assemble_plain(struct iso_shape *shape)
 {
     int32_t n = shape->mesh->n_vertices, nnz = n + 3 * shape->mesh->n_triangles;
     int error = iso_symmetric_new(n, nnz, &shape->stiffness);
     if (!error) {
         error = iso_symmetric_new(n, nnz, &shape->mass);
     }
-    if (!error) {
-        error = iso_stiffness_mass(shape->mesh, ISO_MASS_CONSISTENT, shape->stiffness, shape->mass);
-    }
-    return error;
+    return error ? error : assemble(SURFACE_MESH, shape->mesh, NULL, shape->stiffness, shape->mass);
 }
 
 /* Neighbours are where the matrices have entries: the lower triangle, then its mirror image. */
@@ -149,22 +186,32 @@ static void widen_marks(const struct iso_shape *shape, const uint8_t *from, uint
     }
 }
 
-static int find_boundary(struct iso_shape *shape)
+static int mark_boundary(const struct iso_mesh *mesh, uint8_t *on_boundary)
+{
+    int32_t(*adjacent)[3] = calloc((size_t)mesh->n_triangles, sizeof *adjacent);
+    const int error = adjacent ? iso_mesh_adjacency(mesh, adjacent) : -ENOMEM;
+    if (!error) {
+        iso_mesh_boundary(mesh, (const int32_t(*)[3])adjacent, on_boundary);
+    }
+    free(adjacent);
+    return error;
+}
+
+static int find_boundary(struct iso_shape *shape, enum surface surface)
 {
     const size_t n = (size_t)shape->mesh->n_vertices;
-    int32_t(*adjacent)[3] = calloc((size_t)shape->mesh->n_triangles, sizeof *adjacent);
     uint8_t *one_edge = calloc(n, 1);
     shape->near_boundary = calloc(n, 1);
-    int error = adjacent && one_edge && shape->near_boundary ? 0 : -ENOMEM;
-    if (!error) {
-        error = iso_mesh_adjacency(shape->mesh, adjacent);
+    int error = one_edge && shape->near_boundary ? 0 : -ENOMEM;
+    if (!error && surface == SURFACE_CLOUD) {
+        iso_cloud_boundary(shape->mesh, shape->near_boundary);
+    } else if (!error) {
+        error = mark_boundary(shape->mesh, shape->near_boundary);
     }
     if (!error) {
-        iso_mesh_boundary(shape->mesh, (const int32_t(*)[3])adjacent, shape->near_boundary);
         widen_marks(shape, shape->near_boundary, one_edge);
         widen_marks(shape, one_edge, shape->near_boundary);
     }
-    free(adjacent);
     free(one_edge);
     return error;
 }
@@ -190,7 +237,7 @@ static int solve_pairs(const struct iso_shape *shape, const struct iso_symmetric
 }
 
 /* Computes the spectra of the manifolds whose densities are the channels. */
-static int solve_weighted(struct iso_shape *shape, bool robust)
+static int solve_weighted(struct iso_shape *shape, enum surface surface)
 {
     struct iso_symmetric *stiffness = NULL, *mass = NULL;
     int32_t n = shape->mesh->n_vertices, room = shape->stiffness->nnz_capacity;
@@ -206,10 +253,7 @@ static int solve_weighted(struct iso_shape *shape, bool robust)
         for (int32_t v = 0; v < n; v++) {
             density[v] = fmax(ISO_SHAPE_DENSITY_MIN, (double)shape->colour[v].channel[c]);
         }
-        error = robust ? iso_stiffness_mass_robust(shape->mesh, ISO_MASS_CONSISTENT, density,
-                                                   stiffness, mass)
-                       : iso_stiffness_mass_weighted(shape->mesh, ISO_MASS_CONSISTENT, density,
-                                                     stiffness, mass);
+        error = assemble(surface, shape->mesh, density, stiffness, mass);
         if (!error) {
             error = solve_pairs(shape, stiffness, mass, ISO_SHAPE_WEIGHTED_PAIRS,
                                 &shape->weighted[c]);
@@ -221,8 +265,30 @@ static int solve_weighted(struct iso_shape *shape, bool robust)
     return error;
 }
 
+/* Everything besides the eigenpairs. */
+static int fill_shape(struct iso_shape *shape, enum surface surface)
+{
+    int error = measure_area(shape);
+    if (!error) {
+        error = assemble_plain(shape);
+    }
+    if (!error) {
+        error = find_neighbours(shape);
+    }
+    if (!error) {
+        error = find_boundary(shape, surface);
+    }
+    if (!error && surface != SURFACE_MESH) { /* the neighbours are those of the triangles */
+        error = assemble(surface, shape->mesh, NULL, shape->stiffness, shape->mass);
+    }
+    if (!error && surface == SURFACE_CLOUD) {
+        error = measure_cloud(shape);
+    }
+    return error;
+}
+
 static int make_shape(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t n_pairs,
-                      bool robust, struct iso_shape **out)
+                      enum surface surface, struct iso_shape **out)
 {
     if (n_pairs < 0 || iso_mesh_check(mesh, NULL) || !valid_colours(colour, mesh->n_vertices)) {
         return -EINVAL;
@@ -231,29 +297,20 @@ static int make_shape(const struct iso_mesh *mesh, const struct iso_colour *colo
     if (!shape) {
         return -ENOMEM;
     }
-    int error = take_part(mesh, colour, robust, shape);
+    shape->is_cloud = surface == SURFACE_CLOUD;
+    int error = take_part(mesh, colour, surface != SURFACE_MESH, shape);
     if (!error) {
-        error = measure_area(shape);
-    }
-    if (!error) {
-        error = assemble_matrices(shape);
-    }
-    if (!error) {
-        error = find_neighbours(shape);
-    }
-    if (!error) {
-        error = find_boundary(shape);
-    }
-    if (!error && robust) { /* after the neighbours were found, which are those of the mesh */
-        error = iso_stiffness_mass_robust(shape->mesh, ISO_MASS_CONSISTENT, NULL, shape->stiffness,
-                                          shape->mass);
+        error = fill_shape(shape, surface);
     }
     if (!error) {
         error = solve_pairs(shape, shape->stiffness, shape->mass,
                             n_pairs ? n_pairs : ISO_SHAPE_PAIRS, &shape->pairs);
     }
     if (!error && colour) {
-        error = solve_weighted(shape, robust);
+        error = solve_weighted(shape, surface);
+    }
+    if (!error && surface == SURFACE_CLOUD) { /* the matrices need the triangles of all stars */
+        error = iso_cloud_merge(shape->mesh);
     }
     if (error) {
         iso_shape_free(shape);
@@ -266,13 +323,25 @@ static int make_shape(const struct iso_mesh *mesh, const struct iso_colour *colo
 int iso_shape_new(const struct iso_mesh *mesh, const struct iso_colour *colour, int32_t n_pairs,
                   struct iso_shape **out)
 {
-    return make_shape(mesh, colour, n_pairs, false, out);
+    return make_shape(mesh, colour, n_pairs, SURFACE_MESH, out);
 }
 
 int iso_shape_new_robust(const struct iso_mesh *mesh, const struct iso_colour *colour,
                          int32_t n_pairs, struct iso_shape **out)
 {
-    return make_shape(mesh, colour, n_pairs, true, out);
+    return make_shape(mesh, colour, n_pairs, SURFACE_BAD_MESH, out);
+}
+
+int iso_shape_new_cloud(const struct iso_vec3 *point, const struct iso_colour *colour, int32_t n,
+                        int32_t neighbours, int32_t n_pairs, struct iso_shape **out)
+{
+    struct iso_mesh *cloud = NULL;
+    int error = iso_cloud_triangulate(point, n, neighbours, &cloud);
+    if (!error) {
+        error = make_shape(cloud, colour, n_pairs, SURFACE_CLOUD, out);
+    }
+    iso_mesh_free(cloud);
+    return error;
 }
 
 void iso_shape_free(struct iso_shape *shape)

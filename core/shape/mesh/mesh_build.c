@@ -91,8 +91,12 @@ int iso__mesh_build_finish(struct iso__mesh_build *build, struct iso_coloured_me
             }
         }
     }
-    if (mesh->n_triangles == 0) {
-        return iso_fault_set(build->fault, -EBADMSG, "%s: no triangles", build->name);
+    if (mesh->n_triangles == 0 && !(build->points && mesh->n_vertices > 0)) {
+        return iso_fault_set(build->fault, -EBADMSG, "%s: no %s", build->name,
+                             build->points ? "points"
+                             : mesh->n_vertices > 0
+                                 ? "triangles: a cloud of points, which is not wanted here"
+                                 : "triangles");
     }
     *out = build->made;
     build->made = (struct iso_coloured_mesh){NULL, NULL};

@@ -3,6 +3,8 @@
 #ifndef ISO_CORE_SHAPE_MESH_MESH_BUILD_H
 #define ISO_CORE_SHAPE_MESH_MESH_BUILD_H
 
+#include <stdbool.h>
+
 #include "core/base/fault.h"
 #include "isotherm/mesh_file.h"
 
@@ -16,6 +18,7 @@ struct iso__mesh_build {
     struct iso_fault *fault;
     struct iso_coloured_mesh made;
     int32_t colour_capacity; /* 0: no colours so far */
+    bool points;             /* a file without triangles is a cloud of points, no fault */
 };
 
 /* `name` and `fault` are borrowed. -ENOMEM. */
@@ -32,7 +35,8 @@ int iso__mesh_build_vertex(struct iso__mesh_build *build, unsigned line, struct 
 int iso__mesh_build_triangle(struct iso__mesh_build *build, unsigned line, const int32_t corner[3])
     __attribute__((warn_unused_result));
 
-/* Checks that there are triangles and that every index has a vertex. Hands the mesh to the caller.
+/* Checks that there are triangles, or with `points` at least vertices, and that every index has a
+ * vertex. Hands the mesh to the caller.
  * -EBADMSG with a fault. */
 int iso__mesh_build_finish(struct iso__mesh_build *build, struct iso_coloured_mesh *out)
     __attribute__((warn_unused_result));
@@ -61,6 +65,8 @@ int iso__mesh_read_obj(struct iso__mesh_build *build, char *text)
 int iso__mesh_read_ply(struct iso__mesh_build *build, char *bytes, size_t size)
     __attribute__((warn_unused_result));
 int iso__mesh_read_stl(struct iso__mesh_build *build, char *bytes, size_t size)
+    __attribute__((warn_unused_result));
+int iso__mesh_read_xyz(struct iso__mesh_build *build, char *text)
     __attribute__((warn_unused_result));
 int iso__mesh_read_tosca(struct iso__mesh_build *build, char *vert, char *tri)
     __attribute__((warn_unused_result));

@@ -81,7 +81,7 @@ static struct corners corners_of(const struct iso_mesh *mesh, const int32_t *fir
 static int find_triangles(const struct iso_mesh *mesh, const int32_t *first, uint8_t *keep,
                           struct iso_mesh_mended *report)
 {
-    struct corners *order = calloc((size_t)mesh->n_triangles, sizeof *order);
+    struct corners *order = calloc((size_t)mesh->n_triangles + 1, sizeof *order);
     size_t n = 0;
     if (!order) {
         return -ENOMEM;
@@ -102,7 +102,7 @@ static int find_triangles(const struct iso_mesh *mesh, const int32_t *first, uin
         report->repeated += same;
     }
     free(order);
-    return n > 0 ? 0 : -EBADMSG;
+    return n > 0 || mesh->n_triangles == 0 ? 0 : -EBADMSG;
 }
 
 /* The first vertex at a place gets the mean colour of all vertices at this place. */
@@ -121,6 +121,21 @@ static void mix_colours(struct iso_colour *colour, const int32_t *first, int32_t
     }
 }
 
+/* Marks the vertices of kept triangles, or of a cloud the first one at every place. */
+static void mark_used(const struct iso_mesh *mesh, const int32_t *first, const uint8_t *keep,
+                      int32_t *used)
+{
+    memset(used, 0, (size_t)mesh->n_vertices * sizeof *used);
+    for (int32_t v = 0; v < mesh->n_vertices && mesh->n_triangles == 0; v++) {
+        used[v] = first[v] == v;
+    }
+    for (int32_t t = 0; t < mesh->n_triangles; t++) {
+        for (int k = 0; k < 3 && keep[t]; k++) {
+            used[first[mesh->triangles[t][k]]] = 1;
+        }
+    }
+}
+
 /* Moves the kept vertices and triangles to the front; `renamed` is scratch. */
 static void compact(struct iso_coloured_mesh *coloured, const int32_t *first, const uint8_t *keep,
                     int32_t *renamed, struct iso_mesh_mended *report)
@@ -130,13 +145,12 @@ static void compact(struct iso_coloured_mesh *coloured, const int32_t *first, co
     if (coloured->colour) {
         mix_colours(coloured->colour, first, mesh->n_vertices, renamed);
     }
-    memset(renamed, 0, (size_t)mesh->n_vertices * sizeof *renamed);
+    mark_used(mesh, first, keep, renamed);
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
         if (keep[t]) {
             int32_t *c = mesh->triangles[n_triangles++];
             for (int k = 0; k < 3; k++) {
                 c[k] = first[mesh->triangles[t][k]];
-                renamed[c[k]] = 1;
             }
         }
     }
@@ -164,12 +178,12 @@ int iso_mesh_mend(struct iso_coloured_mesh *coloured, struct iso_mesh_mended *re
 {
     struct iso_mesh *mesh = coloured->mesh;
     const size_t n = (size_t)mesh->n_vertices, n_triangles = (size_t)mesh->n_triangles;
-    if (n == 0 || n_triangles == 0) {
+    if (n == 0) {
         return -EBADMSG;
     }
     struct iso_mesh_mended mended = {0, 0, 0, 0};
     int32_t *first = calloc(n, sizeof *first), *renamed = calloc(n, sizeof *renamed);
-    uint8_t *keep = calloc(n_triangles, 1);
+    uint8_t *keep = calloc(n_triangles + 1, 1);
     int error = first && renamed && keep ? find_first(mesh, first) : -ENOMEM;
     if (!error) {
         error = find_triangles(mesh, first, keep, &mended);

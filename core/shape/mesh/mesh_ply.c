@@ -334,7 +334,7 @@ static int read_body(struct ply *ply)
                     has_property(element, Z);
         faces += element->face && has_property(element, CORNERS);
     }
-    if (vertices != 1 || faces != 1) {
+    if (vertices != 1 || faces > 1 || (faces < 1 && !ply->build->points)) {
         return iso_fault_set(ply->build->fault, -EBADMSG,
                              "%s: not one element each of vertices "
                              "with x, y, z and of faces with vertex_indices",

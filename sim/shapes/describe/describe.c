@@ -12,6 +12,7 @@
 #include "sim/lab/match/parallel.h"
 #include "sim/shapes/describe/describe_parameters.h"
 #include "sim/shapes/describe/function_picture.h"
+#include "sim/shapes/describe/view_picture.h"
 
 enum { NAMES_MAX = 64 };
 
@@ -85,11 +86,41 @@ struct work {
     struct sim_describe_choice choice;
     enum sim_array_format format;
     enum sim_laplacian laplacian;
+    struct sim_quantity_options quantity; /* of the options, with the score of views */
     FILE *out;
     pthread_mutex_t lock; /* protects the output and the members below */
     struct iso_fault *fault;
     int last_error, n_described;
 };
+
+static int refuse_quantity(const char *path, const char *name, const struct iso_shape *shape,
+                           int error, struct iso_fault *fault)
+{
+    switch (error) {
+    case 0:
+        return 0;
+    case -EINVAL:
+        return iso_fault_set(fault, error,
+                             "%s: %s: --times, --time-first, --time-last, --energies or "
+                             "--persistence is out of range for this shape",
+                             path, name);
+    case -ERANGE:
+        return iso_fault_set(fault, -EINVAL,
+                             "%s: --source is out of range: the shape has the vertices 0 to %d",
+                             path, shape->mesh->n_vertices - 1);
+    case -ENOTSUP:
+        return iso_fault_set(fault, error, "%s: %s: a cloud of points has no surface to look at",
+                             path, name);
+    default:
+        return iso_fault_set(fault, error, "%s: %s: %s", path, name, strerror(-error));
+    }
+}
+
+/* Whether a quantity is left out of `all`, because this shape does not have it. */
+static bool is_left_out(const struct sim_describe_choice *choice, int error)
+{
+    return choice->as_colours_allow && error == -ENOTSUP;
+}
 
 static int fill_arrays(const struct work *work, const struct iso_shape *shape,
                        struct sim_arrays *arrays, const char *path, struct iso_fault *fault)
@@ -99,7 +130,8 @@ static int fill_arrays(const struct work *work, const struct iso_shape *shape,
     int error = sim_quantity_mesh(shape, arrays);
     for (int q = 0; q < choice->n_quantities && !error; q++) {
         name = choice->quantity[q]->name;
-        error = choice->quantity[q]->compute(shape, &work->options->quantity, arrays);
+        error = choice->quantity[q]->compute(shape, &work->quantity, arrays);
+        error = is_left_out(choice, error) ? 0 : error;
     }
     for (int m = 0; m < choice->n_methods && !error; m++) {
         name = choice->method[m]->name;
@@ -107,13 +139,20 @@ static int fill_arrays(const struct work *work, const struct iso_shape *shape,
             error = sim_quantity_method(shape, choice->method[m], arrays);
         }
     }
-    if (error == -EINVAL) {
-        return iso_fault_set(fault, error,
-                             "%s: %s: --times, --time-first, --time-last, --energies or "
-                             "--persistence is out of range for this shape",
-                             path, name);
+    return refuse_quantity(path, name, shape, error, fault);
+}
+
+static int write_pictures(const struct sim_describe_subject *subject, struct iso_fault *fault)
+{
+    char path[PATH_MAX];
+    int error = iso_path_join(subject->directory, "functions.png", path, fault);
+    if (!error) {
+        error = sim_function_picture(subject->shape, subject->arrays, path, fault);
     }
-    return error ? iso_fault_set(fault, error, "%s: %s: %s", path, name, strerror(-error)) : 0;
+    if (!error) {
+        error = iso_path_join(subject->directory, "views.png", path, fault);
+    }
+    return error ? error : sim_view_picture(subject->shape, subject->arrays, path, fault);
 }
 
 static int write_results(const struct work *work, const struct sim_describe_subject *subject,
@@ -130,13 +169,7 @@ static int write_results(const struct work *work, const struct sim_describe_subj
     if (!error) {
         error = sim_describe_parameters(work->options, work->format, subject, path, fault);
     }
-    if (!error && !work->options->no_pictures) {
-        error = iso_path_join(subject->directory, "functions.png", path, fault);
-        if (!error) {
-            error = sim_function_picture(subject->shape, subject->arrays, path, fault);
-        }
-    }
-    return error;
+    return error || work->options->no_pictures ? error : write_pictures(subject, fault);
 }
 
 /* The file's name without directories and ending, below `out`. */
@@ -154,17 +187,19 @@ static void report(struct work *work, const struct sim_describe_subject *subject
 {
     char left_out[256];
     sim_source_left_out(&subject->look, left_out, sizeof left_out);
-    fprintf(work->out, "%s: %d vertices, %d eigenpairs, %d arrays%s%s\n", subject->path,
-            subject->shape->mesh->n_vertices, subject->shape->pairs->k, subject->arrays->n,
-            left_out[0] ? "; " : "", left_out);
+    fprintf(work->out, "%s: %d %s, %d eigenpairs, %d arrays%s%s\n", subject->path,
+            subject->shape->mesh->n_vertices, subject->shape->is_cloud ? "points" : "vertices",
+            subject->shape->pairs->k, subject->arrays->n, left_out[0] ? "; " : "", left_out);
     work->n_described++;
 }
 
 static int describe_mesh(struct work *work, const char *path, struct iso_fault *fault)
 {
     const struct sim_describe_options *options = work->options;
-    const struct sim_source_options how = {
-        .vertices = options->vertices, .mend = options->mend, .smooth = options->smooth};
+    const struct sim_source_options how = {.vertices = options->vertices,
+                                           .mend = options->mend,
+                                           .smooth = options->smooth,
+                                           .clouds = true};
     char directory[PATH_MAX];
     struct iso_coloured_mesh mesh = {NULL, NULL};
     struct iso_shape *shape = NULL;
@@ -178,8 +213,12 @@ static int describe_mesh(struct work *work, const char *path, struct iso_fault *
     if (!error) {
         const bool colours = work->choice.colours &&
                              (mesh.colour || !work->choice.as_colours_allow);
-        error = sim_source_shape(path, &mesh, work->laplacian, colours, options->pairs, &shape,
-                                 fault);
+        const struct sim_shape_options shape_options = {.laplacian = work->laplacian,
+                                                        .neighbours = options->neighbours,
+                                                        .colours = colours,
+                                                        .mend = options->mend,
+                                                        .n_pairs = options->pairs};
+        error = sim_source_shape(path, &mesh, &shape_options, &shape, fault);
     }
     if (!error) {
         subject.shape = shape;
@@ -263,6 +302,54 @@ static int find_laplacian(const char *name, enum sim_laplacian *out, struct iso_
                : iso_fault_set(fault, -EINVAL, "--laplacian: '%s' is none of plain, robust", name);
 }
 
+static int find_view_score(const char *name, enum iso_view_score *out, struct iso_fault *fault)
+{
+    const bool divergence = strcmp(name, "divergence") == 0;
+    *out = divergence ? ISO_VIEW_DIVERGENCE : ISO_VIEW_ENTROPY;
+    return divergence || strcmp(name, "entropy") == 0
+               ? 0
+               : iso_fault_set(fault, -EINVAL, "--view-score: '%s' is none of entropy, divergence",
+                               name);
+}
+
+static int check_numbers(const struct sim_describe_options *options, struct iso_fault *fault)
+{
+    const int views = options->quantity.views, neighbours = options->neighbours;
+    if (views < 0 || views > SIM_QUANTITY_VIEWS_MAX) {
+        return iso_fault_set(fault, -EINVAL, "--views: %d is not in 1..%d", views,
+                             (int)SIM_QUANTITY_VIEWS_MAX);
+    }
+    if (neighbours &&
+        (neighbours < ISO_CLOUD_NEIGHBOURS_MIN || neighbours > ISO_CLOUD_NEIGHBOURS_MAX)) {
+        return iso_fault_set(fault, -EINVAL, "--neighbours: %d is not in %d..%d", neighbours,
+                             (int)ISO_CLOUD_NEIGHBOURS_MIN, (int)ISO_CLOUD_NEIGHBOURS_MAX);
+    }
+    return 0;
+}
+
+static int prepare(struct work *work, struct iso_fault *fault)
+{
+    const struct sim_describe_options *options = work->options;
+    work->quantity = options->quantity;
+    int error = check_numbers(options, fault);
+    if (!error) {
+        error = find_format(options->format, &work->format, fault);
+    }
+    if (!error) {
+        error = find_laplacian(options->laplacian, &work->laplacian, fault);
+    }
+    if (!error) {
+        error = find_view_score(options->view_score, &work->quantity.view_score, fault);
+    }
+    if (!error) {
+        error = choose_names(options->what, &work->choice, fault);
+    }
+    if (!error) {
+        error = check_names(work, fault);
+    }
+    return error ? error : sim_make_directory(options->out, fault);
+}
+
 int sim_shapes_describe(const struct sim_describe_options *options, FILE *out,
                         struct iso_fault *fault)
 {
@@ -272,19 +359,7 @@ int sim_shapes_describe(const struct sim_describe_options *options, FILE *out,
     if (options->meshes.n == 0) {
         return iso_fault_set(fault, -EINVAL, "no mesh is given");
     }
-    int error = find_format(options->format, &work.format, fault);
-    if (!error) {
-        error = find_laplacian(options->laplacian, &work.laplacian, fault);
-    }
-    if (!error) {
-        error = choose_names(options->what, &work.choice, fault);
-    }
-    if (!error) {
-        error = check_names(&work, fault);
-    }
-    if (!error) {
-        error = sim_make_directory(options->out, fault);
-    }
+    int error = prepare(&work, fault);
     if (error) {
         return error;
     }

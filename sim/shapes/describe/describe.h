@@ -11,10 +11,12 @@ struct sim_describe_options {
     const char *out;                /* directory, created if it is missing */
     const char *what;               /* names of quantities and methods, or "all", with commas */
     const char *format;             /* npy, csv or mat5 */
-    const char *laplacian;          /* plain or robust */
+    const char *laplacian;          /* of meshes: plain or robust */
+    const char *view_score;         /* entropy or divergence */
     struct sim_quantity_options quantity;
     int pairs; /* eigenpairs; 0: ISO_SHAPE_PAIRS */
     int vertices, smooth;
+    int neighbours; /* of each point of a cloud; 0: ISO_CLOUD_NEIGHBOURS */
     bool mend, strict, no_pictures;
     int threads;
 };
@@ -24,6 +26,7 @@ struct sim_describe_options {
  *   the arrays in the wanted format
  *   parameters.json   the file, the program, every parameter, and each array with its meaning
  *   functions.png     each function of the vertices; without no_pictures
+ *   views.png         the best views, if they are wanted; without no_pictures
  *
  * A mesh that cannot be described is named on standard error and left out; with `strict` it ends
  * the command. Prints a line for each mesh. -EINVAL for unknown names, for two meshes of one name

@@ -19,14 +19,14 @@ static json_t *describe_file(const struct sim_describe_subject *subject)
 {
     const struct sim_source_look *look = &subject->look;
     const struct iso_part_survey *part = &look->part;
-    return json_pack("{s:s, s:b, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:f}", "file",
-                     subject->path, "colours", look->colours, "merged_vertices",
-                     look->mended.merged, "collapsed_triangles", look->mended.collapsed,
-                     "repeated_triangles", look->mended.repeated, "unused_vertices",
-                     look->mended.unused, "parts", part->n_parts, "vertices_of_part",
-                     part->n_vertices, "triangles_of_part", part->n_triangles, "vertices_left_out",
-                     part->vertices_left_out, "flat_triangles", part->flat_triangles,
-                     "area_of_part", part->area, "area_left_out", part->area_left_out);
+    return json_pack(
+        "{s:s, s:i, s:b, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:f}", "file",
+        subject->path, "points_of_cloud", look->points, "colours", look->colours, "merged_vertices",
+        look->mended.merged, "collapsed_triangles", look->mended.collapsed, "repeated_triangles",
+        look->mended.repeated, "unused_vertices", look->mended.unused, "parts", part->n_parts,
+        "vertices_of_part", part->n_vertices, "triangles_of_part", part->n_triangles,
+        "vertices_left_out", part->vertices_left_out, "flat_triangles", part->flat_triangles,
+        "area_of_part", part->area, "area_left_out", part->area_left_out);
 }
 
 static const struct sim_array *find_array(const struct sim_arrays *arrays, const char *name)
@@ -54,14 +54,18 @@ static json_t *describe_shape(const struct sim_describe_options *o,
                               const struct sim_describe_subject *subject)
 {
     const struct iso_shape *shape = subject->shape;
-    return json_pack("{s:i, s:i, s:f, s:i, s:i, s:s, s:s, s:s, s:s, s:o, s:o}", "vertices",
-                     shape->mesh->n_vertices, "triangles", shape->mesh->n_triangles, "total_area",
-                     shape->total_area, "eigenpairs", shape->pairs->k, "eigenpairs_wanted",
-                     o->pairs ? o->pairs : ISO_SHAPE_PAIRS, "laplacian", o->laplacian, "mass",
-                     "consistent finite elements", "boundary", "Neumann", "heat",
-                     "dU/dt = -Delta U: decay exp(-lambda t)", "hks_times",
-                     describe_steps(subject->arrays, "hks_time"), "wks_energies",
-                     describe_steps(subject->arrays, "wks_energy"));
+    return json_pack("{s:i, s:i, s:f, s:i, s:i, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:i, s:s}",
+                     "vertices", shape->mesh->n_vertices, "triangles", shape->mesh->n_triangles,
+                     "total_area", shape->total_area, "eigenpairs", shape->pairs->k,
+                     "eigenpairs_wanted", o->pairs ? o->pairs : ISO_SHAPE_PAIRS, "laplacian",
+                     shape->is_cloud ? "cloud" : o->laplacian, "mass", "consistent finite elements",
+                     "boundary", "Neumann", "heat", "dU/dt = -Delta U: decay exp(-lambda t)",
+                     "hks_times", describe_steps(subject->arrays, "hks_time"), "wks_energies",
+                     describe_steps(subject->arrays, "wks_energy"), "neighbours",
+                     shape->is_cloud
+                         ? json_integer(o->neighbours ? o->neighbours : ISO_CLOUD_NEIGHBOURS)
+                         : json_null(),
+                     "heat_source", o->quantity.heat_source, "view_score", o->view_score);
 }
 
 int sim_describe_parameters(const struct sim_describe_options *options,

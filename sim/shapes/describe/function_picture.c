@@ -12,7 +12,7 @@
 enum { CELL_PX = 240, LABEL_PX = 34, COLUMNS = 4, ROWS_MAX = 16 };
 
 struct sheet {
-    const struct iso_shape *shape;
+    const struct iso_mesh *mesh;
     const struct sim_array *critical; /* or NULL */
     cairo_t *cr;
 };
@@ -78,7 +78,7 @@ static int draw_cell(const struct sheet *sheet, const struct sim_array *array, i
     char name[SIM_ARRAY_NAME_MAX + 16], values[64];
     int error = colours_of(array, column, &shown, ends, &colour);
     if (!error) {
-        error = sim_shape_picture(sheet->shape->mesh, colour, sheet->critical, CELL_PX, &picture);
+        error = sim_shape_picture(sheet->mesh, colour, sheet->critical, CELL_PX, &picture);
     }
     free(colour);
     if (error) {
@@ -124,12 +124,35 @@ static int columns_of(const struct sim_array *array, int32_t column[COLUMNS])
     return n;
 }
 
+/* Draws the rows on a white sheet. */
+static int draw_rows(struct sheet *sheet, const struct sim_array *const *row, int n,
+                     cairo_surface_t *surface)
+{
+    int error = 0;
+    sheet->cr = cairo_create(surface);
+    cairo_set_source_rgb(sheet->cr, 1, 1, 1);
+    cairo_paint(sheet->cr);
+    cairo_select_font_face(sheet->cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
+                           CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(sheet->cr, 12.0);
+    for (int r = 0; r < n; r++) {
+        int32_t column[COLUMNS];
+        const int drawn = columns_of(row[r], column);
+        for (int c = 0; c < drawn && !error; c++) {
+            error = draw_cell(sheet, row[r], column[c], c * CELL_PX, r * (CELL_PX + LABEL_PX));
+        }
+    }
+    cairo_destroy(sheet->cr);
+    return error;
+}
+
 int sim_function_picture(const struct iso_shape *shape, const struct sim_arrays *arrays,
                          const char *path, struct iso_fault *fault)
 {
     const struct sim_array *row[ROWS_MAX];
     int n = 0, error = 0;
-    struct sheet sheet = {.shape = shape};
+    struct sheet sheet = {.mesh = shape->mesh};
+    struct iso_mesh *facing = NULL;
     for (int i = 0; i < arrays->n && n < ROWS_MAX; i++) {
         const struct sim_array *array = &arrays->array[i];
         if (is_function(shape, array)) {
@@ -140,22 +163,14 @@ int sim_function_picture(const struct iso_shape *shape, const struct sim_arrays 
     if (n == 0) {
         return 0;
     }
+    if (shape->is_cloud) {
+        error = sim_shape_face_viewer(shape->mesh, &facing);
+        sheet.mesh = facing;
+    }
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, CELL_PX * COLUMNS,
                                                           (CELL_PX + LABEL_PX) * n);
-    sheet.cr = cairo_create(surface);
-    cairo_set_source_rgb(sheet.cr, 1, 1, 1);
-    cairo_paint(sheet.cr);
-    cairo_select_font_face(sheet.cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
-                           CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(sheet.cr, 12.0);
-    for (int r = 0; r < n; r++) {
-        int32_t column[COLUMNS];
-        const int drawn = columns_of(row[r], column);
-        for (int c = 0; c < drawn && !error; c++) {
-            error = draw_cell(&sheet, row[r], column[c], c * CELL_PX, r * (CELL_PX + LABEL_PX));
-        }
-    }
-    cairo_destroy(sheet.cr);
+    error = error ? error : draw_rows(&sheet, row, n, surface);
+    iso_mesh_free(facing);
     if (error) {
         cairo_surface_destroy(surface);
         return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));

@@ -5,17 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/shape/describe/persistence.h"
 #include "isotherm/signature.h"
 
 enum { NUMBERS_MAX = 10000 };
 
-/* The time of the heat mean signature and of segments, in areas of the shape: as for the method TD.
- */
-static const double mean_time = 1.0 / 64.0;
+static const double mean_time = SIM_QUANTITY_MEAN_TIME;
 
-/* Appends an array of doubles whose memory it takes. */
-static int add_owned(struct sim_arrays *arrays, const char *name, const char *meaning, double *data,
+int sim_quantity_add(struct sim_arrays *arrays, const char *name, const char *meaning, double *data,
                      int32_t rows, int32_t columns)
 {
     struct sim_array array = {
@@ -142,10 +138,10 @@ static int add_hks(const struct iso_shape *shape, const struct sim_quantity_opti
         free(hks);
         return error;
     }
-    error = add_owned(arrays, "hks", "heat kernel signature: a row of times for each vertex", hks,
-                      pairs->n, n);
-    const int other = add_owned(arrays, "hks_time", "the times, in the square of the mesh's unit",
-                                t, n, 0);
+    error = sim_quantity_add(arrays, "hks", "heat kernel signature: a row of times for each vertex",
+                             hks, pairs->n, n);
+    const int other = sim_quantity_add(arrays, "hks_time",
+                                       "the times, in the square of the mesh's unit", t, n, 0);
     return error ? error : other;
 }
 
@@ -169,11 +165,12 @@ static int add_wks(const struct iso_shape *shape, const struct sim_quantity_opti
         free(wks);
         return error;
     }
-    error = add_owned(arrays, "wks", "wave kernel signature: a row of energies for each vertex",
-                      wks, pairs->n, n);
-    const int other = add_owned(arrays, "wks_energy",
-                                "logarithms of eigenvalues; their spread is seven steps", energy, n,
-                                0);
+    error = sim_quantity_add(arrays, "wks",
+                             "wave kernel signature: a row of energies for each vertex", wks,
+                             pairs->n, n);
+    const int other = sim_quantity_add(arrays, "wks_energy",
+                                       "logarithms of eigenvalues; their spread is seven steps",
+                                       energy, n, 0);
     return error ? error : other;
 }
 
@@ -212,8 +209,8 @@ static int add_hms(const struct iso_shape *shape, const struct sim_quantity_opti
         free(hms);
         return error;
     }
-    return add_owned(arrays, "hms", "heat mean signature at a 64th of the area", hms,
-                     shape->mesh->n_vertices, 0);
+    return sim_quantity_add(arrays, "hms", "heat mean signature at a 64th of the area", hms,
+                            shape->mesh->n_vertices, 0);
 }
 
 static int add_critical(const struct iso_shape *shape, const struct sim_quantity_options *options,
@@ -236,68 +233,32 @@ static int add_critical(const struct iso_shape *shape, const struct sim_quantity
     return sim_arrays_add(arrays, &array);
 }
 
-/* Appends the segments, and all peaks with their persistence. Takes the memory of `segments`,
- * except for its peaks. */
-static int add_segment_arrays(const struct iso_segments *segments, int32_t n_vertices,
-                              struct sim_arrays *arrays)
+static int add_heat(const struct iso_shape *shape, const struct sim_quantity_options *options,
+                    struct sim_arrays *arrays)
 {
-    const struct sim_array segment = {.name = "segment",
-                                      .meaning = "the segment of each vertex, from 0",
-                                      .type = SIM_ARRAY_INT,
-                                      .rows = n_vertices,
-                                      .data = segments->segment,
-                                      .owned = segments->segment};
-    const size_t n = (size_t)segments->n_peaks;
-    int32_t *vertex = malloc(n * sizeof *vertex);
-    double *persistence = malloc(n * sizeof *persistence);
-    int error = sim_arrays_add(arrays, &segment);
-    if (error || !vertex || !persistence) {
-        free(vertex);
-        free(persistence);
-        return -ENOMEM;
+    enum { TIMES = 4 };
+    const struct iso_eigenpairs *pairs = shape->pairs;
+    if (options->heat_source < 0 || options->heat_source >= pairs->n) {
+        return -ERANGE;
     }
-    for (size_t p = 0; p < n; p++) {
-        vertex[p] = segments->peak[p].vertex;
-        persistence[p] = segments->peak[p].persistence;
+    double *t = malloc(TIMES * sizeof *t);
+    double *heat = malloc((size_t)pairs->n * TIMES * sizeof *heat);
+    int error = t && heat ? 0 : -ENOMEM;
+    if (!error) { /* each time is four times the one before; the third one is that of hms */
+        iso_heat_times(mean_time / 16.0 * shape->total_area, 4.0 * mean_time * shape->total_area,
+                       TIMES, t);
+        error = iso_heat_from_vertex(pairs, options->heat_source, 0, t, TIMES, heat);
     }
-    const struct sim_array peak = {
-        .name = "peak",
-        .meaning = "the vertex of each peak; the first ones have segments",
-        .type = SIM_ARRAY_INT,
-        .rows = segments->n_peaks,
-        .data = vertex,
-        .owned = vertex};
-    error = add_owned(arrays, "peak_persistence", "height of each peak above its pass", persistence,
-                      segments->n_peaks, 0);
     if (error) {
-        free(vertex);
+        free(t);
+        free(heat);
         return error;
     }
-    return sim_arrays_add(arrays, &peak);
-}
-
-static int add_segments(const struct iso_shape *shape, const struct sim_quantity_options *options,
-                        struct sim_arrays *arrays)
-{
-    const double time = mean_time * shape->total_area;
-    const int32_t n = shape->mesh->n_vertices;
-    struct iso_segments segments = {0};
-    double *heat = malloc((size_t)n * sizeof *heat);
-    int error = heat ? iso_heat_signature(shape->pairs, 0, &time, 1, heat) : -ENOMEM;
-    double low = INFINITY, high = -INFINITY;
-    for (int32_t v = 0; v < n && !error; v++) {
-        low = fmin(low, heat[v]);
-        high = fmax(high, heat[v]);
-    }
-    if (!error) {
-        error = iso_shape_segments(shape, heat, options->persistence * (high - low), &segments);
-    }
-    free(heat);
-    if (!error) {
-        error = add_segment_arrays(&segments, n, arrays);
-        free(segments.peak);
-    }
-    return error;
+    error = sim_quantity_add(arrays, "heat", "heat from one vertex: a row of times for each vertex",
+                             heat, pairs->n, TIMES);
+    const int other = sim_quantity_add(arrays, "heat_time",
+                                       "the times, in the square of the mesh's unit", t, TIMES, 0);
+    return error ? error : other;
 }
 
 const struct sim_quantity sim_quantities[] = {
@@ -309,7 +270,10 @@ const struct sim_quantity sim_quantities[] = {
     {"wks", "wks (vertices x energies), wks_energy: wave kernel signature", add_wks},
     {"hms", "hms (vertices): heat mean signature", add_hms},
     {"segments", "segment (vertices), peak, peak_persistence: parts by peaks of heat",
-     add_segments},
+     sim_quantity_segments},
+    {"heat", "heat (vertices x 4), heat_time: heat from the vertex --source", add_heat},
+    {"views", "view (views x 3), view_entropy, view_divergence: the best views",
+     sim_quantity_views},
     {"critical", "critical: extrema of the first eigenfunction", add_critical},
     {NULL, NULL, NULL},
 };

@@ -5,9 +5,15 @@
 #include <stdbool.h>
 
 #include "isotherm/shape_method.h"
+#include "isotherm/signature.h"
 #include "sim/shapes/describe/array.h"
 
-enum { SIM_QUANTITY_TIMES = 100, SIM_QUANTITY_ENERGIES = 100 };
+enum {
+    SIM_QUANTITY_TIMES = 100,
+    SIM_QUANTITY_ENERGIES = 100,
+    SIM_QUANTITY_VIEWS = 4,
+    SIM_QUANTITY_VIEWS_MAX = 16,
+};
 
 /* The parameters of all quantities. Times are in the square of the mesh's unit. */
 struct sim_quantity_options {
@@ -16,12 +22,17 @@ struct sim_quantity_options {
                                    * is not trivial (Sun, Ovsjanikov and Guibas 2009) */
     int energies;                 /* of wks; 0: SIM_QUANTITY_ENERGIES */
     double persistence;           /* of segments: least one of a peak, in ranges of the function */
+    int heat_source;              /* of heat: the vertex of the shape where it starts */
+    int views;                    /* 0: SIM_QUANTITY_VIEWS */
+    enum iso_view_score view_score;
 };
 
 struct sim_quantity {
     const char *name;
     const char *help; /* one line, with the arrays' names and sizes */
-    /* Appends arrays. -ENOMEM, -EINVAL for parameters that do not fit the shape. */
+    /* Appends arrays. -ENOMEM, -EINVAL for parameters that do not fit the shape, -ERANGE for a
+     * vertex that the shape does not have and for too many views, -ENOTSUP for what needs a mesh
+     * and has a cloud. */
     int (*compute)(const struct iso_shape *shape, const struct sim_quantity_options *options,
                    struct sim_arrays *arrays);
 };
@@ -42,5 +53,21 @@ int sim_quantity_method(const struct iso_shape *shape, const struct iso_shape_me
  * vertex. -ENOMEM. */
 int sim_quantity_mesh(const struct iso_shape *shape, struct sim_arrays *arrays)
     __attribute__((warn_unused_result));
+
+/* ---- shared by the files of the quantities ---- */
+
+/* The time of the heat mean signature and of segments, in areas of the shape: as for the method TD.
+ */
+#define SIM_QUANTITY_MEAN_TIME (1.0 / 64.0)
+
+/* Appends an array of doubles whose memory it takes, even after a failure. -ENOMEM. */
+int sim_quantity_add(struct sim_arrays *arrays, const char *name, const char *meaning, double *data,
+                     int32_t rows, int32_t columns) __attribute__((warn_unused_result));
+
+/* Quantities of the table, as sim_quantity.compute. */
+int sim_quantity_segments(const struct iso_shape *shape, const struct sim_quantity_options *options,
+                          struct sim_arrays *arrays) __attribute__((warn_unused_result));
+int sim_quantity_views(const struct iso_shape *shape, const struct sim_quantity_options *options,
+                       struct sim_arrays *arrays) __attribute__((warn_unused_result));
 
 #endif

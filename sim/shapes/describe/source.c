@@ -38,6 +38,19 @@ static int judge(const char *path, bool mend, const struct iso_part_survey *part
     return 0;
 }
 
+static int look_at_mesh(const char *path, bool mend, const struct iso_coloured_mesh *mesh,
+                        struct sim_source_look *seen, struct iso_fault *fault)
+{
+    if (iso_mesh_check(mesh->mesh, NULL)) {
+        return iso_fault_set(fault, -EBADMSG, "%s: a coordinate is not finite", path);
+    }
+    if (iso_part_survey(mesh->mesh, &seen->part)) {
+        return iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+    }
+    seen->colours = mesh->colour != NULL;
+    return judge(path, mend, &seen->part, fault);
+}
+
 int sim_source_look(const char *path, bool mend, struct sim_source_look *look,
                     struct iso_coloured_mesh *out, struct iso_fault *fault)
 {
@@ -47,14 +60,7 @@ int sim_source_look(const char *path, bool mend, struct sim_source_look *look,
     if (error) {
         return error;
     }
-    if (iso_mesh_check(mesh.mesh, NULL)) {
-        error = iso_fault_set(fault, -EBADMSG, "%s: a coordinate is not finite", path);
-    } else if (iso_part_survey(mesh.mesh, &seen.part)) {
-        error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
-    } else {
-        seen.colours = mesh.colour != NULL;
-        error = judge(path, mend, &seen.part, fault);
-    }
+    error = look_at_mesh(path, mend, &mesh, &seen, fault);
     if (error || !out) {
         iso_coloured_mesh_done(&mesh);
     }
@@ -86,6 +92,10 @@ void sim_source_left_out(const struct sim_source_look *look, char *text, size_t 
         const size_t used = strlen(text);
         (void)snprintf(text + used, size - used, ": %.2g %% of the area, %d vertices",
                        100.0 * loss_of(part), part->vertices_left_out);
+    }
+    if (look->points > 0) {
+        append(text, size, look->mended.merged, "point", "points", "merged");
+        return;
     }
     append(text, size, look->mended.merged, "vertex", "vertices", "merged");
     append(text, size, look->mended.repeated, "triangle", "triangles", "repeated");
@@ -138,17 +148,56 @@ static int change(const char *path, const char *name, const struct sim_source_op
     return error ? iso_fault_set(fault, error, "%s: %s", path, strerror(-error)) : 0;
 }
 
+/* Reads a mesh or a cloud. A mesh is looked at as by sim_source_look(). */
+static int look_at_any(const char *path, bool mend, struct sim_source_look *look,
+                       struct iso_coloured_mesh *out, struct iso_fault *fault)
+{
+    struct iso_coloured_mesh mesh = {NULL, NULL};
+    struct sim_source_look seen = {.points = 0};
+    int error = iso_mesh_or_cloud_file_read(path, &mesh, &seen.mended, fault);
+    if (error) {
+        return error;
+    }
+    seen.colours = mesh.colour != NULL;
+    if (mesh.mesh->n_triangles > 0) {
+        error = look_at_mesh(path, mend, &mesh, &seen, fault);
+    } else {
+        seen.points = mesh.mesh->n_vertices;
+    }
+    if (error) {
+        iso_coloured_mesh_done(&mesh);
+        return error;
+    }
+    *look = seen;
+    *out = mesh;
+    return 0;
+}
+
+static int change_cloud(const char *path, const struct sim_source_options *options,
+                        const struct sim_source_look *look, struct iso_fault *fault)
+{
+    const char *what = options->vertices > 0 && look->points > options->vertices ? "thinned"
+                       : options->smooth > 0                                     ? "smoothed"
+                       : options->distortion                                     ? "distorted"
+                                                                                 : NULL;
+    return what ? iso_fault_set(fault, -ENOTSUP, "%s: a cloud of points, which cannot be %s", path,
+                                what)
+                : 0;
+}
+
 int sim_source_read(const char *path, const char *name, const struct sim_source_options *options,
                     struct sim_source_look *look, struct iso_coloured_mesh *out,
                     struct iso_fault *fault)
 {
     struct iso_coloured_mesh mesh = {NULL, NULL};
     struct sim_source_look seen;
-    int error = sim_source_look(path, options->mend, &seen, &mesh, fault);
+    int error = options->clouds ? look_at_any(path, options->mend, &seen, &mesh, fault)
+                                : sim_source_look(path, options->mend, &seen, &mesh, fault);
     if (error) {
         return error;
     }
-    error = change(path, name, options, &mesh, fault);
+    error = seen.points > 0 ? change_cloud(path, options, &seen, fault)
+                            : change(path, name, options, &mesh, fault);
     if (error) {
         iso_coloured_mesh_done(&mesh);
         return error;
@@ -160,18 +209,8 @@ int sim_source_read(const char *path, const char *name, const struct sim_source_
     return 0;
 }
 
-int sim_source_shape(const char *path, const struct iso_coloured_mesh *mesh,
-                     enum sim_laplacian laplacian, bool colours, int32_t n_pairs,
-                     struct iso_shape **out, struct iso_fault *fault)
+static int refuse_shape(const char *path, int error, struct iso_fault *fault)
 {
-    if (colours && !mesh->colour) {
-        return iso_fault_set(fault, -ENODATA, "%s: a method needs colours, and the file has none",
-                             path);
-    }
-    const struct iso_colour *colour = colours ? mesh->colour : NULL;
-    const int error = laplacian == SIM_LAPLACIAN_ROBUST
-                          ? iso_shape_new_robust(mesh->mesh, colour, n_pairs, out)
-                          : iso_shape_new(mesh->mesh, colour, n_pairs, out);
     switch (error) {
     case 0:
         return 0;
@@ -194,4 +233,50 @@ int sim_source_shape(const char *path, const struct iso_coloured_mesh *mesh,
     default:
         return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
     }
+}
+
+static int shape_of_cloud(const char *path, const struct iso_coloured_mesh *cloud,
+                          const struct iso_colour *colour, const struct sim_shape_options *options,
+                          struct iso_shape **out, struct iso_fault *fault)
+{
+    const struct iso_mesh *points = cloud->mesh;
+    struct iso_shape *shape = NULL;
+    if (iso_mesh_check(points, NULL)) {
+        return iso_fault_set(fault, -EBADMSG, "%s: a coordinate is not finite", path);
+    }
+    int error = iso_shape_new_cloud(points->vertices_mm, colour, points->n_vertices,
+                                    options->neighbours, options->n_pairs, &shape);
+    error = refuse_shape(path, error, fault);
+    if (error) {
+        return error;
+    }
+    const int32_t left = points->n_vertices - shape->mesh->n_vertices;
+    if (!options->mend && left > least_loss * points->n_vertices) {
+        iso_shape_free(shape);
+        return iso_fault_set(fault, -EBADMSG,
+                             "%s: %d of its %d points are not joined to the largest part; --mend "
+                             "accepts this, more --neighbours may join them",
+                             path, left, points->n_vertices);
+    }
+    *out = shape;
+    return 0;
+}
+
+int sim_source_shape(const char *path, const struct iso_coloured_mesh *mesh,
+                     const struct sim_shape_options *options, struct iso_shape **out,
+                     struct iso_fault *fault)
+{
+    if (options->colours && !mesh->colour) {
+        return iso_fault_set(fault, -ENODATA, "%s: a method needs colours, and the file has none",
+                             path);
+    }
+    const struct iso_colour *colour = options->colours ? mesh->colour : NULL;
+    if (mesh->mesh->n_triangles == 0) {
+        return shape_of_cloud(path, mesh, colour, options, out, fault);
+    }
+    const bool robust = options->laplacian == SIM_LAPLACIAN_ROBUST;
+    return refuse_shape(
+        path,
+        (robust ? iso_shape_new_robust : iso_shape_new)(mesh->mesh, colour, options->n_pairs, out),
+        fault);
 }

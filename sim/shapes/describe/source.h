@@ -14,14 +14,16 @@ struct sim_source_options {
     const struct sim_distortion *distortion; /* NULL: no distortion */
     uint64_t seed;                           /* of the distortion, with the file's name */
     int smooth;                              /* double steps of the smoothing filter, at the end */
+    bool clouds; /* accept clouds of points, which can be neither thinned, distorted nor smoothed */
 };
 
 /* Which finite elements a shape has: those of its mesh (isotherm/shape.h, iso_shape_new()), or
  * those for bad meshes (iso_shape_new_robust()). */
 enum sim_laplacian { SIM_LAPLACIAN_PLAIN, SIM_LAPLACIAN_ROBUST };
 
-/* What was found in a file. */
+/* What was found in a file. Of a cloud `part` is empty. */
 struct sim_source_look {
+    int32_t points; /* of a cloud; 0 for a mesh */
     struct iso_mesh_mended mended;
     struct iso_part_survey part; /* of the mended mesh */
     bool colours;
@@ -42,16 +44,26 @@ void sim_source_left_out(const struct sim_source_look *look, char *text, size_t 
 /* Reads, mends, thins, distorts and smooths a mesh. `name` is the file's name in its corpus, from
  * which the distortion's random numbers come. `look` may be NULL. -ENOTSUP if over a twentieth more
  * vertices are left than wanted, because the mesh cannot be thinned further; errors of
- * sim_source_look, sim_distort and sim_smooth; each with a fault that names the file. */
+ * sim_source_look, sim_distort and sim_smooth; each with a fault that names the file. With
+ * options->clouds a cloud is read as a mesh without triangles; -ENOTSUP if it should be changed. */
 int sim_source_read(const char *path, const char *name, const struct sim_source_options *options,
                     struct sim_source_look *look, struct iso_coloured_mesh *out,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Makes a shape of a mesh; n_pairs as in iso_shape_new(). `path` stands for it in faults. -ENODATA
- * if colours are wanted and there are none; errors of iso_shape_new; each with a fault. */
+/* How a mesh or a cloud becomes a shape. */
+struct sim_shape_options {
+    enum sim_laplacian laplacian; /* of a mesh */
+    int32_t neighbours;           /* of each point of a cloud; 0: ISO_CLOUD_NEIGHBOURS */
+    bool colours, mend;
+    int32_t n_pairs; /* as in iso_shape_new() */
+};
+
+/* Makes a shape of a mesh, or of a cloud if it has no triangles. `path` stands for it in faults.
+ * -ENODATA if colours are wanted and there are none; -EBADMSG for a cloud of which more than 1 % of
+ * the places are not in the shape, without `mend`; errors of iso_shape_new, iso_shape_new_robust or
+ * iso_shape_new_cloud; each with a fault. */
 int sim_source_shape(const char *path, const struct iso_coloured_mesh *mesh,
-                     enum sim_laplacian laplacian, bool colours, int32_t n_pairs,
-                     struct iso_shape **out, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+                     const struct sim_shape_options *options, struct iso_shape **out,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
 #endif

@@ -36,8 +36,8 @@ static int open_side(const struct sim_match_options *options, struct side *side,
     struct iso_coloured_mesh mesh = {NULL, NULL};
     int error = sim_source_read(side->path, side->path, &how, NULL, &mesh, fault);
     if (!error) {
-        error = sim_source_shape(side->path, &mesh, SIM_LAPLACIAN_PLAIN, false, options->pairs,
-                                 &side->shape, fault);
+        const struct sim_shape_options shape_options = {.n_pairs = options->pairs};
+        error = sim_source_shape(side->path, &mesh, &shape_options, &side->shape, fault);
     }
     iso_coloured_mesh_done(&mesh);
     if (!error) {

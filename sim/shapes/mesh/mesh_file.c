@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,16 +13,21 @@
 
 static const size_t bytes_most = (size_t)1 << 30;
 
-static int format_of(const char *path, enum iso_mesh_format *out, struct iso_fault *fault)
+static int format_of(const char *path, bool clouds, enum iso_mesh_format *out,
+                     struct iso_fault *fault)
 {
     const char *dot = strrchr(path, '.');
     for (int f = 0; dot && !strchr(dot, '/') && f < ISO_MESH_FORMATS; f++) {
         if (strcasecmp(dot + 1, iso_mesh_format_suffix((enum iso_mesh_format)f)) == 0) {
             *out = (enum iso_mesh_format)f;
-            return 0;
+            return f != ISO_MESH_FORMAT_XYZ || clouds
+                       ? 0
+                       : iso_fault_set(fault, -ENOTSUP,
+                                       "%s: a cloud of points, and a mesh is wanted here", path);
         }
     }
-    return iso_fault_set(fault, -ENOTSUP, "%s: not named .off, .obj, .ply, .stl or .vert", path);
+    return iso_fault_set(fault, -ENOTSUP, "%s: not named .off, .obj, .ply, .stl%s .vert%s", path,
+                         clouds ? "," : " or", clouds ? " or .xyz" : "");
 }
 
 /* Reads the text of the .tri that belongs to a .vert. */
@@ -36,19 +42,23 @@ static int read_tri(const char *path, char **text, struct iso_fault *fault)
     return iso_text_read(beside, bytes_most, text, fault);
 }
 
-int iso_mesh_file_read(const char *path, struct iso_coloured_mesh *out, struct iso_fault *fault)
+static int mend(const char *path, struct iso_coloured_mesh *mesh, struct iso_mesh_mended *report,
+                struct iso_fault *fault)
 {
-    return iso_mesh_file_read_report(path, out, NULL, fault);
+    const int error = iso_mesh_mend(mesh, report);
+    return error ? iso_fault_set(fault, error, "%s: %s", path,
+                                 error == -ENOMEM ? "out of memory" : "no triangle is left of it")
+                 : 0;
 }
 
-int iso_mesh_file_read_report(const char *path, struct iso_coloured_mesh *out,
-                              struct iso_mesh_mended *report, struct iso_fault *fault)
+static int read_any(const char *path, bool clouds, struct iso_coloured_mesh *out,
+                    struct iso_mesh_mended *report, struct iso_fault *fault)
 {
     enum iso_mesh_format format = ISO_MESH_FORMAT_OFF;
     struct iso_coloured_mesh read = {NULL, NULL};
     char *bytes = NULL, *tri = NULL;
     size_t size = 0;
-    int error = format_of(path, &format, fault);
+    int error = format_of(path, clouds, &format, fault);
     if (!error) {
         error = iso_file_read(path, bytes_most, &bytes, &size, fault);
     }
@@ -56,16 +66,13 @@ int iso_mesh_file_read_report(const char *path, struct iso_coloured_mesh *out,
         error = read_tri(path, &tri, fault);
     }
     if (!error) {
-        error = iso_mesh_parse(format, path, bytes, size, tri, &read, fault);
+        error = (clouds ? iso_mesh_or_cloud_parse : iso_mesh_parse)(format, path, bytes, size, tri,
+                                                                    &read, fault);
     }
     free(bytes);
     free(tri);
     if (!error) {
-        error = iso_mesh_mend(&read, report);
-        if (error) {
-            (void)iso_fault_set(fault, error, "%s: %s", path,
-                                error == -ENOMEM ? "out of memory" : "no triangle is left of it");
-        }
+        error = mend(path, &read, report, fault);
     }
     if (error) {
         iso_coloured_mesh_done(&read);
@@ -73,4 +80,21 @@ int iso_mesh_file_read_report(const char *path, struct iso_coloured_mesh *out,
     }
     *out = read;
     return 0;
+}
+
+int iso_mesh_file_read(const char *path, struct iso_coloured_mesh *out, struct iso_fault *fault)
+{
+    return read_any(path, false, out, NULL, fault);
+}
+
+int iso_mesh_file_read_report(const char *path, struct iso_coloured_mesh *out,
+                              struct iso_mesh_mended *report, struct iso_fault *fault)
+{
+    return read_any(path, false, out, report, fault);
+}
+
+int iso_mesh_or_cloud_file_read(const char *path, struct iso_coloured_mesh *out,
+                                struct iso_mesh_mended *report, struct iso_fault *fault)
+{
+    return read_any(path, true, out, report, fault);
 }

@@ -17,4 +17,10 @@ int iso_mesh_file_read_report(const char *path, struct iso_coloured_mesh *out,
                               struct iso_mesh_mended *report, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
+/* Reads a mesh as above, or a cloud: a file without triangles (.off, .obj, .ply), or one named
+ * .xyz. A cloud is a mesh without triangles. -EBADMSG also for a file without a point. */
+int iso_mesh_or_cloud_file_read(const char *path, struct iso_coloured_mesh *out,
+                                struct iso_mesh_mended *report, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 #endif

@@ -44,8 +44,9 @@ static int describe(const struct sim_index *index, const char *path,
     struct iso_shape *shape = NULL;
     int error = sim_source_read(path, path, &index->source, NULL, &mesh, fault);
     if (!error) {
-        error = sim_source_shape(path, &mesh, SIM_LAPLACIAN_PLAIN, index->method->colour,
-                                 index->n_pairs, &shape, fault);
+        const struct sim_shape_options shape_options = {.colours = index->method->colour,
+                                                        .n_pairs = index->n_pairs};
+        error = sim_source_shape(path, &mesh, &shape_options, &shape, fault);
     }
     if (!error) {
         error = iso_shape_describe(index->method, shape, out);

@@ -130,8 +130,9 @@ static int make_shape(struct item *item, int32_t row, struct iso_shape **shape)
     int error = sim_bank_read(options, row, &mesh, item->fault);
     if (!error) {
         item->n_vertices = mesh.mesh->n_vertices;
-        error = sim_source_shape(item->path, &mesh, SIM_LAPLACIAN_PLAIN, need_colours(options),
-                                 options->n_pairs, shape, item->fault);
+        const struct sim_shape_options shape_options = {.colours = need_colours(options),
+                                                        .n_pairs = options->n_pairs};
+        error = sim_source_shape(item->path, &mesh, &shape_options, shape, item->fault);
     }
     iso_coloured_mesh_done(&mesh);
     return error;

@@ -106,6 +106,11 @@ static void print_shape(void)
     MEMBER(iso_shape, mass);
     MEMBER(iso_shape, pairs);
     MEMBER(iso_shape, weighted);
+    MEMBER(iso_shape, is_cloud);
+    WHOLE(iso_shape_view);
+    MEMBER(iso_shape_view, direction);
+    MEMBER(iso_shape_view, entropy);
+    MEMBER(iso_shape_view, divergence);
 }
 
 static void print_rigid_motions(void)

@@ -35,10 +35,10 @@ python() {
 if [ "$what" = --examples ]; then
     source=$3 drawn=''
     "$python" -c 'import matplotlib' 2>/dev/null && drawn=yes
-    for example in spectrum signatures geodesics matching retrieval; do
+    for example in spectrum signatures geodesics clouds matching retrieval; do
         echo "== $example.py"
         picture=''
-        case $example in signatures | geodesics | matching) picture=$work/$example.png ;; esac
+        case $example in signatures | geodesics | clouds | matching) picture=$work/$example.png ;; esac
         # shellcheck disable=SC2086
         python "$source/core/python/examples/$example.py" $picture
         [ -z "$picture" ] || [ -z "$drawn" ] || [ -s "$picture" ] || {
@@ -75,6 +75,7 @@ for format in npy csv mat5; do
         --out "$work/$format"
 done
 quietly "$simulator" shapes describe "$coat" --no-pictures --out "$work/coloured"
+quietly "$simulator" shapes describe "$work/plain/dog-01.off" --what views --views 3 --no-pictures --out "$work/views"
 quietly "$simulator" shapes match "$work/plain/dog-01.off" "$work/plain/dog-02.off" --pairs 60 --out "$work/match"
 corpus=$work/corpus
 mkdir "$corpus"

@@ -13,6 +13,7 @@
 #include "core/shape/classify/confusion.h"
 #include "core/shape/classify/retrieval.h"
 #include "isotherm/classifier.h"
+#include "isotherm/signature.h"
 #include "tests/core/surfaces/shapes.h"
 #include "tests/support/memory/scarce_memory.h"
 
@@ -51,6 +52,27 @@ static int prepare_robust(void *context, struct iso_fault *fault)
     int error = iso_shape_new_robust(c->mesh, c->colour, 12, &shape);
     assert_true(!error == !!shape);
     iso_shape_free(shape);
+    return said(error, fault);
+}
+
+static int prepare_cloud(void *context, struct iso_fault *fault)
+{
+    struct corpus *c = context;
+    struct iso_shape *shape = NULL;
+    int error = iso_shape_new_cloud(c->mesh->vertices_mm, c->colour, c->mesh->n_vertices, 0, 12,
+                                    &shape);
+    assert_true(!error == !!shape);
+    iso_shape_free(shape);
+    return said(error, fault);
+}
+
+static int look(void *context, struct iso_fault *fault)
+{
+    struct corpus *c = context;
+    struct iso_shape_view view[2];
+    int n = 0;
+    int error = iso_shape_views(c->mesh, ISO_VIEW_ENTROPY, 0.5, 2, view, &n);
+    assert_int_equal(n, error ? 0 : 2);
     return said(error, fault);
 }
 
@@ -119,6 +141,8 @@ static void nothing_leaks_when_memory_runs_out(void **state)
     }
     print_message("shape: %d allocations\n", scarce_memory_exhaust(prepare, &c, 400));
     print_message("robust: %d allocations\n", scarce_memory_exhaust(prepare_robust, &c, 600));
+    print_message("cloud: %d allocations\n", scarce_memory_exhaust(prepare_cloud, &c, 800));
+    print_message("views: %d allocations\n", scarce_memory_exhaust(look, &c, 20));
     assert_int_equal(iso_shape_new(c.mesh, c.colour, 12, &c.shape), 0);
     for (const struct iso_shape_method *const *m = iso_shape_methods; *m; m++) {
         struct iso_shape_description *made = NULL;

@@ -45,6 +45,65 @@ done
     >/dev/null 2>&1 || fail 'describe --laplacian robust'
 "$python" "$source/tests/sim/shapes/describe.py" "$mesh" "$work/deep/below" "$work/coloured" "$work/robust" || fail 'the arrays are not what NumPy computes'
 
+# Clouds: random points of a sphere, in each format that may have points alone.
+"$python" - "$work" <<'PYTHON' || fail 'clouds'
+import sys
+import numpy as np
+random = np.random.default_rng(5)
+point = random.normal(size=(1500, 3))
+point *= 3 / np.linalg.norm(point, axis=1)[:, None]
+point[:, 2] += 10
+np.savetxt(sys.argv[1] + '/ball.xyz', np.vstack([point, point[:7]]), fmt='%.9g', header='x y z')
+np.savetxt(sys.argv[1] + '/ball.off', point, fmt='%.9g', header='OFF\n1500 0 0', comments='')
+with open(sys.argv[1] + '/ball.ply', 'wb') as out:
+    out.write(b'ply\nformat binary_little_endian 1.0\nelement vertex 1500\nproperty double x\nproperty double y\n'
+              b'property double z\nend_header\n')
+    rounded = np.loadtxt(sys.argv[1] + '/ball.xyz')[:1500]
+    out.write(rounded.astype('<f8').tobytes())
+PYTHON
+for ending in xyz off ply; do
+    "$simulator" shapes describe "$work/ball.$ending" --what eigen,mass,heat --source 4 --pairs 20 --out "$work/cloud-$ending" \
+        >"$work/stdout" 2>"$work/stderr" || fail "describe of a cloud: $(cat "$work/stderr")"
+    grep -q "ball.$ending: 1500 points, 20 eigenpairs" "$work/stdout" || fail "no report of a cloud: $(cat "$work/stdout")"
+    cmp -s "$work/cloud-xyz/ball/phi.npy" "$work/cloud-$ending/ball/phi.npy" || fail "$ending: other eigenvectors than those of the XYZ"
+    [ -s "$work/cloud-$ending/ball/functions.png" ] || fail 'no picture of a cloud'
+done
+"$simulator" shapes describe "$work/ball.xyz" --what all --no-pictures --out "$work/o" >/dev/null 2>&1 || fail 'describe --what all of a cloud'
+"$simulator" shapes describe "$mesh" --what views --views 3 --view-score divergence --out "$work/views" >/dev/null 2>&1 || fail 'describe --what views'
+[ -s "$work/views/dog-01/views.png" ] || fail 'no picture of the views'
+"$python" - "$work" <<'PYTHON' || fail 'a cloud or views are not as they should be'
+import json
+import sys
+import numpy as np
+cloud, views = sys.argv[1] + '/cloud-xyz/ball/', sys.argv[1] + '/views/dog-01/'
+values = np.load(cloud + 'lambda.npy')
+known = np.repeat([l * (l + 1) / 9 for l in range(1, 4)], [3, 5, 7])
+assert np.abs(values[1:16] / known - 1).max() < 0.04, values[1:16] / known
+told = json.load(open(cloud + 'parameters.json'))
+assert told['shape']['laplacian'] == 'cloud' and told['shape']['neighbours'] == 30, told['shape']
+assert told['source']['points_of_cloud'] == 1500 and told['source']['merged_vertices'] == 7, told['source']
+heat, time, area = np.load(cloud + 'heat.npy'), np.load(cloud + 'heat_time.npy'), np.load(cloud + 'area.npy')
+point = np.load(cloud + 'vertices.npy')
+assert heat.shape == (1500, 4) and (np.linalg.norm(point[heat.argmax(axis=0)] - point[4], axis=1) < 0.5).all()
+assert np.allclose(area @ heat, 1) and np.allclose(time[2], area.sum() / 64) and np.allclose(time[1:] / time[:-1], 4)
+view, divergence = np.load(views + 'view.npy'), np.load(views + 'view_divergence.npy')
+assert view.shape == (3, 3) and np.allclose(np.linalg.norm(view, axis=1), 1)
+assert (np.diff(divergence) >= 0).all() and (divergence > 0.9).all() and np.load(views + 'view_entropy.npy').shape == (3,)
+assert (view @ view.T)[np.triu_indices(3, 1)].max() <= np.cos(np.radians(40)) + 1e-9
+PYTHON
+"$python" -c 'import sys; lines = open(sys.argv[1]).read().split("\n")[1:1501]; open(sys.argv[2], "w").write("\n".join(lines + [" ".join(str(0.3 * float(w) + 100) for w in l.split()) for l in lines[:200]]))' \
+    "$work/ball.xyz" "$work/apart.xyz"
+refuse 4 '200 of its 1700 points are not joined to the largest part; --mend accepts this' describe "$work/apart.xyz" --out "$work/o" --what eigen
+refuse 4 'a cloud of points, which cannot be thinned' describe "$work/ball.xyz" --out "$work/o" --vertices 500
+refuse 4 'a cloud of points, which cannot be smoothed' describe "$work/ball.xyz" --out "$work/o" --smooth 1
+refuse 4 'views: a cloud of points has no surface to look at' describe "$work/ball.xyz" --out "$work/o" --what views
+refuse 2 '--neighbours: 5 is not in 6..200' describe "$work/ball.xyz" --out "$work/o" --neighbours 5
+refuse 2 '--views: 17 is not in 1..16' describe "$mesh" --out "$work/o" --views 17
+refuse 2 "--view-score: 'best' is none of entropy, divergence" describe "$mesh" --out "$work/o" --view-score best
+refuse 2 '--source is out of range: the shape has the vertices 0 to 399' describe "$mesh" --out "$work/o" --what heat --source 400
+refuse 4 'a cloud of points, and a mesh is wanted here' match "$work/ball.xyz" "$mesh" --out "$work/o"
+refuse 4 'no triangles: a cloud of points, which is not wanted here' match "$work/ball.off" "$mesh" --out "$work/o"
+
 refuse 2 'no mesh is given' describe --out "$work/o"
 refuse 2 '--out is needed' describe "$mesh"
 refuse 2 "--what: 'hat' is unknown" describe "$mesh" --out "$work/o" --what hks,hat
