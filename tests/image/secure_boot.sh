@@ -10,10 +10,10 @@ make_signed_image() {
         die "the key of the firmware: $(cat "$out/keys/log")"
     (
         ISOTHERM_SB_KEY=$out/keys/secure_boot.key ISOTHERM_SB_CERT=/usr/share/ovmf/PkKek-1-snakeoil.pem
-        ISOTHERM_COMPRESSION=lz4 ISOTHERM_CMDLINE='console=tty0 console=ttyS0 systemd.show_status=false'
+        ISOTHERM_COMPRESSION=lz4 ISOTHERM_CMDLINE=$machine_cmdline
         export ISOTHERM_SB_KEY ISOTHERM_SB_CERT ISOTHERM_COMPRESSION ISOTHERM_CMDLINE
         "$source_dir/board/image/seal.sh" "$out/test/root" "$ISOTHERM_CACHE" "$out/signed"
-        "$source_dir/board/image/disk.sh" "$out/signed"
+        "$source_dir/board/image/disk.sh" "$out/signed" "$ISOTHERM_CACHE"
     ) >"$out/signed.log" 2>&1 || die "signing: $(tail -n 5 "$out/signed.log")"
 }
 
