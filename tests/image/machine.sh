@@ -19,8 +19,9 @@ machine_start() {
     machine_system='qemu-system-x86_64 -machine q35 -cpu Nehalem'
     machine_lines="-serial file:$machine_out/$name.log -serial file:$machine_out/$name.status"
     case ${ISOTHERM_ARCH:-amd64}-${machine_firmware:-plain} in
-    arm64-plain)
+    arm64-*)
         machine_code=AAVMF_CODE.fd machine_vars=AAVMF_VARS.fd machine_smm=''
+        [ "${machine_firmware:-plain}" = plain ] || machine_vars=AAVMF_VARS.snakeoil.fd
         machine_system='qemu-system-aarch64 -machine virt -cpu cortex-a72'
         machine_lines="-serial file:$machine_out/$name.log -chardev file,id=status,path=$machine_out/$name.status -device pci-serial,chardev=status"
         ;;
