@@ -98,6 +98,9 @@ the_root_is_sealed() {
 
 nothing_else_runs() {
     failed=$(systemctl --failed --plain --no-legend | cut -d ' ' -f 1 | tr '\n' ' ')
+    for unit in $failed; do
+        journalctl --no-pager --boot --unit "$unit" | tail -n 10
+    done
     [ -z "$failed" ] || die "units failed: $failed"
     [ -z "$(processes 'agetty|getty|login|sshd')" ] || die 'somebody could log in'
     nft list chain inet filter input | grep -q 'policy drop' || die 'the firewall is off'
