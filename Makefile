@@ -18,14 +18,16 @@
 #   make check-asan  runs every test under the address and undefined-behaviour sanitizers
 #   make nightly  runs the slow checks: check-clang, check-asan, fuzz of NIGHTLY_FUZZ_SECONDS, NIGHTLY_KILLS kills, storage-faults,
 #                 packages-arm64, drill, races, drill-bites, fleet-check, fleet-upgrade-check,
-#                 image-check; it does not run `make levels`
+#                 image-check, image-check-arm64; it does not run `make levels`
 #   make levels   counts refused and admitted visitors at each security level in 3,000 visits: an hour; ICT=DIR has the head model.
 #                 GROUP_COUNT=1 STRANGERS=300 ALIKE=100: 600 visits; REAL=DIR also plays visits of real frames
 #   make packages makes the Debian packages in build/packages and checks them
-#   make packages-arm64  cross-builds the packages for arm64 in build/packages-arm64
+#   make packages-arm64  cross-builds the packages for arm64 in build/packages-arm64, next to those for every architecture
 #   make install-check  installs the packages, and also runs `make install`, each in a fresh Debian in a container: needs root
 #   make image    makes the image of the appliance for amd64 machines with UEFI, build/image/BOARD/isotherm.img: needs root
+#   make image-arm64  makes it for arm64 machines with UEFI, build/image-arm64/BOARD/isotherm.img; BOARD is generic here: needs root
 #   make image-check  makes the image, starts it as a PC with UEFI under an emulator, damages it, and compares two builds: needs root
+#   make image-check-arm64  makes the image for arm64, starts it by its boot loader under an emulator, and damages it: needs root
 #   make web-check  tests the web server and its pages in a browser, with a daemon on stored frames; pictures are in out/web-check
 #   make hub-web-check  tests the pages of the hub of a fleet in a browser, with a PostgreSQL of its own; pictures are in out/hub-web-check
 #   make fleet-check  runs 50 doors, two hubs, PostgreSQL and mosquitto, and kills them at random for FLEET_FAULT_SECONDS
@@ -48,7 +50,7 @@ ICT ?= ict
 BOARD ?= pc-usb
 JOBS := $(shell nproc)
 
-.PHONY: demo check check-clang check-asan vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check image image-check web-check hub-web-check fleet-check fleet-upgrade-check fleet-bench install docs clean
+.PHONY: demo check check-clang check-asan vm-check arm64-check arm64-bench bench bench-door fuzz kills storage-faults drill races drill-bites nightly levels packages packages-arm64 install-check image image-arm64 image-check image-check-arm64 web-check hub-web-check fleet-check fleet-upgrade-check fleet-bench install docs clean
 
 demo:
 	cmake/install_packages.sh build demo
@@ -146,6 +148,7 @@ nightly:
 	$(MAKE) fleet-check
 	$(MAKE) fleet-upgrade-check
 	$(MAKE) image-check
+	$(MAKE) image-check-arm64
 	tests/gate/summary.sh build/dev
 
 levels:
@@ -173,9 +176,18 @@ image: packages
 	cmake/install_packages.sh image
 	board/image/build.sh build/packages build/image/$(BOARD) $(BOARD)
 
+image-arm64: BOARD = generic
+image-arm64: packages-arm64
+	cmake/install_packages.sh image arm64
+	ISOTHERM_ARCH=arm64 board/image/build.sh build/packages-arm64 build/image-arm64/$(BOARD) $(BOARD)
+
 image-check: packages
 	cmake/install_packages.sh install vm image
 	tests/image/run.sh build/packages build/image
+
+image-check-arm64: packages-arm64
+	cmake/install_packages.sh install vm image arm64
+	ISOTHERM_ARCH=arm64 tests/image/run.sh build/packages-arm64 build/image-arm64
 
 web-check:
 	cmake/install_packages.sh build test web

@@ -2,12 +2,16 @@
 # Cross-builds the Debian packages for arm64 from the source package, in a separate Debian root with the libraries of both architectures.
 # It installs nothing on this machine.
 #
-#   debian_packages_arm64.sh SOURCE OUT      SOURCE is the output folder of debian_packages.sh; OUT is emptied, and then has *.deb and
-#                                            the log
+#   debian_packages_arm64.sh SOURCE OUT      SOURCE is the output folder of debian_packages.sh; OUT is emptied, and then has *.deb, also
+#                                            those of SOURCE that are for every architecture, and the log. It does nothing if OUT has
+#                                            the packages of SOURCE.
 #
 # Needs root and mmdebstrap.
 set -eu
 source_packages=$(cd "$1" && pwd)
+if [ -e "$2/tree.sha256" ] && cmp -s "$1/tree.sha256" "$2/tree.sha256"; then
+    exit 0
+fi
 rm -rf "$2"
 mkdir -p "$2"
 out=$(cd "$2" && pwd)
@@ -45,3 +49,5 @@ for deb in "$out"/*.deb; do
         exit 1
     }
 done
+cp "$source_packages"/*_all.deb "$out"
+cp "$source_packages/tree.sha256" "$out"

@@ -17,7 +17,7 @@ of() {
 }
 cat >"$work/content/manifest.raucm" <<END
 [update]
-compatible=$(of IMAGE_ID)-amd64
+compatible=$(of IMAGE_ID)-$(cat "$out/arch")
 version=$(of IMAGE_VERSION)
 
 [bundle]

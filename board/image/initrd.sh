@@ -6,6 +6,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 root=$1 cache=$2 initrd=$3
 PATH=$PATH:/usr/sbin:/sbin
+. "$here/arch.sh"
 release=$(cut -d ' ' -f 1 "$cache/kernel.release")
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
@@ -13,7 +14,7 @@ mkdir -p "$tree/bin" "$tree/sbin" "$tree/usr/lib" "$tree/proc" "$tree/sys" "$tre
 ln -s usr/lib "$tree/lib"
 ln -s usr/lib64 "$tree/lib64"
 mkdir "$tree/usr/lib64"
-cp /bin/busybox "$tree/bin/busybox"
+cp "$(arch_file "$cache" /bin/busybox)" "$tree/bin/busybox"
 install -m 0755 "$here/init.sh" "$tree/init"
 
 # Programs with their libraries.
@@ -27,7 +28,7 @@ for program in veritysetup sfdisk; do
 done
 
 # The modules of the list, with what they need.
-awk '$1 == "initrd" { $1 = ""; print }' "$here/modules.txt" | xargs -n 1 modprobe -d "$root" -S "$release" --show-depends |
+awk -v arch="$ISOTHERM_ARCH" '$1 == "initrd" || $1 == "initrd-" arch { $1 = ""; print }' "$here/modules.txt" | xargs -n 1 modprobe -d "$root" -S "$release" --show-depends |
     awk '$1 == "insmod" { print $2 }' | sort -u | while read -r module; do
     name=${module#"$root"/}
     install -D -m 0644 "$module" "$tree/usr/lib/modules/$release/${name#*modules/"$release"/}"

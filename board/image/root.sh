@@ -8,6 +8,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 packages=$(cd "$1" && pwd) cache=$2 board=$3 root=$4
 PATH=$PATH:/usr/sbin:/sbin
+. "$here/arch.sh"
 
 in_root() {
     chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive SOURCE_DATE_EPOCH="$SOURCE_DATE_EPOCH" "$@"
@@ -15,7 +16,10 @@ in_root() {
 
 install_isotherm() {
     mkdir "$root/packages"
-    for name in $(grep -v '^#' "$here/our_packages.txt") "isotherm-board-$board"; do
+    # The board `generic` is a part of the package isotherm.
+    board_package=isotherm-board-$board
+    [ "$board" != generic ] || board_package=
+    for name in $(grep -v '^#' "$here/our_packages.txt") $board_package; do
         cp "$(find "$packages" -name "${name}_*.deb" | head -n 1)" "$root/packages"
     done
     in_root sh -c 'dpkg --install /packages/*.deb' >&2
@@ -26,7 +30,7 @@ install_isotherm() {
 install_modules() {
     release=$(cut -d ' ' -f 1 "$cache/kernel.release")
     modules=usr/lib/modules/$release
-    awk '!/^#/ { $1 = ""; print }' "$here/modules.txt" | xargs -n 1 modprobe -d "$cache/kernel" -S "$release" --show-depends |
+    awk -v arch="$ISOTHERM_ARCH" '!/^#/ && ($1 !~ /-/ || $1 ~ "-" arch "$") { $1 = ""; print }' "$here/modules.txt" | xargs -n 1 modprobe -d "$cache/kernel" -S "$release" --show-depends |
         awk -v from="$cache/kernel/" '$1 == "insmod" { sub(from "(usr/)?", "usr/", $2); sub("usr/usr", "usr", $2); print $2 }' | sort -u |
         (cd "$cache/kernel" && xargs cp --parents -t "$root")
     cp "$cache/kernel/$modules"/modules.builtin* "$cache/kernel/$modules/modules.order" "$root/$modules"
@@ -62,7 +66,7 @@ END
 # The certificate by which the image knows its updates; without one, it takes none. Who may install them.
 configure_updates() {
     mkdir -p "$root/etc/rauc"
-    sed "s/@COMPATIBLE@/isotherm-$board-amd64/" "$here/etc/rauc.conf" >"$root/etc/rauc/system.conf"
+    sed "s/@COMPATIBLE@/isotherm-$board-$ISOTHERM_ARCH/" "$here/etc/rauc.conf" >"$root/etc/rauc/system.conf"
     install -m 0644 "$here/etc/de.pengutronix.rauc.conf" "$root/usr/share/dbus-1/system.d"
     if [ -n "${ISOTHERM_UPDATE_CERT:-}" ]; then
         install -m 0644 "$ISOTHERM_UPDATE_CERT" "$root/etc/rauc/keyring.pem"
@@ -93,7 +97,7 @@ enable_units() {
 list_packages() {
     {
         in_root dpkg-query -W -f '${Package}\t${Version}\t${Architecture}\t${source:Package}\t${source:Version}\n'
-        sed "s/^\([^ ]*\) \(.*\)/linux-image-\1\t\2\tamd64\tlinux\t\2/" "$cache/kernel.release"
+        sed "s/^\([^ ]*\) \(.*\)/linux-image-\1\t\2\t$ISOTHERM_ARCH\tlinux\t\2/" "$cache/kernel.release"
     } | LC_ALL=C sort >"$root/usr/lib/isotherm-image/packages"
     "$here/sbom.sh" "$root/usr/lib/isotherm-image/packages" "isotherm-$board" "$version" >"$root/usr/lib/isotherm-image/sbom.spdx.json"
 }

@@ -19,12 +19,15 @@ dependencies() {
     done | grep -vE '^(|debconf|lib)isotherm|^$' | sort -u
 }
 
+. "$here/arch.sh"
+# For amd64 the name of the file is what it was before there were other architectures.
+other_arch=$(echo "$ISOTHERM_ARCH" | sed 's/^amd64$//')
 names=$({
     awk '!/^#/ && NF { print $1 }' "$here/packages.txt"
     dependencies
 } | sort -u | tr '\n' ',')
 sum=$({
-    echo "$names$mirror$security$SOURCE_DATE_EPOCH"
+    echo "$other_arch$names$mirror$security$SOURCE_DATE_EPOCH"
     cat "$here/leave_out.txt" "$here/accounts.conf"
 } | sha256sum | cut -c 1-16)
 tar=$cache/base-$sum.tar
@@ -34,7 +37,7 @@ tar=$cache/base-$sum.tar
     set -f # the patterns are for dpkg
     # The accounts come first, with fixed numbers: an update must not change who owns the files in /var.
     # shellcheck disable=SC2086,SC2016 # words; mmdebstrap's shell sets $1
-    mmdebstrap --quiet --mode=root --variant=essential --format=tar --include="${names%,}" $excludes \
+    mmdebstrap --quiet --mode=root --variant=essential --format=tar --architectures="$ISOTHERM_ARCH" --include="${names%,}" $excludes \
         --dpkgopt=force-unsafe-io --hook-dir=/usr/share/mmdebstrap/hooks/merged-usr \
         --essential-hook="systemd-sysusers --root=\"\$1\" $here/accounts.conf" \
         bookworm "$tar.$$" "deb $signed $mirror bookworm main" "deb $signed $mirror bookworm-updates main" \

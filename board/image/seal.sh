@@ -2,7 +2,7 @@
 # Seals a root: a squashfs file system, its tree of hashes (dm-verity), and one kernel image for UEFI with initial RAM disk and command line
 # (a unified kernel image). The command line has the root hash, so the signature of the kernel image also covers the root.
 #
-#   seal.sh ROOT CACHE OUT      makes OUT/root.squashfs, OUT/root.verity, OUT/root.hash, OUT/isotherm.efi
+#   seal.sh ROOT CACHE OUT      makes OUT/root.squashfs, OUT/root.verity, OUT/root.hash, OUT/isotherm.efi, OUT/os-release, OUT/arch
 #
 # ISOTHERM_SB_KEY, ISOTHERM_SB_CERT: key and certificate for Secure Boot; without them the kernel image is not signed.
 # ISOTHERM_CMDLINE: further words of the kernel's command line.
@@ -10,7 +10,8 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 root=$1 cache=$2 out=$3
 PATH=$PATH:/usr/sbin:/sbin
-stub=/usr/lib/systemd/boot/efi/linuxx64.efi.stub
+. "$here/arch.sh"
+stub=$(arch_file "$cache" "/usr/lib/systemd/boot/efi/linux$arch_efi.efi.stub")
 release=$(cut -d ' ' -f 1 "$cache/kernel.release")
 
 rm -f "$out/root.squashfs" "$out/root.verity"
@@ -25,11 +26,14 @@ veritysetup format "$out/root.squashfs" "$out/root.verity" --salt "$salt" --uuid
 # gpt: if the first copy of the partition table is not whole, as after a power cut while it was written, the kernel reads the second one.
 echo "isotherm.roothash=$(cat "$out/root.hash") ro gpt panic=10 systemd.gpt_auto=0 systemd.import_credentials=0 ${ISOTHERM_CMDLINE:-console=tty0 module.sig_enforce=1}" >"$out/cmdline"
 
+# For bundle.sh.
+echo "$ISOTHERM_ARCH" >"$out/arch"
+
 # The sections of the stub (systemd-stub(7)), one behind the other.
 rm -f "$out/isotherm.efi"
 cp "$root/usr/lib/os-release" "$out/os-release"
 set -- .osrel "$out/os-release" .cmdline "$out/cmdline" .linux "$cache/kernel/boot/vmlinuz-$release" .initrd "$out/initrd"
-address=$(objdump -h "$stub" | awk '$1 ~ /^[0-9]+$/ { print "0x" $3, "0x" $4 }' | while read -r size start; do echo $((size + start)); done | sort -n | tail -n 1)
+address=$("${arch_objcopy%copy}dump" -h "$stub" | awk '$1 ~ /^[0-9]+$/ { print "0x" $3, "0x" $4 }' | while read -r size start; do echo $((size + start)); done | sort -n | tail -n 1)
 options=
 while [ $# -gt 0 ]; do
     address=$(((address + 4095) / 4096 * 4096))
@@ -38,7 +42,7 @@ while [ $# -gt 0 ]; do
     shift 2
 done
 # shellcheck disable=SC2086 # words
-objcopy $options "$stub" "$out/isotherm.efi"
+"$arch_objcopy" $options "$stub" "$out/isotherm.efi"
 # objcopy writes the present time into the header, eight bytes behind its begin, and a check sum over that, 88 bytes behind. UEFI does not
 # use the sum; zero says that there is none.
 header=$(od -An -tu4 -j60 -N4 "$out/isotherm.efi" | tr -d ' ')

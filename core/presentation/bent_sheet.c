@@ -124,8 +124,9 @@ static double bend_of(const struct sheet *s)
     double low = 0.0, high = 0.0, rise = s->x[s->n_knots - 1] - s->x[0];
     for (int k = 0; k < s->n_knots; k++) {
         const double off = s->x[k] - s->x[0] - rise * k / (s->n_knots - 1);
-        low = fmin(low, off);
-        high = fmax(high, off);
+        /* Not fmin() and fmax(): gcc 12.2 for arm64 fails on them here at -O3. */
+        low = off < low ? off : low;
+        high = off > high ? off : high;
     }
     return high - low;
 }

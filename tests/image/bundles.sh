@@ -4,7 +4,7 @@
 seal_version() {
     mkdir -p "$3"
     sed -i "s/^IMAGE_VERSION=.*/IMAGE_VERSION=$1/" "$2/usr/lib/os-release"
-    ISOTHERM_COMPRESSION=lz4 ISOTHERM_CMDLINE='console=tty0 console=ttyS0 systemd.show_status=false' \
+    ISOTHERM_COMPRESSION=lz4 ISOTHERM_CMDLINE=$machine_cmdline \
         "$source_dir/board/image/seal.sh" "$2" "$ISOTHERM_CACHE" "$3" >"$out/bundles.log" 2>&1 || die "sealing: $(tail -n 5 "$out/bundles.log")"
 }
 

@@ -8,6 +8,7 @@ root=$1
 source_dir=$(cd "$(dirname "$0")/../.." && pwd)
 kernel=$ISOTHERM_CACHE/kernel
 PATH=$PATH:/usr/sbin:/sbin
+. "$source_dir/tests/image/machine_arch.sh"
 release=$(cut -d ' ' -f 1 "$ISOTHERM_CACHE/kernel.release")
 
 for name in 9p 9pnet_virtio configfs; do
@@ -38,13 +39,13 @@ Type=exec
 ExecStart=/usr/lib/isotherm-image/test
 TimeoutStartSec=infinity
 END
-cat >"$root/usr/lib/isotherm-image/test" <<'END'
+sed "s/@CONSOLE@/$machine_console/; s/@STATUS@/$machine_status/; s#@CACHE@#$machine_cache#" >"$root/usr/lib/isotherm-image/test" <<'END'
 #!/bin/sh
 # Runs the script of the host's tree for this phase of the test, prints its exit code on the second serial line, and switches off.
-export PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root VM_SOURCE=/host VM_CACHE=/host/build/vm
+export PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root VM_SOURCE=/host VM_CACHE=/host/@CACHE@
 mount -t 9p -o trans=virtio,version=9p2000.L,ro,msize=262144,cache=loose source /host
-/host/tests/image/inside.sh "$(cat /sys/class/dmi/id/product_serial)" </dev/null >/dev/ttyS0 2>&1
-echo "exit $?" >/dev/ttyS1
+/host/tests/image/inside.sh "$(cat /sys/class/dmi/id/product_serial)" </dev/null >/dev/@CONSOLE@ 2>&1
+echo "exit $?" >/dev/@STATUS@
 sync
 systemctl poweroff --force --force
 END

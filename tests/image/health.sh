@@ -44,8 +44,14 @@ reboot) echo reboot >>"$root/asked" ;;
 *) exit 2 ;;
 esac
 END
+# It is busy once for each line of the file `busy`.
 program rauc <<END
 echo "rauc \$*" >>"$root/asked"
+[ ! -s "$root/busy" ] || {
+    sed -i 1d "$root/busy"
+    echo 'rauc: it already does something else' >&2
+    exit 1
+}
 END
 program isotherm <<END
 exec "$build/enroll/isotherm" --bus "$story_address" "\$@"
@@ -80,7 +86,7 @@ stop_daemon() {
 finds() {
     code=0
     rm -f "$root/asked"
-    "$source_dir/board/image/programs/check-health" "${4:-1}" >"$root/said" 2>&1 || code=$?
+    "$source_dir/board/image/programs/check-health" "${4:-1}" 3 >"$root/said" 2>&1 || code=$?
     [ $code -eq "$1" ] || die "check-health ends with $code, not $1"
     grep -q "$2" "$root/said" || die "check-health does not say '$2'"
     [ "$(cat "$root/asked" 2>/dev/null)" = "$3" ] || die "check-health asks: $(cat "$root/asked" 2>/dev/null), and not: $3"
@@ -114,6 +120,13 @@ finds 0 'slot b is good' 'rauc status mark-good' 60
 stands_before_the_camera none-nobody1
 finds 0 'slot b is good' 'rauc status mark-good' 60
 
+# RAUC is busy with an update: twice, and for longer than check-health waits.
+asked='rauc status mark-good'
+printf '1\n2\n' >"$root/busy"
+finds 0 'slot b is good' "$(printf '%s\n%s\n%s' "$asked" "$asked" "$asked")" 60
+printf '1\n2\n3\n' >"$root/busy"
+finds 1 'RAUC does not mark slot b as good' "$(printf '%s\n%s\n%s' "$asked" "$asked" "$asked")" 60
+
 touch "$root/down/nftables.service"
 finds 1 'a unit does not run' reboot
 rm "$root/down/nftables.service"
@@ -132,4 +145,4 @@ finds 1 'the daemon does not run or does not answer' ''
 # A door that is not set up yet.
 rm "$root/etc/isotherm/isotherm.conf"
 finds 0 'slot b is good' 'rauc status mark-good'
-echo '    check-health: sensor damaged, absent, seen; units, daemon and recognition that fail; no configuration'
+echo '    check-health: sensor damaged, absent, seen; RAUC busy; units, daemon and recognition that fail; no configuration'

@@ -13,6 +13,7 @@
 set -eu
 story_scratch=$(mktemp -d)
 began=$(date +%s)
+case $(uname -m) in aarch64) arch=arm64 images=build/image-arm64 ;; *) arch=amd64 images=build/image ;; esac # OUT of run.sh
 
 say() {
     printf '%5d s  %s\n' $(($(date +%s) - began)) "$1"
@@ -97,6 +98,9 @@ the_root_is_sealed() {
 
 nothing_else_runs() {
     failed=$(systemctl --failed --plain --no-legend | cut -d ' ' -f 1 | tr '\n' ' ')
+    for unit in $failed; do
+        journalctl --no-pager --boot --unit "$unit" | tail -n 10
+    done
     [ -z "$failed" ] || die "units failed: $failed"
     [ -z "$(processes 'agetty|getty|login|sshd')" ] || die 'somebody could log in'
     nft list chain inet filter input | grep -q 'policy drop' || die 'the firewall is off'
@@ -248,7 +252,7 @@ entries_are() {
 
 # refused BUNDLE WORDS: isotherm update refuses it and says why, or RAUC's log does, and both slots stay as they are
 refused() {
-    cp "$VM_SOURCE/build/image/bundles/$1" /var/tmp/bundle
+    cp "$VM_SOURCE/$images/bundles/$1" /var/tmp/bundle
     before=$(entries)
     since=$(date '+%Y-%m-%d %H:%M:%S')
     if isotherm update /var/tmp/bundle >"$story_scratch/update" 2>&1; then
@@ -265,7 +269,7 @@ refused() {
 update() {
     wait_for 60 'slot a is not found to be good' entries_are /efi/EFI/Linux/isotherm-a.efi
     refused other_key.raucb 'signature verification failed\|Verify error'
-    refused other_board.raucb 'it is for the board isotherm-rock-5b-amd64, and this is isotherm-qemu-amd64'
+    refused other_board.raucb "it is for the board isotherm-rock-5b-$arch, and this is isotherm-qemu-$arch"
     refused same.raucb 'it is not newer than the running version'
     # RAUC reads a block whose hash is wrong: the read fails, and the kernel says why.
     refused damaged.raucb 'bundle: not installed: .*Input/output error'
@@ -279,7 +283,7 @@ update() {
 }
 
 install_bundle() {
-    cp "$VM_SOURCE/build/image/bundles/$1" /var/tmp/bundle
+    cp "$VM_SOURCE/$images/bundles/$1" /var/tmp/bundle
     isotherm update /var/tmp/bundle || die "the bundle $1 is not installed: $(journalctl --no-pager --unit rauc --lines 30)"
     rm /var/tmp/bundle
 }

@@ -7,7 +7,7 @@ update_result() {
 
 # As the web server would do it.
 page_brings() {
-    cp "$VM_SOURCE/build/image/bundles/$1" /var/lib/isotherm-update/page/bundle.part
+    cp "$VM_SOURCE/$images/bundles/$1" /var/lib/isotherm-update/page/bundle.part
     chown isotherm-web:isotherm-web /var/lib/isotherm-update/page/bundle.part
     chmod 0600 /var/lib/isotherm-update/page/bundle.part
     mv /var/lib/isotherm-update/page/bundle.part /var/lib/isotherm-update/page/bundle.raucb

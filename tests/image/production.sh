@@ -17,7 +17,7 @@ binaries() {
 libraries_are_there() {
     binaries | sed "s#^$out/production/root##" >"$out/binaries"
     [ "$(wc -l <"$out/binaries")" -gt 200 ] || die 'the list of programs is too short'
-    missing=$(in_production sh -c 'while read -r name; do LD_LIBRARY_PATH=/usr/lib/x86_64-linux-gnu/systemd ldd "$name" 2>/dev/null | sed -n "s#=> not found#is missing for $name#p"; done' <"$out/binaries" | sort -u)
+    missing=$(in_production sh -c 'while read -r name; do LD_LIBRARY_PATH=/usr/lib/'"$arch_multiarch"'/systemd ldd "$name" 2>/dev/null | sed -n "s#=> not found#is missing for $name#p"; done' <"$out/binaries" | sort -u)
     # libGLX opens its drivers by name when a program draws; nothing here draws by it.
     [ -z "$missing" ] || die "$missing"
     say "$(wc -l <"$out/binaries") programs and libraries have what they need"
@@ -54,7 +54,7 @@ no_trace_of_the_test() {
     [ -z "$found" ] || die "the image for doors has $found"
     ! grep -q '^ada:' "$out/production/root/etc/passwd" || die 'the image for doors has an account of the test'
     [ -e "$out/test/root/usr/lib/isotherm-image/test" ] || die 'this check would not find what it looks for'
-    ! grep -q ttyS0 "$out/production/cmdline" || die 'the image for doors has a console on a serial line'
+    ! grep -q "$machine_console" "$out/production/cmdline" || die 'the image for doors has a console on a serial line'
     say 'nothing of the test is in the image for doors'
 }
 

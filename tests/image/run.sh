@@ -1,14 +1,16 @@
 #!/bin/sh
-# Tests the image of the appliance (board/image): it makes the image and the same one with a unit for the test, and starts the latter as a PC
-# with UEFI, from the boot loader on.
+# Tests the image of the appliance (board/image): it makes the image and the same one with a unit for the test, and starts the latter as a
+# machine with UEFI, from the boot loader on.
 #
 #   run.sh PACKAGES OUT [CHECK...]      PACKAGES: the packages of `make packages`; without names, all checks of the list below in order
 #
-# IMAGE_KEEP=yes takes the images of the last run. Needs root and the tags `image`, `vm` and `install` of cmake/packages.txt. Ends with "N passed, N failed".
+# ISOTHERM_ARCH=arm64 tests the image for arm64, with PACKAGES of `make packages-arm64`. IMAGE_KEEP=yes takes the images of the last run.
+# Needs root and the tags `image`, `vm` and `install` of cmake/packages.txt, for arm64 also `arm64`. Ends with "N passed, N failed".
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 source_dir=$(cd "$here/../.." && pwd)
 . "$here/../support/verdict.sh"
+. "$source_dir/board/image/arch.sh"
 . "$here/machine.sh"
 . "$here/watch.sh"
 . "$here/production.sh"
@@ -21,7 +23,10 @@ machine_out=$out/vm
 ISOTHERM_CACHE=$out/cache
 SOURCE_DATE_EPOCH=$(dpkg-parsechangelog -l "$source_dir/board/debian/changelog" -S Timestamp)
 export ISOTHERM_CACHE SOURCE_DATE_EPOCH
-checks=${*:-boot_slots production reproducible first_start later_start updates bring damaged_root wrong_root tpm secure_boot}
+all='boot_slots production reproducible first_start later_start updates bring damaged_root wrong_root tpm secure_boot'
+# Those that touch what is built for the architecture: boot loader, kernel, root and our programs.
+[ "$ISOTHERM_ARCH" = amd64 ] || all='production first_start later_start damaged_root wrong_root secure_boot'
+checks=${*:-$all}
 
 # The keys of this test: of updates, and of somebody else.
 make_keys() {
@@ -38,7 +43,7 @@ build() {
     "$source_dir/board/image/build.sh" "$packages" "$out/production" qemu >"$out/production.log" 2>&1 || die "building: $(tail -n 5 "$out/production.log")"
     say "the root has $(($(stat -c %s "$out/production/root.squashfs") / 1000000)) MB compressed, at most 120"
     [ "$(stat -c %s "$out/production/root.squashfs")" -le 120000000 ] || die 'the root is too large'
-    ISOTHERM_EXTRA=$here/extra.sh ISOTHERM_COMPRESSION=lz4 ISOTHERM_CMDLINE='console=tty0 console=ttyS0 systemd.show_status=false' \
+    ISOTHERM_EXTRA=$here/extra.sh ISOTHERM_COMPRESSION=lz4 ISOTHERM_CMDLINE=$machine_cmdline \
         ISOTHERM_UPDATE_CERT=$out/keys/update.crt "$source_dir/board/image/build.sh" "$packages" "$out/test" qemu >"$out/test.log" 2>&1 || die "building: $(tail -n 5 "$out/test.log")"
 }
 
@@ -196,7 +201,7 @@ count_processor_seconds() {
 
 PATH=$PATH:/usr/sbin:/sbin
 [ "$(id -u)" -eq 0 ] || die 'only root can make the image'
-"$source_dir/tests/vm/kernel.sh" "$source_dir/build/vm"
+"$source_dir/tests/vm/kernel.sh" "$source_dir/$machine_cache"
 make_keys
 [ "${IMAGE_KEEP:-}" = yes ] || build
 passed=0 failed=0

@@ -1,19 +1,19 @@
-# Secure Boot: `. tests/image/secure_boot.sh`, in run.sh. Plain sh. The firmware is OVMF with the certificate "SnakeOil" of Debian's package
-# ovmf as platform key, key exchange key and only entry of the list of signers. The package also has its key, so everybody has it: it is for
+# Secure Boot: `. tests/image/secure_boot.sh`, in run.sh. Plain sh. The firmware is OVMF or AAVMF with the certificate "SnakeOil" of its Debian
+# package as platform key, key exchange key and only entry of the list of signers. The package also has its key, so everybody has it: it is for
 # tests.
 
 # The test's image, signed: the same root, a kernel image and a boot loader with signatures.
 make_signed_image() {
     rm -rf "$out/signed"
     mkdir "$out/signed"
-    openssl rsa -in /usr/share/ovmf/PkKek-1-snakeoil.key -passin pass:snakeoil -out "$out/keys/secure_boot.key" 2>"$out/keys/log" ||
+    openssl rsa -in "$machine_keys/PkKek-1-snakeoil.key" -passin pass:snakeoil -out "$out/keys/secure_boot.key" 2>"$out/keys/log" ||
         die "the key of the firmware: $(cat "$out/keys/log")"
     (
-        ISOTHERM_SB_KEY=$out/keys/secure_boot.key ISOTHERM_SB_CERT=/usr/share/ovmf/PkKek-1-snakeoil.pem
-        ISOTHERM_COMPRESSION=lz4 ISOTHERM_CMDLINE='console=tty0 console=ttyS0 systemd.show_status=false'
+        ISOTHERM_SB_KEY=$out/keys/secure_boot.key ISOTHERM_SB_CERT=$machine_keys/PkKek-1-snakeoil.pem
+        ISOTHERM_COMPRESSION=lz4 ISOTHERM_CMDLINE=$machine_cmdline
         export ISOTHERM_SB_KEY ISOTHERM_SB_CERT ISOTHERM_COMPRESSION ISOTHERM_CMDLINE
         "$source_dir/board/image/seal.sh" "$out/test/root" "$ISOTHERM_CACHE" "$out/signed"
-        "$source_dir/board/image/disk.sh" "$out/signed"
+        "$source_dir/board/image/disk.sh" "$out/signed" "$ISOTHERM_CACHE"
     ) >"$out/signed.log" 2>&1 || die "signing: $(tail -n 5 "$out/signed.log")"
 }
 

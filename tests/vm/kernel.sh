@@ -5,26 +5,32 @@
 #   kernel.sh CACHE        makes CACHE/{release,vmlinuz,initrd,root/lib/modules,gpio-sim.ko,firmware_path.ko}; does nothing if they are there
 #
 # Needs apt with Debian 12's package lists, a compiler, make, xz, busybox-static, cpio, kmod: the tag `vm` of cmake/packages.txt.
+# ISOTHERM_ARCH=arm64 makes the files of the arm64 image's test, CACHE/{release,root/lib/modules,gpio-sim.ko}: needs the tag `arm64`, too.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$1"
 cache=$(cd "$1" && pwd)
-complete=$cache/complete-6 # raise the number when this script makes other files
+case ${ISOTHERM_ARCH:-amd64} in amd64) arch='' ;; *) arch=-$ISOTHERM_ARCH ;; esac
+complete=$cache/complete-6$arch # raise the number when this script makes other files
 [ ! -e "$complete" ] || exit 0
 
+. "$here/../../board/image/arch.sh"
+(arch_apt "$cache") # kbuild's programs and the source are of this machine's lists
+[ $arch_foreign = no ] || foreign="APT_CONFIG=$cache/apt/apt.conf"
 # linux-image-amd64 depends on one release, such as linux-image-6.1.0-56-amd64.
-release=$(apt-cache depends linux-image-amd64 | sed -n 's/^ *Depends: linux-image-//p' | head -n 1)
+release=$(env ${foreign:-} apt-cache depends "linux-image-$ISOTHERM_ARCH" | sed -n 's/^ *Depends: linux-image-//p' | head -n 1)
 [ -n "$release" ] || {
-    echo 'kernel.sh: apt knows no linux-image-amd64 (apt-get update?)' >&2
+    echo "kernel.sh: apt knows no linux-image-$ISOTHERM_ARCH (apt-get update?)" >&2
     exit 1
 }
-version=$(apt-cache policy "linux-image-$release" | sed -n 's/^ *Candidate: //p')
+version=$(env ${foreign:-} apt-cache policy "linux-image-$release" | sed -n 's/^ *Candidate: //p')
 
 download() {
     mkdir -p "$cache/deb"
     # Without this option apt would drop root's rights and could not write here.
-    (cd "$cache/deb" && apt-get download -q -o "APT::Sandbox::User=$(id -un)" "linux-image-$release" "linux-headers-$release" \
-        "linux-headers-${release%-amd64}-common=$version" "linux-kbuild-6.1=$version" "linux-source-6.1=$version")
+    (cd "$cache/deb" && env ${foreign:-} apt-get download -q -o "APT::Sandbox::User=$(id -un)" "linux-image-$release" "linux-headers-$release" &&
+        apt-get download -q -o "APT::Sandbox::User=$(id -un)" "linux-headers-${release%-"$ISOTHERM_ARCH"}-common=$version" \
+            "linux-kbuild-6.1=$version" "linux-source-6.1=$version")
 }
 
 unpack() {
@@ -66,7 +72,7 @@ build_firmware_path() {
 
 # build_module NAME DIRECTORY
 build_module() {
-    make -C "$headers" "M=$2" modules >"$cache/$1.log" 2>&1 || {
+    make -C "$headers" "M=$2" ${cross:-} modules >"$cache/$1.log" 2>&1 || {
         tail -n 20 "$cache/$1.log" >&2
         exit 1
     }
@@ -94,10 +100,14 @@ download
 unpack
 headers=$cache/root/usr/src/linux-headers-$release
 sed -i "s#include /usr/src/#include $cache/root/usr/src/#" "$headers/Makefile"
+[ $arch_foreign = no ] || cross="ARCH=$ISOTHERM_ARCH CROSS_COMPILE=$arch_multiarch-"
 build_gpio_sim
-build_firmware_path
-make_initrd
-cp "$cache/root/boot/vmlinuz-$release" "$cache/vmlinuz"
+# The machine of the arm64 image starts by its own boot loader and has no camera.
+if [ "$ISOTHERM_ARCH" = amd64 ]; then
+    build_firmware_path
+    make_initrd
+    cp "$cache/root/boot/vmlinuz-$release" "$cache/vmlinuz"
+fi
 echo "$release" >"$cache/release"
 rm -rf "$cache/deb" "$cache/gpio-sim" "$cache/initrd.d"
 touch "$complete"

@@ -56,7 +56,9 @@ static void mollify(struct iso_intrinsic *s, double mean)
     double longer = 0.0;
     for (int32_t a = 0; a < s->n_sides; a++) {
         const int32_t b = iso_side_next(a), c = iso_side_next(b);
-        longer = fmax(longer, margin * mean - (s->length[a] + s->length[b] - s->length[c]));
+        const double lacks = margin * mean - (s->length[a] + s->length[b] - s->length[c]);
+        /* Not fmax(): gcc 12.2 for arm64 fails on it here at -O3. */
+        longer = lacks > longer ? lacks : longer;
     }
     for (int32_t a = 0; a < s->n_sides; a++) {
         s->length[a] += longer;

@@ -27,8 +27,9 @@ static bool find_outline(const struct iso_head_outline *head,
     for (int i = 0; i < out->n; i++) {
         for (int axis = 0; axis < 2; axis++) {
             const double at = (double)out->xy[i][axis] / ISO_OUTLINE_UNITS;
-            least[axis] = fmin(least[axis], at);
-            most[axis] = fmax(most[axis], at);
+            /* Not fmin() and fmax(): gcc 12.2 for arm64 fails on them here at -O3. */
+            least[axis] = at < least[axis] ? at : least[axis];
+            most[axis] = at > most[axis] ? at : most[axis];
         }
     }
     out->x = 0.5 * (least[0] + most[0]);
