@@ -13,6 +13,7 @@ source_dir=$(cd "$here/../.." && pwd)
 . "$here/watch.sh"
 . "$here/production.sh"
 . "$here/secure_boot.sh"
+. "$here/cuts.sh"
 packages=$(cd "$1" && pwd)
 mkdir -p "$2/vm"
 out=$(cd "$2" && pwd)
@@ -21,7 +22,7 @@ machine_out=$out/vm
 ISOTHERM_CACHE=$out/cache
 SOURCE_DATE_EPOCH=$(dpkg-parsechangelog -l "$source_dir/board/debian/changelog" -S Timestamp)
 export ISOTHERM_CACHE SOURCE_DATE_EPOCH
-checks=${*:-boot_slots production reproducible first_start later_start updates bring damaged_root wrong_root tpm secure_boot}
+checks=${*:-boot_slots production reproducible first_start later_start updates power_cuts bring damaged_root wrong_root tpm secure_boot}
 
 # The keys of this test: of updates, and of somebody else.
 make_keys() {
@@ -72,6 +73,7 @@ first_start() {
     machine_disk "$machine_out/first.img" "$machine_out/disk.qcow2"
     machine_start first first "$machine_out/disk.qcow2" || die_with first $?
     tell first
+    cp "$machine_out/disk.qcow2" "$machine_out/enrolled.qcow2" # for power_cuts
 }
 
 # The first copy of the partition table is not whole any more, as after a power cut while it was written.
