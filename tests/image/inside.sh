@@ -8,6 +8,7 @@
 #                       which does not start, is installed into slot a
 #   inside.sh brought   inside_bring.sh: version 2 comes on a USB stick, and as by the page of the web server
 #   inside.sh back      after three attempts with version 3: version 2 runs again
+#   inside.sh recorded, after_cut       inside_cuts.sh: updates that are recorded, and a start after a power cut
 #   inside.sh tpm_first, tpm_second     a first and a later start with a TPM; the first with a wrong configuration
 #   inside.sh secure        a first start with Secure Boot
 set -eu
@@ -318,5 +319,6 @@ back() {
 }
 
 . "$VM_SOURCE/tests/image/inside_bring.sh"
+. "$VM_SOURCE/tests/image/inside_cuts.sh"
 
 "$1"

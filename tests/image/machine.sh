@@ -2,8 +2,8 @@
 #
 #   machine_start NAME PHASE DISK      starts a PC with UEFI (OVMF, systemd-boot) whose disk is DISK, and waits until it is off; the phase is for
 #                                      inside.sh. Returns the exit code that it gives; 124: too long, 125: the machine ended without
-# Set machine_reboots=reset for a machine that may restart, machine_firmware=secure for one with Secure Boot, and machine_devices for further
-# options of QEMU.
+# Set machine_reboots=reset for a machine that may restart, machine_firmware=secure for one with Secure Boot, machine_devices for further
+# options of QEMU, and machine_drive for other options of the disk.
 #
 # ISOTHERM_ARCH=arm64 starts a machine "virt" with an ARM Cortex-A72 and UEFI (AAVMF) instead.
 #
@@ -38,7 +38,7 @@ machine_start() {
         -drive "if=pflash,format=raw,unit=1,file=$machine_out/$name.vars" \
         $machine_lines \
         -smbios "type=1,serial=$2" -device virtio-rng-pci \
-        -drive "if=virtio,format=qcow2,file=$3" \
+        -drive "if=virtio,${machine_drive:-format=qcow2,file=$3}" \
         -fsdev "local,id=source,path=$machine_source,security_model=none,readonly=on,multidevs=remap" \
         -device virtio-9p-pci,fsdev=source,mount_tag=source ${machine_devices:-} \
         </dev/null >"$machine_out/$name.qemu" 2>&1) || {

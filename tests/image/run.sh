@@ -15,6 +15,7 @@ source_dir=$(cd "$here/../.." && pwd)
 . "$here/watch.sh"
 . "$here/production.sh"
 . "$here/secure_boot.sh"
+. "$here/cuts.sh"
 packages=$(cd "$1" && pwd)
 mkdir -p "$2/vm"
 out=$(cd "$2" && pwd)
@@ -77,6 +78,7 @@ first_start() {
     machine_disk "$machine_out/first.img" "$machine_out/disk.qcow2"
     machine_start first first "$machine_out/disk.qcow2" || die_with first $?
     tell first
+    cp "$machine_out/disk.qcow2" "$machine_out/enrolled.qcow2" # for power_cuts
 }
 
 # The first copy of the partition table is not whole any more, as after a power cut while it was written.
