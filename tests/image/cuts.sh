@@ -11,7 +11,7 @@ power_cuts() {
     make_bundles
     make_version_4
     for program in power_cut plain_var; do
-        gcc -D_GNU_SOURCE -O2 -Wall -o "$cuts/$program" "$here/cuts/$program.c" "$here/cuts/write_log.c" "$here/cuts/cut_points.c" -lcrypto || die "$program is not compiled"
+        gcc -D_GNU_SOURCE -I"$source_dir" -O2 -Wall -o "$cuts/$program" "$here/cuts/$program.c" "$here/cuts/write_log.c" "$here/cuts/cut_points.c" -lcrypto || die "$program is not compiled"
     done
     [ "${POWER_CUT_KEEP:-}" = yes ] && [ -e "$cuts/complete" ] || record
     know

@@ -1,4 +1,4 @@
-#include "cut_points.h"
+#include "tests/image/cuts/cut_points.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #ifndef TESTS_IMAGE_CUTS_CUT_POINTS_H
 #define TESTS_IMAGE_CUTS_CUT_POINTS_H
 
-#include "write_log.h"
+#include "tests/image/cuts/write_log.h"
 
 /* A random generator whose state is its seed: splitmix64 (Steele, Lea, Flood, 2014). */
 uint64_t random_next(uint64_t *state);

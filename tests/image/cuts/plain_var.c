@@ -8,7 +8,7 @@
  * The cipher is aes-xts-plain64 with sectors of UNIT bytes, whose number in units of 512 bytes is
  * the initial vector (cryptsetup(8)). A block with zeros only was never written, and becomes a
  * hole. */
-#include "write_log.h"
+#include "tests/image/cuts/write_log.h"
 
 #include <endian.h>
 #include <fcntl.h>

@@ -1,11 +1,16 @@
 /* Makes the disk of a machine as a power cut leaves it, from a log of all its writes.
  *
- *   power_cut points LOG PARTITIONS COUNT SEED          prints random points (cut_points.h)
- *   power_cut stages LOG                                prints the number of entries of each kind
- * between the marks power_cut apply LOG IMAGE FROM TO                   writes the entries [FROM,
- * TO) into the image power_cut cut LOG IMAGE FLUSHED POINT SEED          writes a random part of
- * the entries [FLUSHED, POINT), which were not flushed power_cut spoil unflushed|late LOG OUT
- * PARTITIONS PARTITION BEGIN END copies the log with a mistake between the marks BEGIN and END
+ * points LOG PARTITIONS COUNT SEED: prints random points (cut_points.h).
+ *
+ * stages LOG: prints the number of entries of each kind between the marks.
+ *
+ * apply LOG IMAGE FROM TO: writes the entries [FROM, TO) into the image.
+ *
+ * cut LOG IMAGE FLUSHED POINT SEED: writes a random part of the entries [FLUSHED, POINT), which
+ * were not flushed.
+ *
+ * spoil unflushed|late LOG OUT PARTITIONS PARTITION BEGIN END: copies the log with a mistake
+ * between the marks BEGIN and END.
  *
  * In every cut, one in four loses all entries that were not flushed, one in four has all of them
  * and only the last is torn, and in the others each is there or not with equal chances, and one in
@@ -15,7 +20,7 @@
  * The mistakes: `unflushed` leaves out the flushes, as if nobody had waited for the disk. `late`
  * lets the writes to the partition come only directly before END, as if the boot entry had been
  * written first. */
-#include "cut_points.h"
+#include "tests/image/cuts/cut_points.h"
 
 #include <endian.h>
 #include <fcntl.h>

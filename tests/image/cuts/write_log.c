@@ -1,4 +1,4 @@
-#include "write_log.h"
+#include "tests/image/cuts/write_log.h"
 
 #include <endian.h>
 #include <errno.h>
