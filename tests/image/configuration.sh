@@ -164,7 +164,7 @@ for name in head cp chmod sync mv mkdir rm; do
     program "$root/cut/$name" <<END
 read -r left <"$root/left"
 echo \$((left - 1)) >"$root/left"
-[ \$left -ne 1 ] || kill -9 \$PPID
+[ \$left -ne 1 ] || { kill -9 \$PPID; exit 1; }
 exec $(command -v "$name") "\$@"
 END
 done
