@@ -116,13 +116,16 @@ enum iso_capture iso__appliance_judge(struct iso_appliance *appliance,
 /* For so long after a movement, a scene counts as one with a person in it. */
 static const int64_t scene_quiet_ns = 2 * ISO_NS_PER_S;
 
-/* With fewer frames a short pause_ms would take the interval for a pause of the sensor. */
-enum { REST_PAUSE_MIN_MS = 300 };
+/* With fewer frames a shorter pause_ms or silence_ms would take the interval for a fault of the
+ * sensor. */
+enum { REST_FAULT_MIN_MS = 500 };
 
 /* 0: the appliance never rests. */
 static int64_t rest_after_ns(const struct iso_config_sensor *config)
 {
-    return config->pause_ms < REST_PAUSE_MIN_MS ? 0 : config->rest_s * ISO_NS_PER_S;
+    const bool faulty = config->pause_ms < REST_FAULT_MIN_MS ||
+                        config->silence_ms < REST_FAULT_MIN_MS;
+    return faulty ? 0 : config->rest_s * ISO_NS_PER_S;
 }
 
 /* Asks the sensor for fewer frames, or for all of them. */
@@ -139,7 +142,7 @@ static void follow_rest(struct iso_appliance *appliance)
 void iso__appliance_end_rest(struct iso_appliance *appliance)
 {
     iso_rest_end(&appliance->face.rest);
-    appliance->face.slowed = false;
+    follow_rest(appliance);
 }
 
 bool iso__appliance_rests(struct iso_appliance *appliance, const struct iso_frame *frame)

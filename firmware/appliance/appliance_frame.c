@@ -268,6 +268,7 @@ void iso__appliance_frame(struct iso_appliance *appliance, const struct iso_fram
     /* At rest a desk machine examines frames only for somebody who aims the sensor. */
     if (appliance->mode == ISO_APPLIANCE_CLAIMED ||
         (is_desk_at_rest(appliance) && !iso_appliance_is_aimed(appliance))) {
+        iso__appliance_end_rest(appliance);
         iso__appliance_report_frame(appliance, frame, ISO_CAPTURE_NOBODY);
         return;
     }

@@ -47,7 +47,7 @@ static void on_sensor_back(struct iso_appliance *appliance)
     struct iso_audit_record record = iso_audit_record_of("sensor");
     record.reason = "started";
     iso__appliance_repeat_reset(appliance);
-    iso__appliance_end_rest(appliance); /* the sensor has begun with all its frames */
+    iso__appliance_end_rest(appliance);
     iso__appliance_say(appliance, LOG_NOTICE, "sensor %s started",
                        iso_sensor_name(appliance->sensor.supervisor.sensor));
     (void)iso__appliance_note(appliance, &record);

@@ -3,9 +3,8 @@
 bool iso_rest_skips(struct iso_rest *rest, const struct iso_rest_frame *frame)
 {
     if (frame->stirs || frame->wanted) {
-        if (rest->resting) {
-            rest->busy_ns = frame->t_ns;
-        }
+        rest->busy_ns = frame->t_ns;
+        rest->has_busy = true;
         rest->resting = false;
     }
     if (!rest->resting) {

@@ -113,7 +113,8 @@ struct iso_sensor_ops {
 
     /* OPTIONAL. From now on at most one frame in interval_ns is wanted, by the times of the frames;
      * 0: every frame, as after each start. The back end passes over the others before it converts
-     * or matches them. They are no gaps in the sequence. Does not block or fail. */
+     * or matches them. They are no gaps in the sequence. Leaves the last frame unchanged. Does not
+     * block or fail. */
     void (*set_interval)(void *self, int64_t interval_ns);
 
     /* OPTIONAL. Fills in the description: model and capabilities. -ENODATA while it is not known.

@@ -251,7 +251,9 @@ static int hand_up(struct openni2 *sensor, const struct iso_frame **frame, struc
     iso_timeline_advance(&sensor->timeline, index, iso__openni2_frame_ns(sensor->fetched.depth),
                          now_ns);
     const int64_t t_ns = sensor->session.file ? sensor->last_ns : sensor->timeline.t_ns;
-    if (sensor->interval_ns > 0 && t_ns - sensor->handed_ns < sensor->interval_ns) {
+    /* A file that is played at once has no times of its own, so every frame of it is wanted. */
+    const bool timed = !sensor->session.file || sensor->settings.realtime;
+    if (timed && sensor->interval_ns > 0 && t_ns - sensor->handed_ns < sensor->interval_ns) {
         sensor->timeline.sequence--;
         iso__openni2_pairing_clear(&sensor->fetched);
         return -EAGAIN;

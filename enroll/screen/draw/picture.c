@@ -139,6 +139,7 @@ static void draw_idle(cairo_t *cairo, const struct layout *layout, double width,
                       const struct screen_look *look)
 {
     const double margin = 0.08 * layout->unit;
+    const double foot = fmax(margin, 0.055 * height); /* nothing is drawn in the lowest 5 % */
     const double inner = width - 2 * margin;
     const double below = draw_web_server(cairo, layout, width, height, palette, look);
     const bool moved = below > 0.0;
@@ -164,7 +165,7 @@ static void draw_idle(cairo_t *cairo, const struct layout *layout, double width,
     const double low = screen_text_height(cairo, &advice, &end);
     (void)screen_text_draw(
         cairo, &advice,
-        &(struct screen_box){margin, height - margin - below - low, inner, low + 1.0});
+        &(struct screen_box){margin, height - foot - below - low, inner, low + 1.0});
 }
 
 static void draw_scene(cairo_t *cairo, const struct layout *layout,

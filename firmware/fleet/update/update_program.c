@@ -16,7 +16,9 @@
 enum { KILLED = 255 };
 
 /* The two descriptors of the program's output are the file in memory; its signals are as usual,
- * because the event loop blocks some of them. */
+ * because the event loop blocks some of them. It has no connection of this process: libmosquitto
+ * and libcurl leave theirs open in other programs, and as long as another program has a socket, the
+ * kernel reports events of it to the loop here, although its source is gone. */
 static int spawn(const char *const argv[], int out_fd, pid_t *pid)
 {
     posix_spawn_file_actions_t actions;
@@ -34,6 +36,8 @@ static int spawn(const char *const argv[], int out_fd, pid_t *pid)
         error = error ? error : posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
         error = error ? error : posix_spawn_file_actions_adddup2(&actions, out_fd, STDOUT_FILENO);
         error = error ? error : posix_spawn_file_actions_adddup2(&actions, out_fd, STDERR_FILENO);
+        error = error ? error
+                      : posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
         error = error ? error
                       : posix_spawn(pid, argv[0], &actions, &attributes,
                                     (char *const *)(uintptr_t)argv, environ);

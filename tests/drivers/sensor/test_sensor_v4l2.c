@@ -89,8 +89,6 @@ static void lost_and_damaged_pictures_are_gaps(void **state)
     iso_sensor_close(sensor);
 }
 
-/* A driver returns a picture late, or twice. The back end drops it, the last frame stays the newest
- * one, and the pictures that came too late are counted as lost. */
 /* Pictures that are not wanted are passed over and leave no gap; a lost one still does. */
 static void pictures_that_are_not_wanted_are_passed_over(void **state)
 {
@@ -113,6 +111,8 @@ static void pictures_that_are_not_wanted_are_passed_over(void **state)
     iso_sensor_close(sensor);
 }
 
+/* A driver returns a picture late, or twice. The back end drops it, the last frame stays the newest
+ * one, and the pictures that came too late are counted as lost. */
 static void late_pictures_are_dropped(void **state)
 {
     (void)state;

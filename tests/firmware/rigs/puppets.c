@@ -96,9 +96,26 @@ static int stream_open(const struct iso_option *options, size_t n_options,
 static int stream_start(void *self, struct iso_fault *fault)
 {
     const struct stream *stream = self;
+    stream->sensor->interval_ns = 0;
     return stream->sensor->start_error
                ? iso_fault_set(fault, stream->sensor->start_error, "puppet: will not start")
                : 0;
+}
+
+static bool has_due(const struct puppet_sensor *sensor)
+{
+    return sensor->next < sensor->n_frames &&
+           sensor->frames[sensor->next].t_ns <= iso_clock_now_ns(&sensor->clock);
+}
+
+/* Passes over the frames that are not wanted. They leave no gap in the sequence. */
+static void pass_over(struct puppet_sensor *sensor)
+{
+    while (sensor->interval_ns > 0 && has_due(sensor) &&
+           sensor->frames[sensor->next].t_ns - sensor->handed_ns < sensor->interval_ns) {
+        sensor->next++;
+        sensor->forgotten--;
+    }
 }
 
 static int stream_wait(void *self, int64_t deadline_ns, const struct iso_frame **frame,
@@ -110,10 +127,11 @@ static int stream_wait(void *self, int64_t deadline_ns, const struct iso_frame *
     if (sensor->wait_error) {
         return refuse(sensor, sensor->wait_error, "puppet: will not wait", fault);
     }
-    if (sensor->next == sensor->n_frames ||
-        sensor->frames[sensor->next].t_ns > iso_clock_now_ns(&sensor->clock)) {
+    pass_over(sensor);
+    if (!has_due(sensor)) {
         return -ETIMEDOUT;
     }
+    sensor->handed_ns = sensor->frames[sensor->next].t_ns;
     stream->depth_mm[0] = (float)(100 + sensor->frames[sensor->next].face);
     stream->depth_mm[1] = (float)(100 + (int)sensor->frames[sensor->next].capture);
     stream->depth_mm[2] = (float)(1100 + sensor->frames[sensor->next].right_mm);

@@ -36,7 +36,8 @@ struct puppet_sensor {
     double rate_hz;      /* nominal rate; 0: unknown */
     bool scene_moves;    /* the scene around the face moves every second */
     bool has_room;       /* frames are 40 x 30: a room, half of which a face covers */
-    int64_t interval_ns; /* of the frames that it is asked for; the test takes it into account */
+    int64_t interval_ns; /* at most one frame in this time is wanted; 0, as after a start: all */
+    int64_t handed_ns;   /* time of the last frame that was fetched */
     bool streams;        /* it has no next_due_ns; silence is a fault */
     int descriptor;      /* if it streams: its poll_fd; 0: it has none */
     int opened, closed;  /* how often it was opened and closed */

@@ -69,6 +69,7 @@ void mosquitto_rig_revive(struct mosquitto_rig *rig)
         (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
         (void)dup2(fd, STDOUT_FILENO);
         (void)dup2(fd, STDERR_FILENO);
+        closefrom(STDERR_FILENO + 1); /* as in update_program.c */
         (void)execl(program, program, "-c", configuration, (char *)NULL);
         _exit(127);
     }
