@@ -77,7 +77,21 @@ static void a_client_ends_the_rest(void **state)
     struct rig *rig = *state;
     rest(rig);
     iso_appliance_aim(rig->appliance, true);
-    assert_int_equal(show_furniture(rig), 120);
+    rig_run(rig, 200);
+    /* Nor does rest begin while the client waits before an empty scene. */
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(show_furniture(rig), 120);
+        assert_int_equal(rig->sensor.interval_ns, 0);
+    }
+}
+
+/* A client with a claim may watch, although no frame is examined for it. */
+static void a_claim_ends_the_rest(void **state)
+{
+    struct rig *rig = *state;
+    rest(rig);
+    assert_int_equal(iso_appliance_claim(rig->appliance), 0);
+    (void)show_furniture(rig);
     assert_int_equal(rig->sensor.interval_ns, 0);
 }
 
@@ -114,6 +128,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_visitor_is_examined_from_the_first_frame_on, rig_setup,
                                         rig_teardown),
         cmocka_unit_test_setup_teardown(a_client_ends_the_rest, rig_setup, rig_teardown),
+        cmocka_unit_test_setup_teardown(a_claim_ends_the_rest, rig_setup, rig_teardown),
         cmocka_unit_test_setup_teardown(a_sensor_that_was_opened_again_gives_all_frames, rig_setup,
                                         rig_teardown),
         cmocka_unit_test_setup_teardown(a_short_pause_leaves_no_room_for_rest, rig_setup,
