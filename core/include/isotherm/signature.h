@@ -140,8 +140,9 @@ struct iso_shape_view {
     double entropy;
     /** Viewpoint Kullback-Leibler divergence sum p_i log2 (p_i / q_i), in bits (Sbert, Plemenos,
      * Feixas and Gonzalez, "Viewpoint quality: measures and applications", Computational Aesthetics
-     * 2005). It is small if the picture shows all parts by their area. Cutting triangles into
-     * pieces does not change it, as long as the pieces are of more than some pixels. */
+     * 2005). It is small if the picture shows all parts by their area. Cutting triangles that are
+     * wholly seen or wholly hidden into pieces does not change it, as long as the pieces are of
+     * more than some pixels. Infinite if nothing is seen. */
     double divergence;
 };
 
@@ -160,7 +161,8 @@ enum iso_view_score {
  * @param score      Which views are good.
  * @param apart_rad  The least angle between two views, above 0 and below pi.
  * @param n          How many views, at least 1.
- * @param out        [n]: receives the views, the best one first.
+ * @param out        [n]: receives the views in the order in which they are found: a later one can
+ *                   be a little better after its improvement.
  * @param n_found    Receives how many there are: fewer than n if there is no room for more.
  * @return 0; -EINVAL for numbers out of range, and for a mesh without area or one that
  *         iso_mesh_check() refuses; -EDOM if its axes cannot be computed; -ENOMEM. */

@@ -21,10 +21,10 @@ class View(NamedTuple):
 
 
 def best_views(mesh, n=4, score='entropy', apart=math.radians(40)):
-    """The best views of a mesh, the best one first: a list of View, of at most n.
+    """The best views of a mesh, in the order in which they are found: a list of View, of at most n.
 
     score: 'entropy', which depends on how the surface is divided into triangles, or 'divergence',
-    which does not. apart: the least angle between two views, radians. Raises Error for a mesh without
+    which depends on it much less. apart: the least angle between two views, radians. Raises Error for a mesh without
     area.
     """
     n = number_in(n, 1, _VIEWS_MAX, 'n')

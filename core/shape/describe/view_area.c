@@ -175,7 +175,9 @@ void iso_view_area_score(struct iso_view_area *view, struct iso_vec3 direction,
             pixels++;
         }
     }
-    *out = (struct iso_shape_view){.direction = direction};
+    /* A flat mesh that is seen edge-on covers no pixel: this is the worst view by either score. */
+    *out = (struct iso_shape_view){.direction = direction,
+                                   .divergence = pixels > 0 ? 0.0 : INFINITY};
     for (int32_t t = 0; t < n; t++) {
         if (view->seen[t] > 0 && view->area[t] > 0.0) {
             const double share = (double)view->seen[t] / pixels;

@@ -104,6 +104,26 @@ static void a_view_of_one_face_has_its_scores(void **state)
     iso_mesh_free(box);
 }
 
+/* From its edge a flat sheet covers no pixel. From its front all of it is seen: no divergence. */
+static void a_flat_sheet_is_best_seen_from_its_front(void **state)
+{
+    (void)state;
+    struct iso_mesh *sheet = make_box(iso_vec3(3.0, 2.0, 1.2));
+    struct iso_shape_view view;
+    int n = 0;
+    memmove(sheet->triangles, sheet->triangles + 8 * GRID * GRID,
+            2 * GRID * GRID * sizeof *sheet->triangles); /* the face z = -1.2 */
+    sheet->n_triangles = 2 * GRID * GRID;
+    assert_int_equal(iso_shape_view_of(sheet, iso_vec3(1.0, 0.0, 0.0), &view), 0);
+    assert_true(isinf(view.divergence) && view.divergence > 0.0);
+    assert_near(view.entropy, 0.0, 1e-12);
+    assert_int_equal(iso_shape_views(sheet, ISO_VIEW_DIVERGENCE, 0.5, 1, &view, &n), 0);
+    assert_int_equal(n, 1);
+    assert_near(view.divergence, 0.0, 0.01);
+    assert_true(fabs(view.direction.z) > 0.2);
+    iso_mesh_free(sheet);
+}
+
 /* A closed body without any symmetry. */
 static struct iso_mesh *make_body(void)
 {
@@ -177,6 +197,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_box_is_best_seen_along_its_diagonals),
         cmocka_unit_test(a_view_of_one_face_has_its_scores),
+        cmocka_unit_test(a_flat_sheet_is_best_seen_from_its_front),
         cmocka_unit_test(views_turn_with_the_mesh),
         cmocka_unit_test(refuses_what_cannot_be_seen),
     };
