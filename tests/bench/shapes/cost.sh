@@ -2,11 +2,11 @@
 # Measures what the description of a shape costs by its number of vertices: seconds of processor time, and the largest memory in all and for a
 # vertex, for each kind of description and for all that need no colours. The shape is a creature of `shapes generate`. One thread. It checks
 # no limit.
-# usage: cost.sh BUILD [VERTICES...]    (BUILD with isotherm-sim; 3000 12000 50000 200000)
+# usage: cost.sh BUILD [VERTICES...]    (BUILD with isotherm-sim; 3000 12000 50000)
 set -euo pipefail
 build=$(cd "$1" && pwd)
 sizes=("${@:2}")
-[ ${#sizes[@]} -gt 0 ] || sizes=(3000 12000 50000 200000)
+[ ${#sizes[@]} -gt 0 ] || sizes=(3000 12000 50000)
 run=$(mktemp -d -p "${TMPDIR:-/var/tmp}")
 trap 'rm -rf "$run"' EXIT
 export OPENBLAS_NUM_THREADS=1
