@@ -48,9 +48,9 @@ struct iso_scene_motion {
 bool iso_scene_motion_feed(struct iso_scene_motion *scene, const struct iso_frame *frame,
                            double reach_mm, int64_t quiet_ns);
 
-/* Whether something stirs in the last frame: four cells have changed, or eight that were empty are
- * not. True also while that cannot be told: during the first half second, and for frames with fewer
- * pixels than cells. */
+/* Whether something stirs in the last frame: the depth of four cells has changed, or eight cells
+ * are measured that were not measured before. True also while that cannot be told: during the first
+ * half second, and for frames with fewer pixels than cells. */
 bool iso_scene_motion_stirs(const struct iso_scene_motion *scene);
 
 #endif

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "core/heat/intrinsic/star.h"
+#include "core/surface/corners.h"
 #include "isotherm/stiffness_mass.h"
 
 /* A triangle is in the stars of its three corners, if these agree. */
@@ -186,44 +187,20 @@ void iso_cloud_boundary(const struct iso_mesh *cloud, uint8_t *open)
     }
 }
 
-struct corners {
-    int32_t sorted[3], triangle;
-};
-
-static int compare_corners(const void *a, const void *b)
-{
-    const struct corners *p = a, *q = b;
-    for (int k = 0; k < 3; k++) {
-        if (p->sorted[k] != q->sorted[k]) {
-            return p->sorted[k] < q->sorted[k] ? -1 : 1;
-        }
-    }
-    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
-}
-
-static struct corners corners_of(const struct iso_mesh *mesh, int32_t t)
-{
-    const int32_t a = mesh->triangles[t][0], b = mesh->triangles[t][1], c = mesh->triangles[t][2];
-    const int32_t low = a < b ? a : b, high = a < b ? b : a;
-    const int32_t least = low < c ? low : c, most = high > c ? high : c;
-    return (struct corners){{least, a ^ b ^ c ^ least ^ most, most}, t};
-}
-
 int iso_cloud_merge(struct iso_mesh *cloud)
 {
-    struct corners *order = malloc(((size_t)cloud->n_triangles + 1) * sizeof *order);
+    struct iso_corners *order = malloc(((size_t)cloud->n_triangles + 1) * sizeof *order);
     uint8_t *keep = calloc((size_t)cloud->n_triangles + 1, 1);
     const bool room = order && keep;
     int32_t n = 0;
     for (int32_t t = 0; t < cloud->n_triangles && room; t++) {
-        order[t] = corners_of(cloud, t);
+        order[t] = iso_corners_of(cloud->triangles[t], t);
     }
     if (room) {
-        qsort(order, (size_t)cloud->n_triangles, sizeof *order, compare_corners);
+        qsort(order, (size_t)cloud->n_triangles, sizeof *order, iso_corners_compare);
     }
     for (int32_t i = 0; i < cloud->n_triangles && room; i++) {
-        keep[order[i].triangle] = i == 0 || memcmp(order[i].sorted, order[i - 1].sorted,
-                                                   sizeof order[i].sorted) != 0;
+        keep[order[i].triangle] = i == 0 || !iso_corners_are_same(&order[i], &order[i - 1]);
     }
     for (int32_t t = 0; t < cloud->n_triangles && room; t++) {
         if (keep[t]) {

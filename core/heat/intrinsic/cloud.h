@@ -1,13 +1,13 @@
-/* What a cloud of points and its triangles (iso_cloud_triangulate(), isotherm/stiffness_mass.h) are
- * used for besides their matrices. */
+/* Further work on the triangles that iso_cloud_triangulate() (isotherm/stiffness_mass.h) makes of a
+ * cloud of points: its boundary, and triangles that stand in it more than once. */
 #ifndef ISO_CORE_HEAT_INTRINSIC_CLOUD_H
 #define ISO_CORE_HEAT_INTRINSIC_CLOUD_H
 
 #include "isotherm/mesh.h"
 
-/* Marks the points around which the triangles do not close a ring, by 1 in open [n_vertices]: the
- * boundary of the surface that the points are of. The triangles of a point, which have it as their
- * first corner, must still be in their order. */
+/* Finds the boundary of the surface on which the points lie. open [n_vertices] becomes 1 for a
+ * point whose own triangles do not form a closed ring around it, else 0. A point's own triangles
+ * have it as their first corner. Call this before iso_cloud_merge(), which removes some of them. */
 void iso_cloud_boundary(const struct iso_mesh *cloud, uint8_t *open);
 
 /* Leaves one of the triangles that have the same corners, the first one, and keeps their order.

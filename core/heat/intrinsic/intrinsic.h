@@ -4,9 +4,9 @@
  * The surface that is made here is the tufted cover of a mesh (Sharp and Crane, "A Laplacian for
  * nonmanifold triangle meshes", Computer Graphics Forum 39(5), 2020): each triangle has two sides,
  * and each side is a triangle of the cover. Around an edge of any number of triangles, each side is
- * joined to the one that faces it; copies of a triangle are in sheets of their own. The cover is
- * closed, oriented, and no edge of it has more than two triangles, whatever the mesh is like. It
- * covers the surface twice. */
+ * joined to the one that faces it; copies of a triangle are in sheets of their own. For every
+ * mesh the cover is closed and oriented, and each of its edges has two triangles at most. It covers
+ * the surface twice. */
 #ifndef ISO_CORE_HEAT_INTRINSIC_INTRINSIC_H
 #define ISO_CORE_HEAT_INTRINSIC_INTRINSIC_H
 

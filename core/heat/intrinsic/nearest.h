@@ -29,9 +29,9 @@ int iso_nearest_init(struct iso_nearest *tree, const struct iso_vec3 *point, con
 /* Releases what it holds. */
 void iso_nearest_done(struct iso_nearest *tree);
 
-/* Finds the k points of the tree that are nearest to one of its points, without it. out [k]: by
- * rising distance; of equal distances the lower number comes first. Returns how many there are,
- * which is less than k only if the tree has no more. */
+/* Finds the k points of the tree that are nearest to one of its points. The point itself is not
+ * among them. out [k] has them by rising distance, and points of equal distance by rising number.
+ * Returns how many it found: fewer than k only if the tree has fewer other points. */
 int iso_nearest_find(const struct iso_nearest *tree, int32_t point, int k,
                      struct iso_neighbour *out);
 

@@ -75,9 +75,9 @@ static int compare_spots(const void *a, const void *b)
     return (p->point > q->point) - (p->point < q->point);
 }
 
-/* Projects and inverts the neighbours. The weights change the squares of the distances in the
- * plane. A neighbour that the projection puts on the centre is left out. Returns how many there
- * are, sorted. */
+/* Projects the neighbours into the plane and inverts them about the centre. The weights are added
+ * to the squares of their distances in the plane. A neighbour that is projected onto the centre is
+ * left out. Sorts the others, and returns how many they are. */
 static int invert(struct iso_star *star, const struct iso_vec3 *point, const double *weight,
                   int32_t centre, const struct iso_vec3 axis[2])
 {

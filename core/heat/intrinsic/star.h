@@ -1,6 +1,6 @@
-/* The triangles around one point of a cloud: those of the Delaunay triangulation of the point and
- * its nearest neighbours, in the plane that is nearest to all of them (Sharp and Crane 2020,
- * section 5.7). Internal to core/heat/intrinsic. */
+/* The triangles around one point of a cloud. The point and its nearest neighbours are projected
+ * into the plane that fits them best, and their Delaunay triangulation is taken there (Sharp and
+ * Crane 2020, section 5.7). Internal to core/heat/intrinsic. */
 #ifndef ISO_CORE_HEAT_INTRINSIC_STAR_H
 #define ISO_CORE_HEAT_INTRINSIC_STAR_H
 

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/surface/corners.h"
+
 #include "isotherm/mesh_file.h"
 
 struct keyed {
@@ -46,58 +48,28 @@ static int find_first(const struct iso_mesh *mesh, int32_t *first)
     return 0;
 }
 
-/* Three corners by rising index, and the triangle's position in the list. */
-struct corners {
-    int32_t sorted[3], triangle;
-};
-
-static int compare_corners(const void *a, const void *b)
-{
-    const struct corners *p = a, *q = b;
-    for (int k = 0; k < 3; k++) {
-        if (p->sorted[k] != q->sorted[k]) {
-            return p->sorted[k] < q->sorted[k] ? -1 : 1;
-        }
-    }
-    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
-}
-
-static struct corners corners_of(const struct iso_mesh *mesh, const int32_t *first, int32_t t)
-{
-    const int32_t *c = mesh->triangles[t];
-    const int32_t a = first[c[0]], b = first[c[1]], d = first[c[2]];
-    const int32_t low = a < b ? a : b, high = a < b ? b : a;
-    struct corners out = {.triangle = t};
-    out.sorted[0] = d < low ? d : low;
-    out.sorted[2] = d > high ? d : high;
-    out.sorted[1] = d < low ? low : d;
-    if (d > high) {
-        out.sorted[1] = high;
-    }
-    return out;
-}
-
 /* keep[t]: 1 for the first triangle with these corners, if they are at three different places. */
 static int find_triangles(const struct iso_mesh *mesh, const int32_t *first, uint8_t *keep,
                           struct iso_mesh_mended *report)
 {
-    struct corners *order = calloc((size_t)mesh->n_triangles + 1, sizeof *order);
+    struct iso_corners *order = calloc((size_t)mesh->n_triangles + 1, sizeof *order);
     size_t n = 0;
     if (!order) {
         return -ENOMEM;
     }
     for (int32_t t = 0; t < mesh->n_triangles; t++) {
-        struct corners c = corners_of(mesh, first, t);
+        const int32_t *at = mesh->triangles[t];
+        const struct iso_corners c = iso_corners_of(
+            (const int32_t[3]){first[at[0]], first[at[1]], first[at[2]]}, t);
         if (c.sorted[0] == c.sorted[1] || c.sorted[1] == c.sorted[2]) {
             report->collapsed++;
         } else {
             order[n++] = c;
         }
     }
-    qsort(order, n, sizeof *order, compare_corners);
+    qsort(order, n, sizeof *order, iso_corners_compare);
     for (size_t i = 0; i < n; i++) {
-        const bool same = i > 0 &&
-                          memcmp(order[i].sorted, order[i - 1].sorted, sizeof order[i].sorted) == 0;
+        const bool same = i > 0 && iso_corners_are_same(&order[i], &order[i - 1]);
         keep[order[i].triangle] = !same;
         report->repeated += same;
     }

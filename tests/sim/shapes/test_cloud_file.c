@@ -1,4 +1,5 @@
-/* Files of points without triangles: clouds where these are wanted, and a fault elsewhere. */
+/* Files that have points and no triangles. A command that works on clouds takes them, and every
+ * other one refuses them. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>

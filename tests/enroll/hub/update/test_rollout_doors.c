@@ -183,7 +183,8 @@ static void a_door_that_does_not_move_fails(void **state)
     assert_int_equal(rollout_rig_count(rig, "installed"), 1);
     minutes_of(rig, p, 1);
     expect_attention(rig, "door00 failed it was installed for too long");
-    /* It does not hold the stage, and is not told to begin the same again. */
+    /* The stage does not wait for this door, and the hub does not tell the door the same order
+     * again. */
     minutes_of(rig, p, 2);
     strcpy(p->state, "idle");
     minutes_of(rig, p, 1);
