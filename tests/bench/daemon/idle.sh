@@ -28,20 +28,18 @@ clean_up() {
 }
 trap clean_up EXIT
 
-cat >"$run/bus.conf" <<END
-<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
- "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
-<busconfig><type>bench</type><listen>unix:path=$run/bus</listen><auth>EXTERNAL</auth>
-<policy context="default"><allow send_destination="*"/><allow receive_sender="*"/><allow own="*"/></policy></busconfig>
-END
-mkfifo "$run/address"
-dbus-daemon --config-file="$run/bus.conf" --nofork --nopidfile --print-address=1 >"$run/address" 2>/dev/null &
+story_directory=$run story_source=$source_dir
+. "$source_dir/tests/support/door_story.sh"
+bus_conf >"$run/bus.conf"
+dbus-daemon --config-file="$run/bus.conf" --nofork --nopidfile 2>/dev/null &
 bus_pid=$!
-read -r address <"$run/address"
-cp "$source_dir/core/data/head.model" "$source_dir/core/data/face.metric" "$run"
+until [ -S "$run/bus" ]; do
+    kill -0 "$bus_pid"
+    sleep 0.02
+done
 
 status() {
-    "$build/enroll/isotherm" --bus "$address" --json status 2>/dev/null
+    "$build/enroll/isotherm" --bus "$story_address" --json status 2>/dev/null
 }
 
 # Prints: ticks of the processor, times that a thread waited for something, frames from the sensor.
@@ -56,8 +54,7 @@ counts() {
 # usage: measure RECORDING REST_S
 measure() {
     local recording=$1 rest_s=$2 before after
-    rm -rf "$run/frames" "$run/state"
-    mkdir "$run/state"
+    rm -rf "$run/frames" "$run"/gallery.db* "$run"/audit.log*
     cp -r "$source_dir/sim/stored/$recording" "$run/frames"
     cat >"$run/isotherm.conf" <<END
 [sensor]
@@ -66,15 +63,7 @@ path = $run/frames
 loop = yes
 repeats = yes
 rest_s = $rest_s
-[gallery]
-path = $run/state/gallery.db
-[log]
-path = $run/state/audit.log
-[bus]
-address = $address
-[model]
-head = $run/head.model
-metric = $run/face.metric
+$(stores_conf)
 END
     "$build/firmware/isothermd" --config "$run/isotherm.conf" 2>"$run/isothermd.log" &
     daemon_pid=$!

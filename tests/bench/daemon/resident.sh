@@ -28,16 +28,15 @@ trap clean_up EXIT
 
 "$build/tests/bench/bench_gallery" --dir "$run" --people "$people" --templates "$templates" --metric "$source_dir/core/data/face.metric" --keep 1
 
-cat >"$run/bus.conf" <<END
-<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
- "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
-<busconfig><type>bench</type><listen>unix:path=$run/bus</listen><auth>EXTERNAL</auth>
-<policy context="default"><allow send_destination="*"/><allow receive_sender="*"/><allow own="*"/></policy></busconfig>
-END
-mkfifo "$run/address"
-dbus-daemon --config-file="$run/bus.conf" --nofork --nopidfile --print-address=1 >"$run/address" 2>/dev/null &
+story_directory=$run story_source=$source_dir
+. "$source_dir/tests/support/door_story.sh"
+bus_conf >"$run/bus.conf"
+dbus-daemon --config-file="$run/bus.conf" --nofork --nopidfile 2>/dev/null &
 bus_pid=$!
-read -r address <"$run/address"
+until [ -S "$run/bus" ]; do
+    kill -0 "$bus_pid"
+    sleep 0.02
+done
 
 cp -r "$source_dir/sim/stored/p01-v1" "$run/frames"
 cp "$source_dir/core/data/head.model" "$source_dir/core/data/face.metric" "$run"
@@ -58,7 +57,7 @@ capacity = $people
 path = $run/audit.log
 sync = no
 [bus]
-address = $address
+address = $story_address
 [match]
 adapt = $adapt
 [model]
@@ -67,7 +66,7 @@ metric = $run/face.metric
 END
 
 status() {
-    "$build/enroll/isotherm" --bus "$address" --json status 2>/dev/null
+    "$build/enroll/isotherm" --bus "$story_address" --json status 2>/dev/null
 }
 begin=$(date +%s%N)
 "$build/firmware/isothermd" --config "$run/isotherm.conf" 2>"$run/isothermd.log" &
