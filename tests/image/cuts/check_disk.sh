@@ -1,14 +1,15 @@
 #!/bin/sh
 # Checks a disk as a power cut left it, without starting it: it starts a version that is whole, and /var can be opened and is sound.
 #
-#   check_disk.sh DISK KNOWN WORK     KNOWN: a folder with what must not change, and `versions` (cuts.sh); WORK: a folder for copies of partitions
+#   check_disk.sh DISK KNOWN WORK [COMMANDS]     KNOWN: a folder with what must not change, and `versions` (cuts.sh); WORK: a folder for copies
+#                                                of partitions; COMMANDS: a file with those of debugfs(8) that damage /var, to try this check
 #
 # Prints one line: the version that starts, its slot, and what is left over of the cut. Prints its faults and exits with 1 if it has some.
 #
 # systemd-boot takes the newest version (IMAGE_VERSION) of those whose counter is not at zero (systemd-boot(7), "Boot counting"). Not only
 # this one has to be whole, but all that it could start: else the way back is no way.
 set -eu
-disk=$1 known=$2 work=$3
+disk=$1 known=$2 work=$3 damage=${4:-}
 faults=0 left=''
 PATH=$PATH:/usr/sbin:/sbin
 export LC_ALL=C MTOOLS_SKIP_CHECK=1
@@ -35,11 +36,11 @@ partition_table() {
 # ---- the EFI system partition ----
 
 # What fsck.vfat may say after a power cut; Linux, the firmware and RAUC do not care: the mark of a file system in use, also where its copy of the
-# first sector differs by it; clusters that no file has; a wrong number of free ones; two tables that differ; a file that is being
-# written (*.new, the bundle's files next to the entries) shorter or longer than its directory says.
+# first sector differs by it; clusters that no file has; a wrong number of free ones; two tables that differ; a file that is being written or
+# deleted (*.new, and a kernel image without its first sector) shorter or longer than its directory says. mended() shows that nothing of it stays.
 fat() {
     fsck.vfat -n "$work/esp" >"$work/fat" 2>&1 || true
-    awk '
+    awk -v incomplete=" $(tr '\n' ' ' <"$work/incomplete")" '
         /^fsck\.fat |^Leaving filesystem unchanged|files, .* clusters$|^ *$/ { next }
         /^ *(Automatically removing dirty bit|Not automatically fixing this|Using first FAT|Auto-correcting|Auto-deleting|Truncating file)/ { next }
         /^Dirty bit is set/ { next }
@@ -49,7 +50,7 @@ fat() {
         /^Free cluster summary wrong|^Free cluster summary uninitialized/ { print "wrong number of free clusters"; next }
         /^FATs differ but appear to be intact/ { print "two tables"; next }
         /^Orphaned long file name part/ { print "half a long name"; next }
-        /^\/EFI\/Linux\/[^ ]*\.new/ { named = 1; next }
+        /^\/EFI\/Linux\// { named = $1 ~ /\.new$/ || index(incomplete, " " $1 " "); if (named) next }
         named && /Contains a free cluster .* Assuming EOF/ { print "a new file of another size"; next }
         named && /File size is .* cluster chain length is/ { print "a new file of another size"; named = 0; next }
         { print "FAULT " $0 }' "$work/fat" | sort -u >"$work/fat.said"
@@ -68,23 +69,51 @@ constant_files() {
     done <"$known/esp.names"
 }
 
-# read_entries: writes a line "VERSION SLOT HASH NAME" for each entry that can be started
+# The first sector of the kernel image has zeros only, or the file is empty: it is no program, and systemd-boot does not show it
+# (boot-slots; start_begins in cuts.sh tries it).
+is_incomplete() {
+    [ "$(head -c 512 "$1" | tr -d '\000' | wc -c)" -eq 0 ]
+}
+
+# read_entries: writes a line "VERSION HASH NAME" for each entry that can be started
 read_entries() {
     : >"$work/entries"
+    : >"$work/incomplete"
     mdir -b -i "$work/esp" ::/EFI/Linux 2>/dev/null | sed 's#.*/##' | grep '\.efi$' | sort >"$work/names" || true
     while read -r name; do
+        mcopy -n -i "$work/esp" "::EFI/Linux/$name" - >"$work/kernel" 2>/dev/null || true
+        if is_incomplete "$work/kernel"; then
+            echo "/EFI/Linux/$name" >>"$work/incomplete"
+            continue
+        fi
         case $name in
         isotherm-[ab]+0.efi | isotherm-[ab]+0-[0-9].efi) continue ;; # no attempt left
         isotherm-[ab].efi | isotherm-[ab]+[1-9].efi | isotherm-[ab]+[1-9]-[0-9].efi) ;;
         *) fault "an entry has the name $name" && continue ;;
         esac
-        sum=$(mcopy -n -i "$work/esp" "::EFI/Linux/$name" - 2>/dev/null | sha256sum | cut -d ' ' -f 1)
+        sum=$(sha256sum <"$work/kernel" | cut -d ' ' -f 1)
         found=$(awk -v sum="$sum" '$1 == sum { print $2, $3 }' "$known/versions")
         [ -n "$found" ] || fault "the kernel image $name is not whole"
         [ -z "$found" ] || echo "$found $name" >>"$work/entries"
     done <"$work/names"
     sort -V -r -o "$work/entries" "$work/entries"
     [ -s "$work/entries" ] || fault 'no entry can be started'
+}
+
+# open-var does this at the start. Then there is nothing left to mend, and the same versions can be started.
+mended() {
+    cp "$work/entries" "$work/entries.before"
+    fsck.vfat -a "$work/esp" >"$work/fat" 2>&1 || [ $? -le 1 ] || fault "fsck.vfat -a: $(tail -n 3 "$work/fat" | tr '\n' ' ')"
+    fsck.vfat -n "$work/esp" >"$work/fat" 2>&1 || fault "fsck.vfat -a mends not everything: $(tail -n 3 "$work/fat" | tr '\n' ' ')"
+    read_entries
+    cmp -s "$work/entries" "$work/entries.before" || fault "after fsck.vfat -a there are other entries: $(tr '\n' ' ' <"$work/entries")"
+}
+
+# A directory of one sector is written as a whole: a name that systemd-boot changes is the old one or the new one (boot-slots).
+directory_is_one_sector() {
+    case $(mshowfat -i "$work/esp" ::/EFI/Linux) in
+    *'<'*[!0-9]*'>'*) fault "the directory of the boot entries has more than one sector: $(mshowfat -i "$work/esp" ::/EFI/Linux)" ;;
+    esac
 }
 
 # slot_of HASH: prints the slot whose tree has this hash at its top, as init.sh looks for it
@@ -119,7 +148,7 @@ roots() {
 
 rauc_state() {
     debugfs -R 'cat /lib/rauc/status' "$work/var.ext4" >"$work/rauc" 2>/dev/null
-    awk '/^\[[^]]+\]$/ { groups++; next } /^$|^[A-Za-z0-9.-]+=/ { next } { exit 1 } END { if (groups == 0) exit 1 }' "$work/rauc" ||
+    awk '/^\[[^]]+\]$/ { groups++; next } /^$|^#|^[A-Za-z0-9.-]+=/ { next } { exit 1 } END { if (groups == 0) exit 1 }' "$work/rauc" ||
         fault "the state of RAUC cannot be read: $(head -n 3 "$work/rauc" | tr '\n' ' ')"
 }
 
@@ -135,20 +164,23 @@ var() {
         "$(cryptsetup luksDump "$work/var" | sed -n 's/^[[:space:]]*sector: *\([0-9]*\).*/\1/p')" "$work/key" "$work/var.ext4"
     # As open-var does it at the start; then nothing is left to mend.
     e2fsck -p "$work/var.ext4" >"$work/ext4" 2>&1 || [ $? -le 1 ] || fault "e2fsck -p: $(tail -n 3 "$work/ext4" | tr '\n' ' ')"
+    [ -z "$damage" ] || debugfs -w -f "$damage" "$work/var.ext4" >"$work/debugfs" 2>&1
     e2fsck -f -n "$work/var.ext4" >"$work/ext4" 2>&1 || fault "e2fsck -n: $(head -n 3 "$work/ext4" | tr '\n' ' ')"
     debugfs -R 'cat /lib/people.before' "$work/var.ext4" 2>/dev/null | grep -q p01 || fault 'a file that was written before the updates is lost'
-    # There is none before the first update.
-    ! debugfs -R 'stat /lib/rauc/status' "$work/var.ext4" 2>/dev/null | grep -q '^Inode:' || rauc_state
+    rauc_state
 }
 
 mkdir -p "$work"
 started=''
 partition_table
 partition esp
-fat
-constant_files
 read_entries
+[ ! -s "$work/incomplete" ] || left="$left; a kernel image without its first sector"
+fat
+directory_is_one_sector
+constant_files
 roots
+mended
 var
 [ $faults -eq 0 ] || exit 1
 echo "$started$left"
