@@ -54,7 +54,9 @@ asked() {
     say 'typed: the configuration, and the daemon runs; the monitor shows where the first account is made'
     types ret
     wait_for 60 'the screen for visitors does not start' screen_runs
+    sleep 10 # it fades in
     echo 'picture: visitors'
+    sleep 2
     wait_for 60 'the setup does not end' setup_has_ended
     systemctl start isotherm-setup
     setup_has_ended || die 'a door with a configuration asks for one'

@@ -3,7 +3,8 @@
 
 usage: type_keys.py LOG MONITOR PICTURES
 
-LOG is the log of the machine's serial line. A line "keys: KEY..." in it has names of keys of QEMU, "picture: NAME" becomes PICTURES/NAME.png.
+LOG is the log of the machine's serial line. A line "keys: KEY..." in it has names of keys of QEMU, "picture: NAME" becomes
+PICTURES/NAME.png and NAME.ppm.
 MONITOR is the socket of QEMU's monitor. It goes on until it is ended."""
 import os
 import socket
@@ -54,7 +55,8 @@ def main():
                         ask(monitor, f"sendkey {key}")
                         time.sleep(0.3)  # sendkey holds the key for 0.1 s
                 elif word == "picture":
-                    ask(monitor, f"screendump {os.path.join(pictures, value)}.png -f png")
+                    for kind in ("png", "ppm"):
+                        ask(monitor, f"screendump {os.path.join(pictures, value)}.{kind} -f {kind}")
             time.sleep(0.2)
 
 
