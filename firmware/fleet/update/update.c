@@ -10,7 +10,6 @@ enum {
     LOOK_AGAIN_S = 60, /* RAUC was busy or did not answer */
     SPREAD_MOST_S = 4 * 3600,
     HOLDS_S = 15 * 60,   /* doors ask each minute */
-    KEEPS_S = 24 * 3600, /* the file of an order that does not come again */
     ANSWERS_WITHOUT = 2, /* the first answer may have lost the order */
     TEXT_SIZE = 4096,
     EXIT_NO_IMAGE = 3, /* isotherm(1): not found */
@@ -46,15 +45,29 @@ void link_update_in(struct link_update *u, uint64_t delay_us)
 
 /* ---- what is told and stored ---- */
 
+/* A version that another way has brought is being checked. A door that was told nothing and says
+ * that it runs a version is healthy for the hub, so it says that the version is installed. */
+static bool is_foreign_trial(const struct link_update *u)
+{
+    return u->record.state == ISO_FLEET_UPDATE_IDLE && link_update_is_on_trial(u);
+}
+
+static enum iso_fleet_update_state told_state(const struct link_update *u)
+{
+    return u->step == LINK_UPDATE_OFF ? ISO_FLEET_UPDATE_NONE
+           : is_foreign_trial(u)      ? ISO_FLEET_UPDATE_INSTALLED
+                                      : u->record.state;
+}
+
 void link_update_tell(struct link_update *u)
 {
     struct iso_fault fault = {.text = ""};
     struct iso_fleet_update_report *report = &u->report;
 
-    *report = (struct iso_fleet_update_report){
-        .is_known = true,
-        .state = u->step == LINK_UPDATE_OFF ? ISO_FLEET_UPDATE_NONE : u->record.state,
-        .rollout = u->record.rollout};
+    *report = (struct iso_fleet_update_report){.is_known = true, .state = told_state(u)};
+    if (!is_foreign_trial(u) || strcmp(u->slots.version, u->record.version) == 0) {
+        report->rollout = u->record.rollout;
+    }
     memcpy(report->version, u->slots.version, sizeof report->version);
     memcpy(report->board, u->slots.board, sizeof report->board);
     memcpy(report->fault, u->record.fault, sizeof report->fault);
@@ -91,7 +104,7 @@ void link_update_cancel(struct link_update *u, bool keeps_file)
     link_update_fetch_end(u);
     u->step = LINK_UPDATE_IDLE;
     if (keeps_file) {
-        link_update_in(u, KEEPS_S * LINK_UPDATE_S_US);
+        link_update_in(u, LINK_UPDATE_KEEPS_S * LINK_UPDATE_S_US);
     } else {
         (void)unlink(u->file);
     }
@@ -202,7 +215,8 @@ void link_update_ordered(struct link_update *u, const struct iso_fleet_update *o
     const bool is_same = iso_fleet_id_is_same(&order->rollout, &u->record.rollout);
 
     u->without = 0;
-    if (u->step == LINK_UPDATE_OFF || u->step == LINK_UPDATE_LOOK) {
+    /* The image refuses every update while the running version is on trial. */
+    if (u->step == LINK_UPDATE_OFF || u->step == LINK_UPDATE_LOOK || link_update_is_on_trial(u)) {
         return; /* the order comes again */
     }
     u->comes = u->holds = is_same || u->step != LINK_UPDATE_INSTALL;

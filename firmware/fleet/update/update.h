@@ -13,14 +13,16 @@
  *   FETCH      CHECK      all parts are there
  *   CHECK      INSTALL    the digest is that of the order
  *   INSTALL    LOOK       the image has done with the file
- *   INSTALLED  LOOK       from time to time, once the new version runs
+ *   INSTALLED  LOOK       from time to time, while the running version is on trial, whoever has
+ *                         brought it; no order begins meanwhile
  *   WAIT, FETCH, CHECK  IDLE  the order holds no more
  *   FETCH, CHECK, INSTALL, LOOK
  *              WAIT       something has refused it, and it may succeed later (update_refuse.c)
  *              IDLE       it cannot succeed, or was refused too often
  *
- * What became of a file is decided by a look at the slots: which version runs, and which starts
- * next. The image says only why it has refused one.
+ * What became of a file is decided by a look at the slots: which version runs, whether it is proven
+ * or on trial, and which starts next. The image says only why it has refused one. A version is
+ * healthy when it is proven, and not before: RAUC calls a slot good that is on trial.
  *
  * An order holds until the second answer of the hub that comes without it: the first one may have
  * lost it on its way. A machine whose order holds no more does not restart, but a file that is

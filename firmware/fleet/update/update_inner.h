@@ -11,7 +11,10 @@
 
 #define LINK_UPDATE_S_US UINT64_C(1000000)
 
-enum { LINK_UPDATE_QUIET_LOOK_S = 5 }; /* between two looks whether somebody is at the door */
+enum {
+    LINK_UPDATE_QUIET_LOOK_S = 5,    /* between two looks whether somebody is at the door */
+    LINK_UPDATE_KEEPS_S = 24 * 3600, /* the file of an order that does not come again */
+};
 
 enum link_update_step {
     LINK_UPDATE_LOOK,
@@ -46,8 +49,9 @@ struct link_update_record {
 struct link_update_slots {
     char version[ISO_FLEET_UPDATE_WORD_SIZE], board[ISO_FLEET_UPDATE_WORD_SIZE];
     char other[ISO_FLEET_UPDATE_WORD_SIZE]; /* the version of the other slot; "": not known */
-    bool good;                              /* the running version has passed its checks */
-    bool waiting;                           /* the other slot starts next */
+    bool good;    /* the running version can be started; it may be on trial */
+    bool proven;  /* it has passed its checks: the boot loader does not leave it by itself */
+    bool waiting; /* the other slot starts next */
 };
 
 /* What the image has said in the result file. */
@@ -124,6 +128,10 @@ void link_update_refused(struct link_update *u, const char *code, const char *wh
 
 /* The slots are known: what became of the last rollout. */
 void link_update_settle(struct link_update *u);
+
+/* Whether nothing is to be done but to wait for the end of the checks of the running version,
+ * whoever has brought it; a part of the step INSTALLED. */
+bool link_update_is_on_trial(const struct link_update *u);
 
 /* ---- update_fetch.c ---- */
 
