@@ -10,7 +10,7 @@ enum {
     LOOK_AGAIN_S = 60, /* RAUC was busy or did not answer */
     SPREAD_MOST_S = 4 * 3600,
     HOLDS_S = 15 * 60,   /* doors ask each minute */
-    ANSWERS_WITHOUT = 2, /* the first answer may have lost the order */
+    ANSWERS_WITHOUT = 2, /* the order holds so long; one of them may have lost it */
     TEXT_SIZE = 4096,
     EXIT_NO_IMAGE = 3, /* isotherm(1): not found */
 };
@@ -201,6 +201,21 @@ static void begin(struct link_update *u)
     link_update_in(u, random % (spread_s * LINK_UPDATE_S_US + 1));
 }
 
+static bool is_fetched(const struct link_update *u)
+{
+    return u->step == LINK_UPDATE_WAIT || u->step == LINK_UPDATE_FETCH ||
+           u->step == LINK_UPDATE_CHECK;
+}
+
+/* The order holds no more: nothing restarts for it. */
+static void let_go(struct link_update *u)
+{
+    u->holds = false;
+    if (is_fetched(u)) {
+        link_update_cancel(u, false);
+    }
+}
+
 /* Whether the door has done with this rollout. */
 static bool is_over(const struct link_update *u, const struct iso_fleet_update *order)
 {
@@ -219,10 +234,15 @@ void link_update_ordered(struct link_update *u, const struct iso_fleet_update *o
     if (u->step == LINK_UPDATE_OFF || u->step == LINK_UPDATE_LOOK || link_update_is_on_trial(u)) {
         return; /* the order comes again */
     }
-    u->comes = u->holds = is_same || u->step != LINK_UPDATE_INSTALL;
+    if (is_over(u, order)) {
+        if (!is_same) {
+            let_go(u); /* the hub wants the running version, and not the one that waits */
+        }
+        return;
+    }
+    u->holds = is_same || u->step != LINK_UPDATE_INSTALL;
     u->holds_until_us = link_update_now_us(u) + HOLDS_S * LINK_UPDATE_S_US;
-    if ((is_same && u->step != LINK_UPDATE_IDLE) || u->step == LINK_UPDATE_INSTALL ||
-        is_over(u, order)) {
+    if ((is_same && u->step != LINK_UPDATE_IDLE) || u->step == LINK_UPDATE_INSTALL) {
         return;
     }
     u->order = *order;
@@ -231,16 +251,16 @@ void link_update_ordered(struct link_update *u, const struct iso_fleet_update *o
 
 void link_update_answered(struct link_update *u)
 {
-    u->holds = u->comes;
-    u->comes = false;
-    u->without++;
-    if (u->step == LINK_UPDATE_IDLE && u->without >= ANSWERS_WITHOUT) {
+    /* The order of this answer comes behind it. */
+    const bool is_gone = u->without++ >= ANSWERS_WITHOUT;
+
+    if (is_gone && u->step == LINK_UPDATE_IDLE) {
         (void)unlink(u->file); /* of an order that was taken back while the link did not run */
     }
-    if (!u->holds && (u->step == LINK_UPDATE_WAIT || u->step == LINK_UPDATE_FETCH ||
-                      u->step == LINK_UPDATE_CHECK)) {
-        link_update_cancel(u, false);
-    } else if (u->step != LINK_UPDATE_LOOK) {
+    if (is_gone) {
+        let_go(u);
+    }
+    if (u->step != LINK_UPDATE_LOOK) {
         link_update_tell(u); /* the daemon may have been started again */
     }
 }

@@ -80,9 +80,8 @@ struct link_update {
     struct iso_fleet_update_report report;
     struct iso_fleet_update order;
     bool holds;              /* the order */
-    bool comes;              /* it has come since the last answer */
     uint64_t holds_until_us; /* without answers; the machine does not restart later */
-    unsigned without;        /* answers without it, in a row */
+    unsigned without;        /* answers since it came: the last one may bring it yet */
     bool busy;               /* somebody is at the door */
     uint64_t quiet_since_us; /* 0: not quiet */
     uint64_t handed_us;      /* when the image was given the file; 0: not yet */
