@@ -178,27 +178,36 @@ static int on_time(sd_event_source *source, uint64_t at_us, void *context)
 
 /* ---- the hub ---- */
 
+uint64_t link_update_turn_us(const struct link_update *u)
+{
+    const uint64_t spread_s = u->order.spread_s < SPREAD_MOST_S ? u->order.spread_s : SPREAD_MOST_S;
+    uint64_t random;
+
+    randombytes_buf(&random, sizeof random);
+    return random % (spread_s * LINK_UPDATE_S_US + 1);
+}
+
 static void begin(struct link_update *u)
 {
     const bool is_same_file = memcmp(u->record.sha256, u->order.sha256, sizeof u->record.sha256) ==
                               0;
-    uint64_t random;
 
     link_update_fetch_end(u);
     if (!is_same_file) {
         (void)unlink(u->file);
     }
     const bool is_same = iso_fleet_id_is_same(&u->record.rollout, &u->order.rollout);
-    u->record = (struct link_update_record){.rollout = u->order.rollout,
-                                            .tries = is_same ? u->record.tries : 0};
+    struct link_update_record record = {.rollout = u->order.rollout};
+    if (is_same) {
+        memcpy(record.tries, u->record.tries, sizeof record.tries);
+    }
+    u->record = record;
     memcpy(u->record.version, u->order.version, sizeof u->record.version);
     memcpy(u->record.former, u->slots.version, sizeof u->record.former);
     memcpy(u->record.sha256, u->order.sha256, sizeof u->record.sha256);
     u->step = LINK_UPDATE_WAIT;
     link_update_set(u, ISO_FLEET_UPDATE_FETCHING, "");
-    randombytes_buf(&random, sizeof random);
-    const uint64_t spread_s = u->order.spread_s < SPREAD_MOST_S ? u->order.spread_s : SPREAD_MOST_S;
-    link_update_in(u, random % (spread_s * LINK_UPDATE_S_US + 1));
+    link_update_in(u, link_update_turn_us(u));
 }
 
 static bool is_fetched(const struct link_update *u)

@@ -17,7 +17,8 @@
  *                         brought it; no order begins meanwhile
  *   WAIT, FETCH, CHECK  IDLE  the order holds no more
  *   FETCH, CHECK, INSTALL, LOOK
- *              WAIT       something has refused it, and it may succeed later (update_refuse.c)
+ *              WAIT       something has refused it, and it may succeed later (update_refuse.c); if
+ *                         it has to be fetched again, for such a part once more
  *              IDLE       it cannot succeed, or was refused too often
  *
  * What became of a file is decided by a look at the slots: which version runs, whether it is proven
