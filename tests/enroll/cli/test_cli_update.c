@@ -156,6 +156,18 @@ static void a_rauc_that_does_not_answer_is_no_foreign_key(void **state)
     expect_refusal(&answer, 5, "RAUC does not answer");
 }
 
+/* RAUC answers as to a foreign key, because another way has begun an update meanwhile. */
+static void a_rauc_that_was_overtaken_is_busy(void **state)
+{
+    const struct fake_rauc_script overtaken = {.overtaken = true};
+    struct answer answer = update(&overtaken, bundle_in(*state), NULL);
+
+    assert_non_null(strstr(answer.asked, "Info"));
+    assert_null(strstr(answer.asked, "InstallBundle"));
+    expect_refusal(&answer, 4,
+                   "another update is being installed; isotherm update shows how far it is");
+}
+
 static void a_refusal_as_json(void **state)
 {
     const struct fake_rauc_script older = {
@@ -355,6 +367,7 @@ int main(void)
         IN_SCRATCH(an_update_is_installed),
         IN_SCRATCH(refused_bundles_are_named_with_the_reason),
         IN_SCRATCH(a_rauc_that_does_not_answer_is_no_foreign_key),
+        IN_SCRATCH(a_rauc_that_was_overtaken_is_busy),
         IN_SCRATCH(a_refusal_as_json),
         IN_SCRATCH(files_that_are_none_are_not_given_to_rauc),
         IN_SCRATCH(a_machine_without_rauc_is_no_image),
