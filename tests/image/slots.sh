@@ -37,7 +37,9 @@ has() {
 echo 0.1.0-2 >"$entries/isotherm-a.version"
 gives a get-primary
 gives good get-state a
+gives no get-trial a
 gives bad get-state b
+gives 'an end with 1' get-trial b
 slots set-state b bad
 has isotherm-a.efi
 if slots set-primary b; then
@@ -53,18 +55,25 @@ slots set-primary b
 has 'isotherm-a.efi isotherm-b+3.efi'
 gives b get-primary # 0.1.0-10 is newer than 0.1.0-2
 gives good get-state b
+gives yes get-trial b
 
 # systemd-boot counts; after the last attempt the other slot is next.
 mv "$entries/isotherm-b+3.efi" "$entries/isotherm-b+1-2.efi"
 gives b get-primary
 mv "$entries/isotherm-b+1-2.efi" "$entries/isotherm-b+0-3.efi"
 gives bad get-state b
+gives yes get-trial b
 gives a get-primary
 
-# A good slot is not counted.
+# The first start of three: for RAUC the slot is good, because it can be started, but it is on trial. A good slot is not counted.
 mv "$entries/isotherm-b+0-3.efi" "$entries/isotherm-b+2-1.efi"
+gives b get-primary
+gives good get-state b
+gives yes get-trial b
 slots set-state b good
 has 'isotherm-a.efi isotherm-b.efi'
+gives good get-state b
+gives no get-trial b
 slots set-state b good
 has 'isotherm-a.efi isotherm-b.efi'
 

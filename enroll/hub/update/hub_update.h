@@ -3,14 +3,17 @@
  *
  * A door that was told counts as failed, so that a stage always ends,
  *
- *   when it says so, or when it runs its former version again;
+ *   when it says so, or when it runs its former version again, also after it was healthy;
  *   when it has not reported for HUB_UPDATE_SILENT_S; it is told again when it reports;
  *   when it has reported for HUB_UPDATE_SILENT_S, but has said nothing of its updates, or that it
  *   takes none; it is told again when it says more;
- *   when it has been told, fetching or installed for HUB_UPDATE_STILL_S; it stays failed unless it
- *   runs the version, because it would begin the same again.
+ *   when it has been told, fetching or installed for HUB_UPDATE_STILL_S in all; it stays failed
+ *   unless it runs the version, because it would begin the same again.
  *
- * A time in which the hub itself did not look, or in which the rollout was stopped, does not count.
+ * A time in which the hub itself did not look, or in which the rollout was stopped, does not count;
+ * nor does the time after a silence, until the door reports again. A rollout that is done runs
+ * again when a door that was silent comes back, as long as the zone has had no later one and the
+ * door belongs to it.
  * The hub looks when a door of the rollout asks, and once a minute (hub_rollouts_look()).
  *
  *   state of a door   what it means

@@ -179,7 +179,7 @@ static void a_door_that_does_not_move_fails(void **state)
     rollout_rig_start(rig, 1, 5, 0);
     rollout_rig_step(rig, p);
     strcpy(p->state, "installed");
-    minutes_of(rig, p, HUB_UPDATE_STILL_S / 60 + 1);
+    minutes_of(rig, p, HUB_UPDATE_STILL_S / 60); /* since it was told */
     assert_int_equal(rollout_rig_count(rig, "installed"), 1);
     minutes_of(rig, p, 1);
     expect_attention(rig, "door00 failed it was installed for too long");
