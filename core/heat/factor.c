@@ -83,9 +83,9 @@ static int error_of(const struct iso_factor *f)
     return f->common.status == CHOLMOD_OUT_OF_MEMORY ? -ENOMEM : -EDOM;
 }
 
-/* Analyses the pattern of the sum. Nested dissection leaves fewer entries in the factor than minimum
- * degree, but the analysis takes six times as long: as much as eight factorisations with their
- * solves save. */
+/* Analyses the pattern of the sum. Nested dissection leaves fewer entries in the factor than
+ * minimum degree, but the analysis takes six times as long: as much as eight factorisations with
+ * their solves save. */
 static int analyse_sum(struct iso_factor *f, bool dissected)
 {
     cholmod_free_factor(&f->l, &f->common);
