@@ -20,7 +20,6 @@ else
 fi
 cp "$boot" "$work/root/esp/EFI/systemd/systemd-boot$arch_efi.efi"
 cp "$out/isotherm.efi" "$work/root/esp/EFI/Linux/isotherm-a.efi"
-sed -n 's/^IMAGE_VERSION=//p' "$out/os-release" >"$work/root/esp/EFI/Linux/isotherm-a.version"
 sed "s/@ROOT_TYPE@/$arch_root/; s/@VERITY_TYPE@/$arch_verity/; s/@ESP_SIZE@/$arch_esp/" "$here/disk.cfg" >"$work/disk.cfg"
 # Nobody edits the command line.
 printf 'timeout 0\neditor no\nconsole-mode keep\n' >"$work/root/esp/loader/loader.conf"

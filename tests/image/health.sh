@@ -119,7 +119,7 @@ ln -s "$source_dir/sim/stored/p01-v2" "$judge/enrolled"
 ln -s "$source_dir/sim/stored/p02-v1" "$judge/other"
 ln -s "$source_dir/sim/stored/p01-v1" "$judge/visitor"
 echo SLOT=b >"$root/run/isotherm/slot"
-: >"$root/efi/EFI/Linux/isotherm-b+2-1.efi"
+printf MZ >"$root/efi/EFI/Linux/isotherm-b+2-1.efi"
 
 # The sensor works, but what it delivers is damaged.
 mkdir "$root/damaged"
