@@ -23,7 +23,7 @@ count() {
         cp -r "$source_dir/sim/stored/$recording" "$run/corpus"
         grep "^$recording," "$source_dir/sim/stored/manifest.csv" >>"$run/corpus/manifest.csv"
     done
-    OPENBLAS_NUM_THREADS=1 valgrind --tool=callgrind --callgrind-out-file="$run/counts" "$build/sim/isotherm-sim" replay --corpus "$run/corpus" \
+    OPENBLAS_NUM_THREADS=1 valgrind --tool=callgrind --toggle-collect=iso_appliance_step --callgrind-out-file="$run/counts" "$build/sim/isotherm-sim" replay --corpus "$run/corpus" \
         --out "$run/out" --model "$source_dir/core/data/head.model" --metric "$source_dir/core/data/face.metric" >"$run/log" 2>&1 || {
         tail -n 5 "$run/log" >&2
         exit 1
