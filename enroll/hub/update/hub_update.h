@@ -81,15 +81,16 @@ int hub_rollout_start(struct hub_store *store, const struct hub_rollout_options 
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Stops the rollout of a zone: no door is told any more, and the orders of those that were told
- * hold no more. -ENOENT, -EALREADY it does not run. */
-int hub_rollout_stop(struct hub_store *store, const char *zone, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+ * hold no more. `id` is the rollout that is meant, or NULL for whichever it is. -ENOENT, -EALREADY
+ * it does not run; -ESRCH another one of the zone runs. */
+int hub_rollout_stop(struct hub_store *store, const char *zone, const struct iso_fleet_id *id,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Lets a stopped one go on. What has failed so far does not count any more. -EALREADY none was
  * stopped, or a door takes part in a running one of another zone; -ENOENT also: its version was
- * removed. */
-int hub_rollout_resume(struct hub_store *store, const char *zone, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+ * removed; -ESRCH another one of the zone was stopped. */
+int hub_rollout_resume(struct hub_store *store, const char *zone, const struct iso_fleet_id *id,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Looks at all running rollouts, whose doors may all be silent. The leader calls this once a minute
  * as long as the broker is connected; without it a rollout is looked at when one of its doors asks.

@@ -181,10 +181,10 @@ static void a_silent_door_of_the_last_stage_is_told_again(void **state)
     assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM act WHERE what = 'update-again'"),
                      1);
     /* People can stop it again, and it comes to its end again. */
-    store_rig_fine(hub_rollout_stop(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_stop(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
     rollout_rig_ask(rig, p);
     assert_false(p->door.is_ordered);
-    store_rig_fine(hub_rollout_resume(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_resume(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
     for (int i = 0; i < 4; i++) {
         store_rig_now_s += 60;
         rollout_rig_step(rig, p);
@@ -273,7 +273,7 @@ static void a_restart_does_not_make_a_failed_door_able(void **state)
         rollout_rig_ask(rig, slow);
     }
     assert_int_equal(rollout_rig_now(rig).stage.state, HUB_ROLLOUT_STOPPED);
-    store_rig_fine(hub_rollout_resume(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_resume(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
     strcpy(slow->state, "idle");
     strcpy(broken->state, "idle");
     for (int i = 0; i < 3; i++) {
