@@ -78,7 +78,7 @@ configure_updates() {
 
 # Nobody logs in: no getty, no shell of a rescue, no password. A boot that fails restarts the machine, and the third one falls back.
 enable_units() {
-    in_root systemctl --quiet enable isotherm-var.service isotherm-configuration.service isotherm-health.service isotherm-update@page.path isotherm-restart@page.path isotherm-update@hub.path isotherm-restart@hub.path nftables.service chrony.service systemd-networkd.service systemd-resolved.service
+    in_root systemctl --quiet enable isotherm-var.service isotherm-configuration.service isotherm-setup.service isotherm-health.service isotherm-update@page.path isotherm-restart@page.path isotherm-update@hub.path isotherm-restart@hub.path nftables.service chrony.service systemd-networkd.service systemd-resolved.service
     in_root systemctl --quiet mask getty.target getty@.service serial-getty@.service console-getty.service container-getty@.service \
         debug-shell.service systemd-ask-password-console.path systemd-ask-password-wall.path systemd-firstboot.service dpkg-db-backup.timer \
         e2scrub_all.timer e2scrub_reap.service fstrim.timer systemd-networkd-wait-online.service proc-sys-fs-binfmt_misc.automount

@@ -191,10 +191,10 @@ static int solve_with_blocks(const struct iso_symmetric *stiffness,
     if (!error) {
         error = count_again(&a, factor, stiffness, mass);
     }
+    iso_factor_free(factor); /* before the vectors are made: both are large */
     if (!error) {
         extract_pairs(&a, pairs);
     }
-    iso_factor_free(factor);
     iso_lanczos_done(&a.lanczos);
     free(a.value);
     free(a.ritz);

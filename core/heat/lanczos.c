@@ -28,8 +28,11 @@ static void project_out(struct iso_lanczos *l, int32_t size, double *w, int32_t 
         return;
     }
     for (int pass = 0; pass < 2; pass++) { /* twice is enough (Kahan; Parlett 1980, 6.9) */
-        cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, size, columns, l->n, 1.0, l->bv, l->n,
-                    w, l->n, 0.0, l->projected, size);
+        for (int32_t c = 0; c < columns; c++) {
+            iso_symmetric_multiply(l->mass, vector(w, l, c), vector(l->bw, l, c));
+        }
+        cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, size, columns, l->n, 1.0, l->v, l->n,
+                    l->bw, l->n, 0.0, l->projected, size);
         cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, l->n, columns, size, -1.0, l->v,
                     l->n, l->projected, size, 1.0, w, l->n);
         for (int32_t c = 0; sum && c < columns; c++) {
@@ -40,11 +43,11 @@ static void project_out(struct iso_lanczos *l, int32_t size, double *w, int32_t 
     }
 }
 
-/* Stores w, which is orthogonal to V, behind the first `size` vectors, unless its norm is `least`
- * or less. Returns its norm, or 0. */
-static double append(struct iso_lanczos *l, int32_t size, double *w, double least)
+/* Stores w, which is orthogonal to V, as the next vector of the pending block, unless its norm is
+ * `least` or less. Returns its norm, or 0. The caller counts it. */
+static double append(struct iso_lanczos *l, double *w, double least)
 {
-    double *v = vector(l->v, l, size), *bv = vector(l->bv, l, size);
+    double *v = vector(l->v, l, l->size + l->pending), *bv = vector(l->bv, l, l->pending);
     iso_symmetric_multiply(l->mass, w, bv);
     const double norm = sqrt(fmax(0.0, cblas_ddot(l->n, w, 1, bv, 1)));
     if (!(norm > least)) {
@@ -64,14 +67,13 @@ static int fill_up(struct iso_lanczos *l, int32_t wanted)
         for (int32_t i = 0; i < l->n; i++) {
             l->w[i] = next_random(l);
         }
-        const int32_t size = l->size + l->pending;
-        iso_symmetric_multiply(l->mass, l->w, vector(l->bv, l, size));
-        const double before = sqrt(cblas_ddot(l->n, l->w, 1, vector(l->bv, l, size), 1));
+        iso_symmetric_multiply(l->mass, l->w, l->bw);
+        const double before = sqrt(cblas_ddot(l->n, l->w, 1, l->bw, 1));
         if (!isfinite(before)) {
             return -EDOM;
         }
-        project_out(l, size, l->w, 1, NULL, 0);
-        l->pending += append(l, size, l->w, 1e-10 * before) > 0.0;
+        project_out(l, l->size + l->pending, l->w, 1, NULL, 0);
+        l->pending += append(l, l->w, 1e-10 * before) > 0.0;
     }
     return 0;
 }
@@ -84,12 +86,14 @@ int iso_lanczos_init(struct iso_lanczos *l, const struct iso_symmetric *mass,
     l->capacity = capacity;
     size_t n = (size_t)l->n, b = (size_t)l->block, room = (size_t)capacity + b;
     l->v = malloc(room * n * sizeof(double));
-    l->bv = malloc(room * n * sizeof(double));
+    l->bv = malloc(b * n * sizeof(double));
+    l->bw = malloc(b * n * sizeof(double));
     l->t = calloc((size_t)capacity * (size_t)capacity, sizeof(double));
     l->coupling = calloc(b * b, sizeof(double));
     l->w = calloc(b * n, sizeof(double));
     l->projected = calloc(b * room, sizeof(double));
-    if (!l->v || !l->bv || !l->t || !l->coupling || !l->w || !l->projected) {
+    const bool room_made = l->v && l->bv && l->bw && l->t && l->coupling && l->w && l->projected;
+    if (!room_made) {
         return -ENOMEM;
     }
     return fill_up(l, l->block);
@@ -99,6 +103,7 @@ void iso_lanczos_done(struct iso_lanczos *l)
 {
     free(l->v);
     free(l->bv);
+    free(l->bw);
     free(l->t);
     free(l->coupling);
     free(l->w);
@@ -116,12 +121,12 @@ static int next_block(struct iso_lanczos *l, double scale)
         double *w = vector(l->w, l, c), *coupling = &l->coupling[c * l->block];
         for (int pass = 0; pass < 2; pass++) {
             for (int32_t i = 0; i < l->pending; i++) {
-                const double dot = cblas_ddot(l->n, vector(l->bv, l, l->size + i), 1, w, 1);
+                const double dot = cblas_ddot(l->n, vector(l->bv, l, i), 1, w, 1);
                 cblas_daxpy(l->n, -dot, vector(l->v, l, l->size + i), 1, w, 1);
                 coupling[i] += dot;
             }
         }
-        const double norm = append(l, l->size + l->pending, w, 1e-14 * scale);
+        const double norm = append(l, w, 1e-14 * scale);
         if (norm > 0.0) {
             coupling[l->pending++] = norm;
         }
@@ -132,7 +137,7 @@ static int next_block(struct iso_lanczos *l, double scale)
 int iso_lanczos_step(struct iso_lanczos *l)
 {
     int32_t from = l->size, columns = l->pending;
-    const int error = iso_factor_solve(l->factor, vector(l->bv, l, from), columns, l->w);
+    const int error = iso_factor_solve(l->factor, l->bv, columns, l->w);
     if (error) {
         return error;
     }

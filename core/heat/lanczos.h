@@ -3,7 +3,10 @@
  * A = (L + s B)^-1 B is self-adjoint in the inner product x' B y; its largest eigenvalues 1 /
  * (lambda + s) belong to the smallest lambda. The vectors of V are orthonormal in that product, and
  * T = V' B A V. All of A V lies in V, except for the part that comes from the last block of V; that
- * part is the next block, `pending`. Every new block is made orthogonal to all of V, twice. */
+ * part is the next block, `pending`. Every new block is made orthogonal to all of V, twice.
+ *
+ * Only V is stored, which is most of the memory. V' B w is computed as V' (B w): multiplying a
+ * block by B costs less than reading V does. */
 #ifndef ISO_CORE_HEAT_LANCZOS_H
 #define ISO_CORE_HEAT_LANCZOS_H
 
@@ -16,7 +19,9 @@ struct iso_lanczos {
     int32_t size;      /* vectors of V to which A was applied */
     int32_t last;      /* how many of these the last block had */
     int32_t pending;   /* vectors of the next block, which follow; 0 if V is the whole space */
-    double *v, *bv;    /* [capacity + block][n]: V and B V */
+    double *v;         /* [capacity + block][n]: V */
+    double *bv;        /* [block][n]: B applied to the next block */
+    double *bw;        /* [block][n]: B w, working memory */
     double *t;         /* [capacity][capacity]: T by columns */
     double *coupling;  /* [block][block]: column c has the coefficients, in the next block, of A
                           applied to vector c of the last one */

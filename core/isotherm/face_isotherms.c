@@ -15,15 +15,16 @@ static void sample(const struct iso_tracer *curves, struct iso_vec3 landmark_mm,
 }
 
 /* Finds the isotherm of one landmark at one radius on a mesh. Returns 0 with n = 0 if there is
- * none, and -ENOSPC if the tracer is too small. */
+ * none, -ENOSPC if the tracer is too small, and -ENOMEM. */
 static int trace_on_mesh(struct iso_tracer *tracer, const struct iso_heated_face *face,
                          int landmark, double radius_mm, int n_points, struct iso_isotherm *out)
 {
     const double *heat = &face->heat[(size_t)landmark * (size_t)face->mesh->n_vertices];
     out->n = 0;
     double level;
-    if (iso_isotherm_level(face->mesh, heat, radius_mm, &level)) {
-        return 0;
+    const int error = iso_isotherm_level(face->mesh, heat, radius_mm, &level);
+    if (error) {
+        return error == -ERANGE ? 0 : error;
     }
     const int curves = iso_tracer_run(tracer, face->mesh, face->adjacent, heat, level);
     if (curves < 0) {

@@ -32,7 +32,8 @@ int iso_tracer_new(int32_t triangle_capacity, struct iso_tracer **out)
     t->start = calloc(n + 1, sizeof *t->start);
     t->closed = calloc(n, sizeof *t->closed);
     t->passed = calloc(n, sizeof *t->passed);
-    if (!t->points || !t->start || !t->closed || !t->passed) {
+    t->cut = calloc(n, sizeof *t->cut);
+    if (!t->points || !t->start || !t->closed || !t->passed || !t->cut) {
         iso_tracer_free(t);
         return -ENOMEM;
     }
@@ -47,6 +48,7 @@ void iso_tracer_free(struct iso_tracer *tracer)
         free(tracer->start);
         free(tracer->closed);
         free(tracer->passed);
+        free(tracer->cut);
         free(tracer);
     }
 }
@@ -98,6 +100,22 @@ static void walk(struct iso_tracer *t, const struct scene *scene, int32_t first)
     t->start[++t->n_curves] = n;
 }
 
+/* Lists the triangles that the level cuts, and marks them as not passed. Returns their number. */
+static int32_t list_cut_triangles(struct iso_tracer *t, const struct scene *scene)
+{
+    const double *heat = scene->heat, level = scene->level;
+    int32_t n = 0;
+
+    for (int32_t i = 0; i < scene->mesh->n_triangles; i++) {
+        const int32_t *v = scene->mesh->triangles[i];
+        const int hot = (heat[v[0]] >= level) + (heat[v[1]] >= level) + (heat[v[2]] >= level);
+        t->cut[n] = i;
+        t->passed[i] = 0;
+        n += hot == 1 || hot == 2;
+    }
+    return n;
+}
+
 int iso_tracer_run(struct iso_tracer *tracer, const struct iso_mesh *mesh,
                    const int32_t (*adjacent)[3], const double *heat, double level)
 {
@@ -105,19 +123,19 @@ int iso_tracer_run(struct iso_tracer *tracer, const struct iso_mesh *mesh,
         return -ENOSPC;
     }
     const struct scene scene = {mesh, adjacent, heat, level};
-    memset(tracer->passed, 0, (size_t)mesh->n_triangles);
+    const int32_t n = list_cut_triangles(tracer, &scene);
     tracer->n_curves = 0;
     tracer->start[0] = 0;
     /* Open curves come first, from where they enter the mesh. Then only loops are left. */
-    for (int32_t t = 0; t < mesh->n_triangles; t++) {
-        int enters = turning_edge(&scene, t, true);
-        if (!tracer->passed[t] && enters >= 0 && adjacent[t][enters] < 0) {
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t t = tracer->cut[i];
+        if (!tracer->passed[t] && adjacent[t][turning_edge(&scene, t, true)] < 0) {
             walk(tracer, &scene, t);
         }
     }
-    for (int32_t t = 0; t < mesh->n_triangles; t++) {
-        if (!tracer->passed[t] && turning_edge(&scene, t, true) >= 0) {
-            walk(tracer, &scene, t);
+    for (int32_t i = 0; i < n; i++) {
+        if (!tracer->passed[tracer->cut[i]]) {
+            walk(tracer, &scene, tracer->cut[i]);
         }
     }
     return tracer->n_curves;

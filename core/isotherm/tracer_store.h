@@ -16,6 +16,7 @@ struct iso_tracer {
     int32_t *start;          /* [triangle_capacity + 1], where each curve begins in points */
     bool *closed;            /* [triangle_capacity], of each curve */
     uint8_t *passed;         /* [triangle_capacity], 1 for a triangle of a mesh that is traced */
+    int32_t *cut;            /* [triangle_capacity], the triangles of a mesh that the level cuts */
     int32_t n_curves;
 };
 

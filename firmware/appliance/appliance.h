@@ -179,7 +179,8 @@ int64_t iso_appliance_step(struct iso_appliance *appliance);
 void iso_appliance_stop(struct iso_appliance *appliance);
 
 /* Descriptors that poll readable when a step has something to do; negative if there is none now.
- * The descriptor of the sensor may change with every step. */
+ * The descriptor of the sensor may change with every step; -EAGAIN: it is the same as before, and
+ * is not to be watched until the next step. */
 int iso_appliance_sensor_fd(const struct iso_appliance *appliance);
 int iso_appliance_door_fd(const struct iso_appliance *appliance);
 int iso_appliance_panel_fd(const struct iso_appliance *appliance);

@@ -133,8 +133,8 @@ static void follow_rest(struct iso_appliance *appliance)
 {
     const bool rests = appliance->face.rest.resting;
     if (rests != appliance->face.slowed && appliance->sensor.supervisor.sensor) {
-        iso_sensor_set_interval(appliance->sensor.supervisor.sensor,
-                                rests ? ISO_REST_INTERVAL_NS : 0);
+        iso_sensor_supervisor_set_interval(&appliance->sensor.supervisor,
+                                           rests ? ISO_REST_INTERVAL_NS : 0);
         appliance->face.slowed = rests;
     }
 }

@@ -149,9 +149,8 @@ void iso__appliance_look_at_sensor(struct iso_appliance *appliance, int64_t now_
 
 int iso_appliance_sensor_fd(const struct iso_appliance *appliance)
 {
-    return appliance->sensor.supervisor.sensor
-               ? iso_sensor_poll_fd(appliance->sensor.supervisor.sensor)
-               : -ENODEV;
+    return iso_sensor_supervisor_fd(&appliance->sensor.supervisor,
+                                    iso_times_now_ns(&appliance->borrowed.times));
 }
 
 uint64_t iso_appliance_progress(const struct iso_appliance *appliance)

@@ -249,7 +249,7 @@ const struct iso_config_key iso_config_keys[] = {
      "membership of a fleet, which a factory reset empties"},
 
     {"fleet", "restart_hours", ISO_CONFIG_TEXT, AT(fleet, restart_hours), 0, 0, NULL, "",
-     "hours in which an update of the hub may restart the machine, such as 1-5; any if empty"},
+     "hours, in UTC on an image, when an update of the hub may restart it, like 1-5; empty: any"},
 
     {"process", "confine", ISO_CONFIG_SWITCH, AT(process, confine), 0, 0, NULL, "yes",
      "give up what the daemon does not need of files and system calls (Landlock, seccomp)"},

@@ -233,9 +233,12 @@ static int on_readable(sd_event_source *source, int fd, uint32_t events, void *c
     return 0;
 }
 
+/* -EAGAIN: the descriptor is the same and is not watched for now. */
 static void watch_fd(struct daemon *daemon, struct watched_fd *watched, int fd)
 {
-    if (fd == watched->fd && watched->source) {
+    const bool same = fd == watched->fd || fd == -EAGAIN;
+    if (same && watched->source) {
+        (void)sd_event_source_set_enabled(watched->source, fd >= 0 ? SD_EVENT_ON : SD_EVENT_OFF);
         return;
     }
     watched->source = sd_event_source_disable_unref(watched->source);

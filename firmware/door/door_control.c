@@ -17,6 +17,10 @@ const char *iso_door_answer_name(enum iso_door_answer answer)
     return names[answer];
 }
 
+/* Lines with a descriptor report a change of an input by it, and are only read to notice that a
+ * chip is gone: Linux 6.1 wakes nobody for that. */
+static const int64_t watched_poll_ns = 200 * ISO_NS_PER_MS;
+
 void iso_door_control_init(struct iso_door_control *control, const struct iso_door_options *options,
                            const struct iso_door_timing *timing, struct iso_door_io *io,
                            void (*changed)(void *context, enum iso_door_event cause), void *context)
@@ -48,6 +52,19 @@ static void tell_change(struct iso_door_control *control, enum iso_door_event ev
 
 /* ---- lines ---- */
 
+static int64_t earlier_time(int64_t a_ns, int64_t b_ns)
+{
+    return a_ns < b_ns ? a_ns : b_ns;
+}
+
+/* The time from one reading of the inputs to the next. */
+static int64_t reading_interval_ns(const struct iso_door_control *control)
+{
+    const int64_t poll_ns = control->timing.poll_ns;
+    const bool watched = !control->broken && iso_door_io_poll_fd(control->io) >= 0;
+    return watched && poll_ns < watched_poll_ns ? watched_poll_ns : poll_ns;
+}
+
 /* Notes whether the lines work. Passes a change of that to the state machine. */
 static void note_lines(struct iso_door_control *control, const struct iso_fault *fault, bool broken,
                        int64_t now_ns)
@@ -60,6 +77,9 @@ static void note_lines(struct iso_door_control *control, const struct iso_fault 
     }
     control->broken = broken;
     if (broken) {
+        if (control->read_ns != ISO_NEVER_NS) { /* from now on the lines are read by time only */
+            control->read_ns = earlier_time(control->read_ns, now_ns + control->timing.poll_ns);
+        }
         tell_change(control, ISO_DOOR_ON_FAULT, now_ns);
     } else if (!control->asked_fault) {
         tell_change(control, ISO_DOOR_ON_RECOVERED, now_ns);
@@ -107,7 +127,7 @@ static bool switch_outputs(struct iso_door_control *control, struct iso_fault *f
 static bool read_inputs(struct iso_door_control *control, struct iso_door_inputs *out,
                         int64_t now_ns, struct iso_fault *fault)
 {
-    control->read_ns = now_ns + control->timing.poll_ns;
+    control->read_ns = now_ns + reading_interval_ns(control);
     return iso_door_io_get_inputs(control->io, out, fault) == 0;
 }
 
@@ -350,5 +370,5 @@ int64_t iso_door_control_due_ns(const struct iso_door_control *control)
     const int64_t door_ns = iso_door_due_ns(&control->door);
     const bool lost = iso_door_io_is_lost(control->io);
     const int64_t lines_ns = lost ? control->open_ns : control->read_ns;
-    return door_ns < lines_ns ? door_ns : lines_ns;
+    return earlier_time(door_ns, lines_ns);
 }

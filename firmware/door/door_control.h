@@ -26,7 +26,7 @@ enum iso_door_answer {
 const char *iso_door_answer_name(enum iso_door_answer answer);
 
 struct iso_door_timing {
-    int64_t poll_ns;                /* interval of reading the inputs */
+    int64_t poll_ns;                /* interval of reading inputs that do not report changes */
     int64_t retry_ns, retry_max_ns; /* first and longest wait before lost lines are opened again */
 };
 

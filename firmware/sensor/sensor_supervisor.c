@@ -9,6 +9,9 @@
  * tell when it has something. */
 enum { LOOK_NS = 5 * ISO_NS_PER_MS };
 
+/* The same while few frames are wanted. */
+enum { SELDOM_LOOK_NS = 20 * ISO_NS_PER_MS };
+
 /* The interval of looks at a back end with a descriptor, although the descriptor wakes up the
  * caller. A caller that comes later was held up, and reports this by iso_sensor_supervisor_excuse.
  * Without such an interval it could not tell a stall of its own from a sensor that has nothing. For
@@ -68,7 +71,8 @@ static enum iso_sensor_news try_to_open(struct iso_sensor_supervisor *supervisor
         close_sensor(supervisor, now_ns);
         return ISO_SENSOR_FLAW;
     }
-    supervisor->heard_ns = supervisor->seen_ns = now_ns;
+    supervisor->heard_ns = supervisor->seen_ns = supervisor->taken_ns = now_ns;
+    supervisor->interval_ns = 0;
     return ISO_SENSOR_BACK;
 }
 
@@ -162,6 +166,7 @@ enum iso_sensor_news iso_sensor_supervisor_look(struct iso_sensor_supervisor *su
         struct iso_sensor_description description;
         sign_of_life(supervisor, now_ns);
         note_sight(supervisor, (*frame)->t_ns, now_ns);
+        supervisor->taken_ns = now_ns;
         supervisor->frames++;
         if (iso_sensor_describe(supervisor->sensor, &description) == 0) {
             (void)snprintf(supervisor->model, sizeof supervisor->model, "%s", description.model);
@@ -196,6 +201,30 @@ void iso_sensor_supervisor_excuse(struct iso_sensor_supervisor *supervisor, int6
     }
 }
 
+void iso_sensor_supervisor_set_interval(struct iso_sensor_supervisor *supervisor,
+                                        int64_t interval_ns)
+{
+    if (supervisor->sensor) {
+        iso_sensor_set_interval(supervisor->sensor, interval_ns);
+        supervisor->interval_ns = interval_ns;
+    }
+}
+
+/* Whether a frame that comes now would be passed over. */
+static bool pauses(const struct iso_sensor_supervisor *supervisor, int64_t now_ns)
+{
+    return now_ns - supervisor->taken_ns < supervisor->interval_ns;
+}
+
+int iso_sensor_supervisor_fd(const struct iso_sensor_supervisor *supervisor, int64_t now_ns)
+{
+    if (!supervisor->sensor) {
+        return -ENODEV;
+    }
+    const int fd = iso_sensor_poll_fd(supervisor->sensor);
+    return fd >= 0 && pauses(supervisor, now_ns) ? -EAGAIN : fd;
+}
+
 static int64_t earlier_time(int64_t a_ns, int64_t b_ns)
 {
     return a_ns < b_ns ? a_ns : b_ns;
@@ -226,8 +255,13 @@ int64_t iso_sensor_supervisor_due_ns(const struct iso_sensor_supervisor *supervi
     if (iso_sensor_next_due_ns(supervisor->sensor, &due_ns) == 0) {
         return due_ns;
     }
-    return iso_sensor_poll_fd(supervisor->sensor) < 0 ? now_ns + LOOK_NS
-                                                      : due_with_descriptor(supervisor, now_ns);
+    if (pauses(supervisor, now_ns)) {
+        return supervisor->taken_ns + supervisor->interval_ns;
+    }
+    if (iso_sensor_poll_fd(supervisor->sensor) < 0) {
+        return now_ns + (supervisor->interval_ns > 0 ? SELDOM_LOOK_NS : LOOK_NS);
+    }
+    return due_with_descriptor(supervisor, now_ns);
 }
 
 void iso_sensor_supervisor_done(struct iso_sensor_supervisor *supervisor)

@@ -14,6 +14,9 @@
  * end with next_due_ns has nothing to show; and not when the sensor is opened, because it has still
  * to show that it works.
  *
+ * At rest few frames are wanted (iso_sensor_supervisor_set_interval). Frames that come before the
+ * next wanted one wake nobody: they wait in the device or are dropped there.
+ *
  * Both times count only what the sensor is responsible for. While the caller itself is held up,
  * for example by a slow disk, nobody reads the sensor; the caller reports that by
  * iso_sensor_supervisor_excuse, and that time does not count. A late frame is of no use all the
@@ -48,6 +51,8 @@ struct iso_sensor_supervisor {
     int64_t heard_ns;          /* RUNNING: the last sign of life */
     int64_t seen_ns;           /* RUNNING: time of the last observation of the scene */
     bool sees;                 /* the present scene is known */
+    int64_t taken_ns;          /* RUNNING: when the last frame was taken */
+    int64_t interval_ns;       /* RUNNING: one frame in this time is wanted; 0: every frame */
     bool found;                /* RUNNING: the last look found a frame */
     uint64_t progress;         /* counts signs of life, for the watchdog */
     uint64_t frames;
@@ -82,6 +87,17 @@ enum iso_sensor_news iso_sensor_supervisor_look(struct iso_sensor_supervisor *su
  * look. This time does not count as silence, so a dead sensor is noticed so much later. */
 void iso_sensor_supervisor_excuse(struct iso_sensor_supervisor *supervisor, int64_t held_up_ns,
                                   int64_t now_ns);
+
+/* As iso_sensor_set_interval. Until interval_ns after a frame was taken, the caller need not look;
+ * then the sensor's descriptor is watched again. An interval must be shorter than silence_ns and
+ * pause_ns. Does nothing in AWAY; an opened sensor gives every frame. */
+void iso_sensor_supervisor_set_interval(struct iso_sensor_supervisor *supervisor,
+                                        int64_t interval_ns);
+
+/* The descriptor to be watched at now_ns: as iso_sensor_poll_fd. -EAGAIN: the sensor has one, which
+ * is not to be watched until iso_sensor_supervisor_due_ns; -ENODEV in AWAY. */
+int iso_sensor_supervisor_fd(const struct iso_sensor_supervisor *supervisor, int64_t now_ns)
+    __attribute__((warn_unused_result));
 
 /* The latest time of the next look if nothing is to be missed. Look earlier if the sensor's
  * descriptor is readable. */

@@ -126,6 +126,28 @@ static void fingerprint_is_one_line(void **state)
     free(answer.out);
 }
 
+/* They are no secret, and no server is asked. */
+static void addresses_are_lines_for_everybody(void **state)
+{
+    const struct cli_web_places places = {
+        .program = write_program(scratch_path(*state, "isotherm-web"), server),
+        .systemctl = write_program(scratch_path(*state, "systemctl"), systemd),
+        .root = geteuid() != 0};
+    struct answer answer = run(*state, &places, "address", false);
+
+    assert_int_equal(answer.exit, CLI_EXIT_OK);
+    assert_string_equal(answer.out, "https://192.0.2.7:443/\nhttps://[2001:db8::5]:8444/\n");
+    free(answer.out);
+    answer = run(*state, &places, "address", true);
+    json_t *document = json_loads(answer.out, 0, NULL);
+    const json_t *urls = json_object_get(document, "addresses");
+    assert_int_equal(json_array_size(urls), 2);
+    assert_string_equal(json_string_value(json_array_get(urls, 1)), "https://[2001:db8::5]:8444/");
+    json_decref(document);
+    free(answer.out);
+    assert_false(scratch_exists(scratch_path(*state, "isotherm-web.asked")));
+}
+
 static void expect_fault(struct answer answer, enum cli_exit exit, const char *code,
                          const char *text)
 {
@@ -154,7 +176,7 @@ static void a_server_that_is_missing_or_fails_is_named(void **state)
     expect_fault(run(*state, &places, "fingerprint", false), CLI_EXIT_FAULT, "web-fault",
                  "isotherm-web fingerprint: it gives no answer");
     expect_fault(run(*state, &places, "password", false), CLI_EXIT_USAGE, "usage",
-                 "web takes 'setup' or 'fingerprint', not 'password'");
+                 "web takes 'setup', 'address' or 'fingerprint', not 'password'");
 }
 
 static void only_root_may_ask(void **state)
@@ -241,6 +263,7 @@ int main(void)
         IN_SCRATCH(setup_prints_addresses_fingerprint_and_code),
         IN_SCRATCH(setup_as_json),
         IN_SCRATCH(fingerprint_is_one_line),
+        IN_SCRATCH(addresses_are_lines_for_everybody),
         IN_SCRATCH(a_server_that_is_missing_or_fails_is_named),
         IN_SCRATCH(only_root_may_ask),
         IN_SCRATCH(a_socket_on_every_address_has_those_of_the_machine),

@@ -275,7 +275,7 @@ static void a_camera_that_shows_nothing_is_asked_once(void **state)
 
     assert_int_equal(setup_rig_run(rig, &wish, &manager, &daemon), CLI_EXIT_OK);
     setup_rig_expect_in(rig->said,
-                        "waiting for a picture ...\n"
+                        "Waiting for a picture ...\n"
                         "There is no picture of what the camera sees: the camera shows nothing.\n");
     assert_int_equal(count_calls(rig->daemon_calls, "Picture"), 1);
 }

@@ -33,7 +33,7 @@ inbox_of() { echo "$(image_of "$1")/var/lib/isotherm-update/hub"; }
 slots_say() { # DOOR VERSION NEXT
     local here=true
     [ "$3" = false ] || here=false
-    printf '{"board":"%s","version":"%s","slots":[{"running":true,"good":true,"next":%s},{"running":false,"good":true,"next":%s}]}\n' \
+    printf '{"board":"%s","version":"%s","proven":true,"slots":[{"running":true,"good":true,"next":%s},{"running":false,"good":true,"next":%s}]}\n' \
         "$ANNEX_BOARD" "$2" "$here" "$3" >"$(image_of "$1")/slots"
 }
 

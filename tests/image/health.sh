@@ -7,7 +7,8 @@ set -eu
 source_dir=$1 build=$2
 command -v dbus-daemon >/dev/null || exit 77
 ISOTHERM_ROOT=$(mktemp -d)
-export ISOTHERM_ROOT
+ISOTHERM_ESP=$ISOTHERM_ROOT/efi
+export ISOTHERM_ROOT ISOTHERM_ESP
 story_directory=$ISOTHERM_ROOT/story story_source=$source_dir
 root=$ISOTHERM_ROOT bus_pid='' daemon_pid=''
 mkdir -p "$root/bin" "$root/down" "$root/story" "$root/etc/isotherm" "$root/run/isotherm" "$root/efi/EFI/Linux" \
@@ -44,14 +45,16 @@ reboot) echo reboot >>"$root/asked" ;;
 *) exit 2 ;;
 esac
 END
-# It is busy once for each line of the file `busy`.
+# It is busy once for each line of the file `busy`. It marks the slot as good by the image's own program if there is a file `marks`.
 program rauc <<END
 echo "rauc \$*" >>"$root/asked"
+cp "$root/run/isotherm/trial" "$root/trial-before"
 [ ! -s "$root/busy" ] || {
     sed -i 1d "$root/busy"
     echo 'rauc: it already does something else' >&2
     exit 1
 }
+[ ! -e "$root/marks" ] || "$source_dir/board/image/programs/boot-slots" set-state b good
 END
 program isotherm <<END
 exec "$build/enroll/isotherm" --bus "$story_address" "\$@"
@@ -96,6 +99,13 @@ finds() {
     esac || die "check-health asks: $(cat "$root/asked" 2>/dev/null), and not: $3"
 }
 
+# says_trial FILE WORD: everybody can read in the file whether the version is on trial
+says_trial() {
+    [ "$(cat "$root/$1")" = "TRIAL=$2" ] && [ "$(stat -c %a "$root/$1")" = 644 ] ||
+        die "$1: $(stat -c %a "$root/$1") $(cat "$root/$1"), and not TRIAL=$2"
+}
+
+umask 022
 bus_conf >"$root/bus.conf"
 dbus-daemon --config-file="$root/bus.conf" --nofork --nopidfile &
 bus_pid=$!
@@ -124,6 +134,9 @@ finds 0 'slot b is good' 'rauc status mark-good' 60
 stands_before_the_camera none-nobody1
 finds 0 'slot b is good' 'rauc status mark-good' 60
 
+# It is on trial until RAUC has marked it as good; here RAUC has not done it.
+says_trial run/isotherm/trial yes
+
 # RAUC is busy with an update: twice, and for longer than check-health waits.
 asked='rauc status mark-good'
 printf '1\n2\n' >"$root/busy"
@@ -144,10 +157,20 @@ ln -sfn "$source_dir/sim/stored/p01-v1" "$judge/visitor"
 
 stop_daemon
 finds 1 'the daemon does not run or does not answer' reboot
+says_trial run/isotherm/trial yes
 # A slot that has been good before is not left.
 mv "$root/efi/EFI/Linux/isotherm-b+2-1.efi" "$root/efi/EFI/Linux/isotherm-b.efi"
 finds 1 'the daemon does not run or does not answer' ''
-# A door that is not set up yet.
-rm "$root/etc/isotherm/isotherm.conf"
+says_trial run/isotherm/trial no
+# A door that is not set up yet; its version is on trial until RAUC has marked it.
+mv "$root/efi/EFI/Linux/isotherm-b.efi" "$root/efi/EFI/Linux/isotherm-b+2-1.efi"
+rm "$root/etc/isotherm/isotherm.conf" "$root/run/isotherm/trial"
+touch "$root/marks"
 finds 0 'slot b is good' 'rauc status mark-good'
-echo '    check-health: sensor damaged, absent, seen; RAUC busy; units, daemon and recognition that fail; no configuration'
+says_trial trial-before yes
+says_trial run/isotherm/trial no
+# Without an entry nothing is known.
+rm "$root/efi/EFI/Linux/isotherm-b.efi"
+finds 0 'slot b is good' 'rauc status mark-good'
+[ ! -e "$root/run/isotherm/trial" ] || die 'a slot without an entry is not on trial'
+echo '    check-health: sensor damaged, absent, seen; RAUC busy; units, daemon and recognition that fail; no configuration; on trial or not'

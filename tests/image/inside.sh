@@ -7,6 +7,7 @@
 #   inside.sh updated   version 2 runs from slot b, is found to be healthy, and has people, log and identifier of version 1; then version 3,
 #                       which does not start, is installed into slot a
 #   inside.sh brought   inside_bring.sh: version 2 comes on a USB stick, and as by the page of the web server
+#   inside.sh asked     inside_setup.sh: the setup of a door without a configuration, at monitor and keyboard
 #   inside.sh back      after three attempts with version 3: version 2 runs again
 #   inside.sh recorded, after_cut       inside_cuts.sh: updates that are recorded, and a start after a power cut
 #   inside.sh tpm_first, tpm_second     a first and a later start with a TPM; the first with a wrong configuration
@@ -320,5 +321,6 @@ back() {
 
 . "$VM_SOURCE/tests/image/inside_bring.sh"
 . "$VM_SOURCE/tests/image/inside_cuts.sh"
+. "$VM_SOURCE/tests/image/inside_setup.sh"
 
 "$1"

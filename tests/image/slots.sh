@@ -53,11 +53,11 @@ without_begin() {
 }
 
 on_trial() {
-    slots on-trial "$1" || die "slot $1 is not on trial"
+    [ "$(slots get-trial "$1")" = yes ] || die "slot $1 is not on trial"
 }
 
 not_on_trial() {
-    ! slots on-trial "$1" || die "slot $1 is on trial"
+    [ "$(slots get-trial "$1")" = no ] || die "slot $1 is on trial"
 }
 
 # The disk as it was flashed.
@@ -65,6 +65,7 @@ cp "$ISOTHERM_ROOT/2.efi" "$entries/isotherm-a.efi"
 gives a get-primary
 gives good get-state a
 gives bad get-state b
+gives 'an end with 1' get-trial b
 slots set-state b bad
 has isotherm-a.efi
 not_on_trial a
@@ -92,10 +93,14 @@ gives bad get-state b
 gives a get-primary
 on_trial b
 
-# A good slot is not counted.
+# The first start of three: for RAUC the slot is good, because it can be started, but it is on trial. A good slot is not counted.
 mv "$entries/isotherm-b+0-3.efi" "$entries/isotherm-b+2-1.efi"
+gives b get-primary
+gives good get-state b
+on_trial b
 slots set-state b good
 has 'isotherm-a.efi isotherm-b.efi'
+gives good get-state b
 is isotherm-b.efi 10
 not_on_trial b
 slots set-state b good

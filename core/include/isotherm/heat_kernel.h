@@ -67,7 +67,8 @@ int iso_heat_direct_new(const struct iso_heat_direct_options *options, struct is
 void iso_heat_direct_free(struct iso_heat_direct *solver);
 
 /** Heat columns by the direct solver. It keeps the symbolic analysis of the matrices from call to
- * call while their pattern stays the same.
+ * call while their pattern stays the same. The second call with a pattern orders it anew, for
+ * smaller factors, so that the last digits of its results may differ from those of the first call.
  *
  * @param solver     The solver; one thread at a time.
  * @param mesh       The mesh.

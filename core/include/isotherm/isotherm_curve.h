@@ -31,12 +31,14 @@ enum {
 double iso_isotherm_area_above(const struct iso_mesh *mesh, const double *heat, double level);
 
 /** The level that encloses the area of a disc, by bracketing and regula falsi to 1e-6 of the area.
+ * Levels lie above 0, and at most 12 orders of magnitude below the highest temperature.
  *
  * @param mesh       The mesh.
  * @param heat       [n_vertices]: the temperature.
  * @param radius_mm  Radius of the disc, mm.
  * @param level      Receives the level.
- * @return 0; -ERANGE if the mesh is smaller than the disc, or the heat is the same everywhere. */
+ * @return 0; -ERANGE if the mesh is smaller than the disc, or the heat is the same everywhere;
+ *         -ENOMEM. */
 int iso_isotherm_level(const struct iso_mesh *mesh, const double *heat, double radius_mm,
                        double *level) __attribute__((warn_unused_result));
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/shape/describe/describe.h"
+#include "core/shape/describe/heat_courses.h"
 #include "core/shape/describe/scale_invariant.h"
 #include "isotherm/signature.h"
 
@@ -37,16 +38,37 @@ static int make_bags(const struct iso_shape *shape, int32_t n_bags, int32_t n_va
     return 0;
 }
 
+/* A way from courses of heat to scale-invariant amplitudes (scale_invariant.h). */
+typedef int (*amplitudes)(const struct iso_fourier *fourier, const double *course,
+                          int32_t n_courses, float *out);
+
+/* Amplitudes of K(x, x, t) at every vertex, some vertices at a time. */
+static int fill_amplitudes(const struct iso_eigenpairs *pairs, const double *t, int n_times,
+                           const struct iso_fourier *fourier, int n_kept, amplitudes of,
+                           float *local)
+{
+    struct iso_heat_courses courses;
+    double *course = malloc((size_t)ISO_HEAT_ROWS * (size_t)n_times * sizeof *course);
+    int error = iso_heat_courses_init(&courses, pairs, ISO_HEAT_OWN, 0, t, n_times);
+    error = course ? error : -ENOMEM;
+    for (int32_t from = 0; !error && from < pairs->n; from += ISO_HEAT_ROWS) {
+        const int32_t rows = iso_heat_rows_from(from, pairs->n);
+        iso_heat_courses_at(&courses, from, rows, course);
+        error = of(fourier, course, rows, &local[(size_t)from * (size_t)n_kept]);
+    }
+    iso_heat_courses_done(&courses);
+    free(course);
+    return error;
+}
+
 /* Shape Google (Bronstein, Bronstein, Guibas and Ovsjanikov, ACM TOG 30, 2011): SI-HKS everywhere,
  * alpha = 2, the first 6 frequencies. */
 int iso_describe_shape_google(const struct iso_shape *shape, struct iso_shape_description *out)
 {
-    const size_t n = (size_t)shape->mesh->n_vertices;
     double t[GOOGLE_TIMES];
-    double *course = malloc(n * GOOGLE_TIMES * sizeof *course);
     struct iso_fourier *fourier = NULL;
     iso_heat_times_alpha(google_unit * shape->total_area, 2.0, 0.0, 1.0 / 16.0, GOOGLE_TIMES, t);
-    int error = course ? make_bags(shape, 1, GOOGLE_AMPLITUDES, out) : -ENOMEM;
+    int error = make_bags(shape, 1, GOOGLE_AMPLITUDES, out);
     if (!error) {
         error = iso_describe_parts(out, 0, NULL);
     }
@@ -54,13 +76,10 @@ int iso_describe_shape_google(const struct iso_shape *shape, struct iso_shape_de
         error = iso_fourier_new(GOOGLE_TIMES - 1, GOOGLE_AMPLITUDES, &fourier);
     }
     if (!error) {
-        error = iso_heat_signature(shape->pairs, 0, t, GOOGLE_TIMES, course);
-    }
-    if (!error) {
-        error = iso_si_hks(fourier, course, shape->mesh->n_vertices, out->local);
+        error = fill_amplitudes(shape->pairs, t, GOOGLE_TIMES, fourier, GOOGLE_AMPLITUDES,
+                                iso_si_hks, out->local);
     }
     iso_fourier_free(fourier);
-    free(course);
     return error;
 }
 
@@ -68,18 +87,13 @@ int iso_describe_shape_google(const struct iso_shape *shape, struct iso_shape_de
 static int amplitudes_of(const struct iso_eigenpairs *pairs, double total_area, float *local)
 {
     double t[W_TIMES];
-    double *course = malloc((size_t)pairs->n * W_TIMES * sizeof *course);
     struct iso_fourier *fourier = NULL;
     iso_heat_times_alpha(w_unit * total_area, 2.0, 0.01, 1.0 / 16.0, W_TIMES, t);
-    int error = course ? iso_fourier_new(W_TIMES, W_AMPLITUDES, &fourier) : -ENOMEM;
+    int error = iso_fourier_new(W_TIMES, W_AMPLITUDES, &fourier);
     if (!error) {
-        error = iso_heat_signature(pairs, 0, t, W_TIMES, course);
-    }
-    if (!error) {
-        error = iso_si_hk(fourier, course, pairs->n, local);
+        error = fill_amplitudes(pairs, t, W_TIMES, fourier, W_AMPLITUDES, iso_si_hk, local);
     }
     iso_fourier_free(fourier);
-    free(course);
     return error;
 }
 

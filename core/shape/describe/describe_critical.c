@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/shape/describe/describe.h"
+#include "core/shape/describe/heat_courses.h"
 #include "core/shape/describe/scale_invariant.h"
 #include "isotherm/signature.h"
 
@@ -33,7 +34,7 @@ struct bench {
     const struct iso_shape *shape;
     int32_t n;       /* vertices */
     double t[TIMES]; /* the times of the heat */
-    double *heat;    /* [n][TIMES]: the heat of one point */
+    double *heat;    /* [ISO_HEAT_ROWS][TIMES]: the heat of one point at some vertices */
     double *weight;  /* [n]: share of the area, divided by the number of points */
 };
 
@@ -42,7 +43,7 @@ static int bench_init(struct bench *bench, const struct iso_shape *shape, double
     const size_t n = (size_t)shape->mesh->n_vertices;
     *bench = (struct bench){.shape = shape, .n = shape->mesh->n_vertices};
     iso_heat_times(first_time * shape->total_area, last_time * shape->total_area, TIMES, bench->t);
-    bench->heat = malloc(n * TIMES * sizeof *bench->heat);
+    bench->heat = malloc((size_t)ISO_HEAT_ROWS * TIMES * sizeof *bench->heat);
     bench->weight = malloc(n * sizeof *bench->weight);
     return bench->heat && bench->weight ? 0 : -ENOMEM;
 }
@@ -64,13 +65,22 @@ static void share_weight(struct bench *bench, int32_t n_points)
  * the temperature at the point itself. */
 static int add_temperatures(struct bench *bench, int32_t source, float *histogram)
 {
-    const int error = iso_heat_from_vertex(bench->shape->pairs, source, 0, bench->t, TIMES,
-                                           bench->heat);
-    for (int j = 0; !error && j < TIMES; j++) {
-        const double own = bench->heat[(size_t)source * TIMES + (size_t)j];
-        iso_describe_histogram(&bench->heat[j], bench->n, TIMES, bench->weight, 0.0, own, BINS,
-                               &histogram[(size_t)j * BINS]);
+    struct iso_heat_courses courses;
+    double own[TIMES];
+    const int error = iso_heat_courses_init(&courses, bench->shape->pairs, source, 0, bench->t,
+                                            TIMES);
+    if (!error) {
+        iso_heat_courses_at(&courses, source, 1, own);
     }
+    for (int32_t from = 0; !error && from < bench->n; from += ISO_HEAT_ROWS) {
+        const int32_t rows = iso_heat_rows_from(from, bench->n);
+        iso_heat_courses_at(&courses, from, rows, bench->heat);
+        for (int j = 0; j < TIMES; j++) {
+            iso_describe_histogram(&bench->heat[j], rows, TIMES, &bench->weight[from], 0.0, own[j],
+                                   BINS, &histogram[(size_t)j * BINS]);
+        }
+    }
+    iso_heat_courses_done(&courses);
     return error;
 }
 
@@ -131,26 +141,38 @@ static double amplitude_range(int w)
     return w == 0 ? 0.5 : 0.25;
 }
 
-/* Adds the heat of one point: a histogram of each amplitude of the courses of heat at all vertices.
- * The constant in which the heat ends is left out. */
-static int add_amplitudes(struct bench *bench, const struct iso_fourier *fourier, int32_t source,
-                          float *amplitude, float *histogram)
+/* Adds a histogram of each amplitude of the courses of heat at some vertices. */
+static int add_rows(struct bench *bench, const struct iso_fourier *fourier, int32_t from,
+                    int32_t rows, float *histogram)
 {
-    int error = iso_heat_from_vertex(bench->shape->pairs, source, 1, bench->t, TIMES, bench->heat);
-    if (!error) {
-        error = iso_si_hk(fourier, bench->heat, bench->n, amplitude);
-    }
+    float amplitude[ISO_HEAT_ROWS * AMPLITUDES];
+    const int error = iso_si_hk(fourier, bench->heat, rows, amplitude);
     if (error) {
         return error;
     }
-    for (int32_t i = 0; i < bench->n * AMPLITUDES; i++) {
+    for (int32_t i = 0; i < rows * AMPLITUDES; i++) {
         bench->heat[i] = (double)amplitude[i]; /* the courses are no longer needed */
     }
     for (int w = 0; w < AMPLITUDES; w++) {
-        iso_describe_histogram(&bench->heat[w], bench->n, AMPLITUDES, bench->weight, 0.0,
+        iso_describe_histogram(&bench->heat[w], rows, AMPLITUDES, &bench->weight[from], 0.0,
                                amplitude_range(w), BINS, &histogram[(size_t)w * BINS]);
     }
     return 0;
+}
+
+/* Adds the heat of one point at all vertices. The constant in which the heat ends is left out. */
+static int add_amplitudes(struct bench *bench, const struct iso_fourier *fourier, int32_t source,
+                          float *histogram)
+{
+    struct iso_heat_courses courses;
+    int error = iso_heat_courses_init(&courses, bench->shape->pairs, source, 1, bench->t, TIMES);
+    for (int32_t from = 0; !error && from < bench->n; from += ISO_HEAT_ROWS) {
+        const int32_t rows = iso_heat_rows_from(from, bench->n);
+        iso_heat_courses_at(&courses, from, rows, bench->heat);
+        error = add_rows(bench, fourier, from, rows, histogram);
+    }
+    iso_heat_courses_done(&courses);
+    return error;
 }
 
 /* The histograms of CP-HK. Shapes have the same weight whatever the number of their points. */
@@ -159,11 +181,7 @@ static int describe_amplitudes(const struct iso_shape *shape,
 {
     struct bench bench;
     struct iso_fourier *fourier = NULL;
-    float *amplitude = malloc((size_t)shape->mesh->n_vertices * AMPLITUDES * sizeof *amplitude);
     int error = bench_init(&bench, shape, last_time_hk);
-    if (!error && !amplitude) {
-        error = -ENOMEM;
-    }
     if (!error) {
         error = iso_fourier_new(TIMES, AMPLITUDES, &fourier);
     }
@@ -171,11 +189,10 @@ static int describe_amplitudes(const struct iso_shape *shape,
         share_weight(&bench, points->n);
     }
     for (int32_t i = 0; !error && i < points->n; i++) {
-        error = add_amplitudes(&bench, fourier, points->vertex[i], amplitude, histogram);
+        error = add_amplitudes(&bench, fourier, points->vertex[i], histogram);
     }
     iso_fourier_free(fourier);
     bench_done(&bench);
-    free(amplitude);
     return error;
 }
 

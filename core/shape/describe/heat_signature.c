@@ -5,14 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* out [n][n_times] = sum_i factor(i, v) exp(-lambda_i t): factor [k][n] and decay [k][n_times] hold
- * the pairs from the first one wanted. */
-static void sum_pairs(const double *factor, const double *decay, int32_t n, int32_t k, int n_times,
-                      double *out)
-{
-    cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, n, n_times, k, 1.0, factor, n, decay,
-                n_times, 0.0, out, n_times);
-}
+#include "core/shape/describe/heat_courses.h"
 
 static void fill_decay(const struct iso_eigenpairs *pairs, int32_t first, const double *t,
                        int n_times, double *decay)
@@ -24,42 +17,69 @@ static void fill_decay(const struct iso_eigenpairs *pairs, int32_t first, const 
     }
 }
 
-/* A course of heat at each vertex: sum_i exp(-lambda_i t) phi_i(.) other_i(.), where `other` is
- * phi_i itself, or phi_i at one vertex if that is 0 or more. */
-static int courses(const struct iso_eigenpairs *pairs, int32_t vertex, int32_t first,
-                   const double *t, int n_times, double *out)
+int iso_heat_courses_init(struct iso_heat_courses *courses, const struct iso_eigenpairs *pairs,
+                          int32_t vertex, int32_t first, const double *t, int n_times)
 {
-    size_t n = (size_t)pairs->n, k = (size_t)(pairs->k > first ? pairs->k - first : 0);
-    double *factor = malloc((k * n + 1) * sizeof *factor);
-    double *decay = malloc((k * (size_t)n_times + 1) * sizeof *decay);
-    if (!factor || !decay) {
-        free(factor);
-        free(decay);
+    const size_t k = (size_t)(pairs->k > first ? pairs->k - first : 0);
+    *courses = (struct iso_heat_courses){
+        .pairs = pairs, .vertex = vertex, .first = first, .n_times = n_times};
+    courses->decay = malloc((k * (size_t)n_times + 1) * sizeof *courses->decay);
+    courses->factor = malloc((k * ISO_HEAT_ROWS + 1) * sizeof *courses->factor);
+    if (!courses->decay || !courses->factor) {
         return -ENOMEM;
     }
+    fill_decay(pairs, first, t, n_times, courses->decay);
+    return 0;
+}
+
+void iso_heat_courses_at(const struct iso_heat_courses *courses, int32_t from, int32_t rows,
+                         double *out)
+{
+    const struct iso_eigenpairs *pairs = courses->pairs;
+    const int32_t vertex = courses->vertex;
+    const size_t k = (size_t)(pairs->k > courses->first ? pairs->k - courses->first : 0);
     for (size_t i = 0; i < k; i++) {
-        const double *phi = &pairs->phi[(i + (size_t)first) * n];
-        for (size_t v = 0; v < n; v++) {
-            factor[i * n + v] = phi[v] * (vertex < 0 ? phi[v] : phi[vertex]);
+        const double *phi = &pairs->phi[(i + (size_t)courses->first) * (size_t)pairs->n];
+        double *factor = &courses->factor[i * ISO_HEAT_ROWS];
+        for (int32_t r = 0; r < rows; r++) {
+            factor[r] = phi[from + r] * phi[vertex < 0 ? from + r : vertex];
         }
     }
-    fill_decay(pairs, first, t, n_times, decay);
-    sum_pairs(factor, decay, pairs->n, (int32_t)k, n_times, out);
-    free(factor);
-    free(decay);
-    return 0;
+    cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, rows, courses->n_times, (int)k, 1.0,
+                courses->factor, ISO_HEAT_ROWS, courses->decay, courses->n_times, 0.0, out,
+                courses->n_times);
+}
+
+void iso_heat_courses_done(struct iso_heat_courses *courses)
+{
+    free(courses->decay);
+    free(courses->factor);
+    *courses = (struct iso_heat_courses){0};
+}
+
+static int all_courses(const struct iso_eigenpairs *pairs, int32_t vertex, int32_t first,
+                       const double *t, int n_times, double *out)
+{
+    struct iso_heat_courses courses;
+    const int error = iso_heat_courses_init(&courses, pairs, vertex, first, t, n_times);
+    for (int32_t from = 0; !error && from < pairs->n; from += ISO_HEAT_ROWS) {
+        iso_heat_courses_at(&courses, from, iso_heat_rows_from(from, pairs->n),
+                            &out[(size_t)from * (size_t)n_times]);
+    }
+    iso_heat_courses_done(&courses);
+    return error;
 }
 
 int iso_heat_signature(const struct iso_eigenpairs *pairs, int32_t first, const double *t,
                        int n_times, double *out)
 {
-    return courses(pairs, -1, first, t, n_times, out);
+    return all_courses(pairs, ISO_HEAT_OWN, first, t, n_times, out);
 }
 
 int iso_heat_from_vertex(const struct iso_eigenpairs *pairs, int32_t vertex, int32_t first,
                          const double *t, int n_times, double *out)
 {
-    return courses(pairs, vertex, first, t, n_times, out);
+    return all_courses(pairs, vertex, first, t, n_times, out);
 }
 
 /* sum_j K(i, j, t) = sum_k exp(-lambda_k t) phi_k(i) sum_j phi_k(j), without the heat that stays at

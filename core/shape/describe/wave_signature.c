@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+enum { ROWS = 256 }; /* vertices at a time, so that the squares need little memory */
+
 static const double steps_of_spread = 7.0; /* Aubry, Schlickewei and Cremers 2011, section 4.3 */
 
 int iso_wave_energies(const struct iso_eigenpairs *pairs, int n, double *energy, double *spread)
@@ -44,16 +46,22 @@ int iso_wave_signature(const struct iso_eigenpairs *pairs, const double *energy,
                        double spread, double *out)
 {
     const size_t n_vertices = (size_t)pairs->n, k = (size_t)pairs->k - 1;
-    double *square = malloc(k * n_vertices * sizeof *square);
+    double *square = malloc(k * ROWS * sizeof *square);
     double *weight = malloc(k * (size_t)n * sizeof *weight);
     const int error = square && weight ? 0 : -ENOMEM;
     if (!error) {
-        for (size_t i = 0; i < k * n_vertices; i++) {
-            square[i] = pairs->phi[n_vertices + i] * pairs->phi[n_vertices + i];
-        }
         fill_weights(pairs, energy, n, spread, weight);
-        cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, pairs->n, n, (int)k, 1.0, square,
-                    pairs->n, weight, n, 0.0, out, n);
+    }
+    for (size_t from = 0; !error && from < n_vertices; from += ROWS) {
+        const size_t rows = n_vertices - from < ROWS ? n_vertices - from : ROWS;
+        for (size_t i = 0; i < k; i++) {
+            const double *phi = &pairs->phi[(i + 1) * n_vertices + from];
+            for (size_t r = 0; r < rows; r++) {
+                square[i * ROWS + r] = phi[r] * phi[r];
+            }
+        }
+        cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)rows, n, (int)k, 1.0, square,
+                    ROWS, weight, n, 0.0, &out[from * (size_t)n], n);
     }
     free(square);
     free(weight);

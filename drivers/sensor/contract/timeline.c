@@ -11,7 +11,7 @@ void iso_timeline_advance(struct iso_timeline *timeline, int64_t index, int64_t 
         const int64_t risen_ns = timeline->offset_ns +
                                  passed_ns / (1000000 / ISO_TIMELINE_DRIFT_PPM);
         timeline->offset_ns = delay_ns < risen_ns ? delay_ns : risen_ns;
-        timeline->sequence += (uint64_t)(index - timeline->index);
+        timeline->sequence += timeline->gapless ? 1 : (uint64_t)(index - timeline->index);
     } else {
         timeline->offset_ns = delay_ns;
         timeline->sequence += timeline->begun ? 1 : 0;

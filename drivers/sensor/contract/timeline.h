@@ -16,6 +16,7 @@ enum { ISO_TIMELINE_DRIFT_PPM = 200 };
 /* All zero before the first frame; afterwards it describes the last one. */
 struct iso_timeline {
     bool begun, anew;
+    bool gapless; /* set by the caller: frames that are missing are no gaps */
     int64_t index, device_ns, offset_ns;
     uint64_t sequence; /* rises from frame to frame, by more than 1 over a gap */
     int64_t t_ns;      /* rises from frame to frame */

@@ -123,6 +123,13 @@ static int rewind_file(struct openni2 *sensor, struct iso_fault *fault)
     return iso__openni2_session_open(&sensor->session, &sensor->settings.wish, fault);
 }
 
+static void openni2_set_interval(void *self, int64_t interval_ns)
+{
+    struct openni2 *sensor = self;
+    sensor->interval_ns = interval_ns;
+    sensor->timeline.gapless = interval_ns > 0; /* the runtime keeps the newest frame only */
+}
+
 static int openni2_start(void *self, struct iso_fault *fault)
 {
     struct openni2 *sensor = self;
@@ -131,7 +138,7 @@ static int openni2_start(void *self, struct iso_fault *fault)
         error = iso__openni2_session_start(&sensor->session, sensor->settings.record, fault);
     }
     sensor->file_ns = INT64_MIN;
-    sensor->interval_ns = 0;
+    openni2_set_interval(sensor, 0);
     iso_timeline_restart(&sensor->timeline);
     return error;
 }
@@ -238,18 +245,12 @@ static int convert_frames(struct openni2 *sensor, struct iso_fault *fault)
                  : 0;
 }
 
-static void openni2_set_interval(void *self, int64_t interval_ns)
-{
-    ((struct openni2 *)self)->interval_ns = interval_ns;
-}
-
 /* Returns -EAGAIN if the frame is passed over: the next one then follows the one before it. */
 static int hand_up(struct openni2 *sensor, const struct iso_frame **frame, struct iso_fault *fault)
 {
-    const int64_t now_ns = iso_clock_now_ns(&sensor->clock);
-    const int index = sensor->fetched.depth->frameIndex;
-    iso_timeline_advance(&sensor->timeline, index, iso__openni2_frame_ns(sensor->fetched.depth),
-                         now_ns);
+    iso_timeline_advance(&sensor->timeline, sensor->fetched.depth->frameIndex,
+                         iso__openni2_frame_ns(sensor->fetched.depth),
+                         iso_clock_now_ns(&sensor->clock));
     const int64_t t_ns = sensor->session.file ? sensor->last_ns : sensor->timeline.t_ns;
     /* A file that is played at once has no times of its own, so every frame of it is wanted. */
     const bool timed = !sensor->session.file || sensor->settings.realtime;
@@ -310,12 +311,9 @@ static int openni2_next_due_ns(void *self, int64_t *out)
         return -ENOSYS;
     }
     const int64_t now_ns = iso_clock_now_ns(&sensor->clock);
-    if (sensor->fetched.depth && sensor->last_ns > now_ns) {
-        *out = sensor->last_ns;
-    } else {
-        const bool ended = iso__openni2_session_ended(&sensor->session);
-        *out = ended ? now_ns + (int64_t)AFTER_END_MS * NS_PER_MS : now_ns;
-    }
+    const bool waits = sensor->fetched.depth && sensor->last_ns > now_ns;
+    const bool ended = !waits && iso__openni2_session_ended(&sensor->session);
+    *out = waits ? sensor->last_ns : now_ns + (ended ? (int64_t)AFTER_END_MS * NS_PER_MS : 0);
     return 0;
 }
 

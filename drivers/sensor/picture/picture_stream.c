@@ -37,6 +37,9 @@ struct iso_picture_stream {
     bool has_number, has_last; /* since the start; since the opening */
     int64_t last_ns;
     int64_t interval_ns, handed_ns; /* of the sets that are wanted; the time of the last one */
+    int64_t came_ns;                /* when the caller called wait last */
+    bool absent;  /* the caller let pictures wait before this call, because few are wanted */
+    bool excused; /* pictures that are missing now may have been dropped by that */
     uint64_t dropped;
 };
 
@@ -131,6 +134,7 @@ int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault
 {
     stream->has_number = false;
     stream->interval_ns = 0;
+    stream->excused = false;
     for (int i = 0; i < stream->n_cameras; i++) {
         const int error = start_camera(stream, i, fault);
         if (error) {
@@ -165,6 +169,11 @@ static void drop_oldest(struct camera *camera)
     memmove(camera->waiting, camera->waiting + 1, camera->n_waiting * sizeof *camera->waiting);
     memmove(camera->copies, camera->copies + 1, (WAITING_MAX - 1) * sizeof *camera->copies);
     camera->copies[WAITING_MAX - 1] = copy;
+}
+
+static void count_dropped(struct iso_picture_stream *s)
+{
+    s->dropped += !s->excused;
 }
 
 /* The picture is copied without padding, so that the kernel gets its buffer back at once. */
@@ -219,7 +228,7 @@ static int fetch_pictures(struct iso_picture_stream *s, struct camera *camera,
         }
         if (camera->n_waiting == WAITING_MAX) {
             drop_oldest(camera);
-            s->dropped++;
+            count_dropped(s);
         }
         copy_picture(camera, &picture);
         camera->waiting[camera->n_waiting++] = picture;
@@ -265,7 +274,7 @@ static bool hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
     s->last_ns = out->t_ns;
     /* The first picture since the start continues the sequence, whatever number it has. */
     out->sequence = s->has_last ? s->last_sequence + 1 : 0;
-    if (s->has_number) {
+    if (s->has_number && !s->excused) {
         out->sequence = s->last_sequence + (uint32_t)(first->sequence - s->last_number);
     }
     const bool wanted = s->interval_ns == 0 || out->t_ns - s->handed_ns >= s->interval_ns;
@@ -273,6 +282,7 @@ static bool hand_out(struct iso_picture_stream *s, struct iso_picture_set *out)
     s->last_sequence = wanted ? out->sequence : out->sequence - 1;
     s->handed_ns = wanted ? out->t_ns : s->handed_ns;
     s->has_number = s->has_last = true;
+    s->excused = s->excused && s->absent;
     return wanted;
 }
 
@@ -302,13 +312,24 @@ static int assemble_set(struct iso_picture_stream *s, struct iso_picture_set *ou
             drop_oldest(&s->cameras[1]);
             break;
         }
-        s->dropped++;
+        count_dropped(s);
     }
+}
+
+/* Notes whether the caller stayed away, so that the kernel may have had no buffer for a picture.
+ * What is missing then shows with the first picture that is taken in time again. */
+static void note_caller(struct iso_picture_stream *s)
+{
+    const int64_t now_ns = iso_clock_now_ns(&s->clock);
+    s->absent = s->interval_ns > 0 && now_ns - s->came_ns > s->interval_ns / 2;
+    s->excused = s->excused || s->absent;
+    s->came_ns = now_ns;
 }
 
 int iso_picture_stream_wait(struct iso_picture_stream *stream, int64_t deadline_ns,
                             struct iso_picture_set *out, struct iso_fault *fault)
 {
+    note_caller(stream);
     for (;;) {
         const int error = assemble_set(stream, out, fault);
         if (error != -EAGAIN) {

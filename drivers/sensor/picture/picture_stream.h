@@ -44,7 +44,8 @@ int iso_picture_stream_start(struct iso_picture_stream *stream, struct iso_fault
 int iso_picture_stream_stop(struct iso_picture_stream *stream);
 
 /* From now on takes at most one set in interval_ns; 0: every set, as after each start. The others
- * are passed over and leave no gap in the sequence. */
+ * are passed over and leave no gap in the sequence. Nor do pictures that the camera dropped because
+ * the caller came later than half the interval after the call before. */
 void iso_picture_stream_set_interval(struct iso_picture_stream *stream, int64_t interval_ns);
 
 /* Takes the next set, oldest first; polls until deadline_ns of the injected clock at the latest.

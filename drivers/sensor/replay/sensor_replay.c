@@ -45,6 +45,12 @@ struct slot {
     char target[PATH_MAX];   /* only of a link */
 };
 
+/* How far a recording has been played. */
+struct place {
+    size_t next;       /* index of the next frame */
+    int64_t origin_ns; /* clock time of the recording's time stamp 0 */
+};
+
 struct replay {
     struct iso_clock clock;
     char *path;
@@ -53,8 +59,7 @@ struct replay {
     struct slot slot;
     struct iso_recording *recording; /* NULL: there is nothing to play */
     struct iso_frame *frame;         /* has the recording's size */
-    size_t next;                     /* index of the frame to play next */
-    int64_t origin_ns;               /* clock time of the recording's time stamp 0 */
+    struct place place;
 
     uint64_t sequence;   /* sequence of the next frame */
     int64_t last_ns;     /* t_ns of the last frame */
@@ -168,8 +173,9 @@ static int load_recording(struct replay *replay, struct iso_fault *fault)
                    ? iso_fault_set(fault, error, "%s: out of memory", resolved)
                    : iso_fault_code_default(fault, ISO_FAULT_RECORDING_DAMAGED, -EBADMSG);
     }
-    replay->next = 0;
-    replay->origin_ns = iso_clock_now_ns(&replay->clock) - iso_recording_t_ns(replay->recording, 0);
+    replay->place.next = 0;
+    replay->place.origin_ns = iso_clock_now_ns(&replay->clock) -
+                              iso_recording_t_ns(replay->recording, 0);
     return 0;
 }
 
@@ -201,54 +207,59 @@ static int follow_slot(struct replay *replay, struct iso_fault *fault)
 /* ---- frames ----------------------------------------------------------------- */
 
 /* Goes from the last frame back to the first, and keeps the time of the recording. */
-static void rewind_loop(struct replay *replay)
+static void rewind_loop(const struct replay *replay, struct place *place)
 {
     const size_t n = iso_recording_frames(replay->recording);
     const int64_t span_ns = iso_recording_t_ns(replay->recording, n - 1) -
                             iso_recording_t_ns(replay->recording, 0);
     const int64_t interval_ns = n > 1 ? span_ns / (int64_t)(n - 1) : LONE_FRAME_INTERVAL_NS;
-    replay->origin_ns += span_ns + interval_ns;
-    replay->next = 0;
+    place->origin_ns += span_ns + interval_ns;
+    place->next = 0;
 }
 
-static bool has_next(const struct replay *replay)
+static bool has_next(const struct replay *replay, const struct place *place)
 {
-    return replay->recording && replay->next < iso_recording_frames(replay->recording);
+    return replay->recording && place->next < iso_recording_frames(replay->recording);
 }
 
-static void advance(struct replay *replay)
+static void advance(const struct replay *replay, struct place *place)
 {
-    replay->next++;
-    if (replay->loop && !has_next(replay)) {
-        rewind_loop(replay);
+    place->next++;
+    if (replay->loop && !has_next(replay, place)) {
+        rewind_loop(replay, place);
     }
 }
 
-static int64_t due_ns(const struct replay *replay, int64_t now_ns)
+static int64_t due_ns(const struct replay *replay, const struct place *place, int64_t now_ns)
 {
     int64_t due = now_ns;
     if (replay->realtime) {
-        due = replay->origin_ns + iso_recording_t_ns(replay->recording, replay->next);
+        due = place->origin_ns + iso_recording_t_ns(replay->recording, place->next);
     }
     return due > replay->last_ns ? due : replay->last_ns + 1;
 }
 
-/* The earliest time of a frame that is wanted. A recording that is played at once (`asap`) has no
- * times of its own, so every frame of it is wanted. */
-static int64_t wanted_ns(const struct replay *replay)
+/* A recording that is played at once (`asap`) has no times of its own, so every frame of it is
+ * wanted. */
+static bool is_slowed(const struct replay *replay)
 {
-    return replay->realtime && replay->interval_ns > 0 && replay->sequence > 0
-               ? replay->last_ns + replay->interval_ns
-               : INT64_MIN;
+    return replay->realtime && replay->interval_ns > 0 && replay->sequence > 0;
 }
 
-/* Passes over the frames that are due by now and are not wanted. */
-static void pass_over(struct replay *replay, int64_t now_ns)
+/* The place of the next frame that is wanted, or the end. The frames before it are passed over if
+ * they are due by until_ns. */
+static struct place next_wanted(const struct replay *replay, int64_t until_ns)
 {
-    while (has_next(replay) && due_ns(replay, now_ns) <= now_ns &&
-           due_ns(replay, now_ns) < wanted_ns(replay)) {
-        advance(replay);
+    struct place place = replay->place;
+    const int64_t wanted_ns = replay->last_ns + replay->interval_ns;
+    while (is_slowed(replay) && has_next(replay, &place)) {
+        const int64_t due = due_ns(replay, &place, until_ns);
+        if (due > until_ns || due >= wanted_ns) {
+            break;
+        }
+        advance(replay, &place);
     }
+    return place;
 }
 
 static void replay_set_interval(void *self, int64_t interval_ns)
@@ -258,12 +269,13 @@ static void replay_set_interval(void *self, int64_t interval_ns)
 
 static int read_next(struct replay *replay, int64_t t_ns, struct iso_fault *fault)
 {
-    const int error = iso_recording_read(replay->recording, replay->next, replay->frame, fault);
+    const int error = iso_recording_read(replay->recording, replay->place.next, replay->frame,
+                                         fault);
     replay->frame->t_ns = t_ns;
     replay->frame->sequence = replay->sequence;
     replay->last_ns = t_ns;
     replay->sequence++;
-    advance(replay);
+    advance(replay, &replay->place);
     return error && error != -ENOMEM
                ? iso_fault_code_default(fault, ISO_FAULT_RECORDING_DAMAGED, -EBADMSG)
                : error;
@@ -279,11 +291,11 @@ static int replay_wait(void *self, int64_t deadline_ns, const struct iso_frame *
         return error;
     }
     const int64_t now_ns = iso_clock_now_ns(&replay->clock);
-    pass_over(replay, now_ns);
-    if (!has_next(replay)) {
+    replay->place = next_wanted(replay, now_ns);
+    if (!has_next(replay, &replay->place)) {
         return -ETIMEDOUT;
     }
-    const int64_t t_ns = due_ns(replay, now_ns);
+    const int64_t t_ns = due_ns(replay, &replay->place, now_ns);
     if (replay->realtime && t_ns > now_ns) {
         return -ETIMEDOUT;
     }
@@ -298,10 +310,12 @@ static int replay_next_due_ns(void *self, int64_t *out)
 {
     const struct replay *replay = self;
     const int64_t now_ns = iso_clock_now_ns(&replay->clock);
-    const int64_t look_ns = now_ns + ISO_SENSOR_REPLAY_LOOK_MS * INT64_C(1000000);
-    const int64_t due = has_next(replay) ? due_ns(replay, now_ns) : look_ns;
-    const int64_t frame_ns = due > wanted_ns(replay) ? due : wanted_ns(replay);
-    *out = frame_ns < look_ns ? frame_ns : look_ns;
+    const int64_t look_ms = is_slowed(replay) ? ISO_SENSOR_REPLAY_SELDOM_LOOK_MS
+                                              : ISO_SENSOR_REPLAY_LOOK_MS;
+    const int64_t look_ns = now_ns + look_ms * INT64_C(1000000);
+    const struct place place = next_wanted(replay, look_ns);
+    const int64_t due = has_next(replay, &place) ? due_ns(replay, &place, now_ns) : look_ns;
+    *out = due < look_ns ? due : look_ns;
     return 0;
 }
 

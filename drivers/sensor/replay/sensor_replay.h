@@ -10,8 +10,9 @@
  * It plays the frames in order, from the first one at each start. When the link is replaced,
  * appears or disappears, the sensor plays the new recording from its first frame. The path may be
  * empty at first. If there is nothing to play, wait returns -ETIMEDOUT, and next_due_ns asks for
- * another look at the path in 50 ms. A recording that is refused, and every damaged frame, is
- * reported once as -EBADMSG; a damaged frame leaves a gap in the sequence.
+ * another look at the path in 50 ms (100 ms while few frames are wanted). A recording that is
+ * refused, and every damaged frame, is reported once as -EBADMSG; a damaged frame leaves a gap in
+ * the sequence.
  *
  * The sensor never sleeps. A frame's t_ns is the time at which it was due, on the injected clock;
  * frames that are fetched late are not dropped. t_ns and the sequence go on rising from recording
@@ -21,7 +22,7 @@
 
 #include "drivers/sensor/contract/sensor.h"
 
-enum { ISO_SENSOR_REPLAY_LOOK_MS = 50 };
+enum { ISO_SENSOR_REPLAY_LOOK_MS = 50, ISO_SENSOR_REPLAY_SELDOM_LOOK_MS = 100 };
 
 extern const struct iso_sensor_ops iso_sensor_replay_ops;
 

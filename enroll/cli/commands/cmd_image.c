@@ -66,13 +66,16 @@ static enum cli_exit install(struct cli_installer *installer, const char *name, 
     return exit ? exit : report_installed(installer, json);
 }
 
-static enum cli_exit show(struct cli_installer *installer, const char *os_release, bool json,
-                          struct cli_fault *fault)
+static enum cli_exit show(struct cli_installer *installer, const struct cli_image_places *places,
+                          bool json, struct cli_fault *fault)
 {
+    char trial[8];
     struct cli_update_view view = {.state = cli_installer_state(installer),
-                                   .busy = cli_installer_is_busy(installer)};
+                                   .busy = cli_installer_is_busy(installer),
+                                   .trial = trial};
 
-    cli_os_release_read(os_release, &view.running);
+    cli_os_release_read(places->os_release, &view.running);
+    cli_os_release_value(places->trial, "TRIAL", trial, sizeof trial);
     if (!view.busy) {
         const enum cli_exit exit = cli_installer_slots(installer, &view.slots, fault);
         if (exit) {
@@ -97,7 +100,7 @@ enum cli_exit cli_update(const struct cli_image_places *places,
     enum cli_exit exit = cli_installer_open(&arguments->bus, &installer, fault);
     if (!exit) {
         exit = arguments->word ? install(installer, arguments->word, arguments->json, fault)
-                               : show(installer, places->os_release, arguments->json, fault);
+                               : show(installer, places, arguments->json, fault);
     }
     cli_installer_close(installer);
     return exit;

@@ -51,8 +51,7 @@ static enum cli_exit ask(const struct cli_web_places *places, const char *word, 
     return exit;
 }
 
-static enum cli_exit check_program(const struct cli_web_places *places, const char *word,
-                                   struct cli_fault *fault)
+static enum cli_exit check_program(const struct cli_web_places *places, struct cli_fault *fault)
 {
     if (access(places->program, X_OK) < 0) {
         return errno == ENOENT
@@ -63,6 +62,12 @@ static enum cli_exit check_program(const struct cli_web_places *places, const ch
                    : cli_fault_set(fault, CLI_EXIT_FAULT, "no-program", "%.150s cannot be run: %s",
                                    places->program, strerror(errno));
     }
+    return CLI_EXIT_OK;
+}
+
+static enum cli_exit check_root(const struct cli_web_places *places, const char *word,
+                                struct cli_fault *fault)
+{
     if (places->root && geteuid() != 0) {
         return cli_fault_set(fault, CLI_EXIT_NO, "access-denied",
                              "web %s reads the state of the web server: only root may (sudo "
@@ -72,16 +77,22 @@ static enum cli_exit check_program(const struct cli_web_places *places, const ch
     return CLI_EXIT_OK;
 }
 
+static json_t *urls_of(const struct cli_web_addresses *addresses)
+{
+    json_t *urls = json_array();
+
+    for (size_t i = 0; i < addresses->n; i++) {
+        (void)json_array_append_new(urls, json_string(addresses->urls[i]));
+    }
+    return urls;
+}
+
 static enum cli_exit print_setup(const char *code, const char *fingerprint,
                                  const struct cli_web_addresses *addresses, bool json)
 {
     if (json) {
-        json_t *urls = json_array();
-        for (size_t i = 0; i < addresses->n; i++) {
-            (void)json_array_append_new(urls, json_string(addresses->urls[i]));
-        }
-        return cli_report_json(json_pack("{s:s, s:o, s:s}", "code", code, "addresses", urls,
-                                         "fingerprint", fingerprint));
+        return cli_report_json(json_pack("{s:s, s:o, s:s}", "code", code, "addresses",
+                                         urls_of(addresses), "fingerprint", fingerprint));
     }
     printf("Open one of these addresses in a browser:\n");
     for (size_t i = 0; i < addresses->n; i++) {
@@ -129,17 +140,35 @@ static enum cli_exit show_fingerprint(const struct cli_web_places *places, bool 
     return exit;
 }
 
+static enum cli_exit show_addresses(const struct cli_web_places *places, bool json)
+{
+    struct cli_web_addresses addresses;
+
+    cli_web_addresses_find(places->systemctl, &addresses);
+    if (json) {
+        return cli_report_json(json_pack("{s:o}", "addresses", urls_of(&addresses)));
+    }
+    for (size_t i = 0; i < addresses.n; i++) {
+        puts(addresses.urls[i]);
+    }
+    return CLI_EXIT_OK;
+}
+
 enum cli_exit cli_web(const struct cli_web_places *places, const struct cli_arguments *arguments,
                       struct cli_fault *fault)
 {
     const char *word = arguments->word;
-    const bool sets_up = strcmp(word, "setup") == 0;
+    const bool sets_up = strcmp(word, "setup") == 0, addresses = strcmp(word, "address") == 0;
 
-    if (!sets_up && strcmp(word, "fingerprint") != 0) {
+    if (!sets_up && !addresses && strcmp(word, "fingerprint") != 0) {
         return cli_fault_set(fault, CLI_EXIT_USAGE, "usage",
-                             "web takes 'setup' or 'fingerprint', not '%s'", word);
+                             "web takes 'setup', 'address' or 'fingerprint', not '%s'", word);
     }
-    const enum cli_exit exit = check_program(places, word, fault);
+    enum cli_exit exit = check_program(places, fault);
+    if (!exit && addresses) {
+        return show_addresses(places, arguments->json);
+    }
+    exit = exit ? exit : check_root(places, word, fault);
     if (exit) {
         return exit;
     }

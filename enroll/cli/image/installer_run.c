@@ -211,11 +211,35 @@ static enum cli_exit run(struct work *work, const char *path, struct cli_fault *
     return exit;
 }
 
+static enum cli_exit busy(struct cli_fault *fault)
+{
+    return cli_fault_set(fault, CLI_EXIT_FAULT, "busy",
+                         "another update is being installed; isotherm update shows how far it is");
+}
+
 /* Whether RAUC itself has answered with an error, and not the bus. */
 static bool is_answer(const sd_bus_error *error)
 {
     static const char own[] = "org.gtk.GDBus.";
     return error->name && strncmp(error->name, own, strlen(own)) == 0;
+}
+
+/* RAUC gives the same answer for each bundle that it does not accept, and for each question while
+ * it is at work: another way may have begun an update since its state was asked. */
+static enum cli_exit not_accepted(struct cli_installer *installer, const char *path,
+                                  struct cli_fault *fault)
+{
+    const enum cli_exit exit = cli_installer_ask_state(installer, fault);
+
+    if (exit) {
+        return exit;
+    }
+    return cli_installer_is_busy(installer)
+               ? busy(fault)
+               : cli_fault_set(fault, CLI_EXIT_NO, "foreign-key",
+                               "%.120s: no update that is signed with a key of this appliance "
+                               "(journalctl --unit=rauc)",
+                               path);
 }
 
 /* RAUC checks the signature of the bundle before it says for which board the bundle is. It says
@@ -236,10 +260,7 @@ static enum cli_exit check_bundle(struct cli_installer *installer, const char *p
     if (cli_interrupted()) {
         exit = cli_fault_set(fault, CLI_EXIT_INTERRUPTED, "interrupted", "nothing is changed");
     } else if (is_answer(&error)) {
-        exit = cli_fault_set(fault, CLI_EXIT_NO, "foreign-key",
-                             "%.120s: no update that is signed with a key of this appliance "
-                             "(journalctl --unit=rauc)",
-                             path);
+        exit = not_accepted(installer, path, fault);
     } else if (r < 0) {
         exit = cli_installer_fault(&error, r, fault);
     } else if (strcmp(board, own) != 0) {
@@ -258,9 +279,7 @@ enum cli_exit cli_installer_install(struct cli_installer *installer, const char 
     struct work work = {.installer = installer};
 
     if (cli_installer_is_busy(installer)) {
-        return cli_fault_set(fault, CLI_EXIT_FAULT, "busy",
-                             "another update is being installed; isotherm update shows how far it "
-                             "is");
+        return busy(fault);
     }
     enum cli_exit exit = check_bundle(installer, path, fault);
     if (!exit) {

@@ -1,5 +1,7 @@
 #include "enroll/cli/image/update_text.h"
 
+#include <string.h>
+
 #include "enroll/cli/text/report.h"
 
 static const char *or_unknown(const char *text)
@@ -21,8 +23,11 @@ static void print_slot(const struct cli_slot *slot, FILE *out)
 
 void cli_update_print(const struct cli_update_view *view, FILE *out)
 {
-    fprintf(out, "%-12s%s (%s)\n", "version", or_unknown(view->running.version),
-            *view->running.image ? view->running.image : "no image of the appliance");
+    const bool on_trial = view->trial && strcmp(view->trial, "yes") == 0;
+
+    fprintf(out, "%-12s%s (%s)%s\n", "version", or_unknown(view->running.version),
+            *view->running.image ? view->running.image : "no image of the appliance",
+            on_trial ? ", on trial" : "");
     if (view->busy) {
         fprintf(out, "%-12s%s, %d %%\n", "RAUC", view->state->operation, view->state->percent);
     }
@@ -33,6 +38,13 @@ void cli_update_print(const struct cli_update_view *view, FILE *out)
             }
         }
     }
+}
+
+static json_t *proven_json(const char *trial)
+{
+    return strcmp(trial, "no") == 0    ? json_true()
+           : strcmp(trial, "yes") == 0 ? json_false()
+                                       : json_null();
 }
 
 json_t *cli_update_json(const struct cli_update_view *view)
@@ -47,10 +59,16 @@ json_t *cli_update_json(const struct cli_update_view *view)
                              cli_report_text(version), "running", slot->running, "good", slot->good,
                              "next", slot->next));
     }
-    return json_pack("{s:o, s:s, s:o, s:s, s:i, s:o}", "image",
-                     cli_report_text(view->running.image), "board", view->state->board, "version",
-                     cli_report_text(view->running.version), "operation", view->state->operation,
-                     "percent", view->state->percent, "slots", slots);
+    json_t *document = json_pack(
+        "{s:o, s:s, s:o, s:s, s:i, s:o}", "image", cli_report_text(view->running.image), "board",
+        view->state->board, "version", cli_report_text(view->running.version), "operation",
+        view->state->operation, "percent", view->state->percent, "slots", slots);
+    if (document && view->trial &&
+        json_object_set_new(document, "proven", proven_json(view->trial))) {
+        json_decref(document);
+        document = NULL;
+    }
+    return document;
 }
 
 const struct cli_slot *cli_update_waiting(const struct cli_slots *slots)

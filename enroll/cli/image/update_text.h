@@ -13,13 +13,17 @@ struct cli_update_view {
     const struct cli_installer_state *state;
     bool busy;              /* RAUC is at work, and the slots are not known */
     struct cli_slots slots; /* empty while RAUC is at work */
+    const char *trial;      /* "yes": the boot loader may still leave the running version; "no": it
+                               was found to be good; "": not known; NULL: not asked. RAUC calls a
+                               slot good in either case. */
 };
 
 /* Prints one line for each thing. */
 void cli_update_print(const struct cli_update_view *view, FILE *out);
 
-/* {"image", "version", "operation", "percent", "slots": [{"slot", "version", "running", "good",
- * "next"}]}; a version that is not known is null. The caller releases it. NULL if there is no
+/* {"image", "board", "version", "operation", "percent", "slots": [{"slot", "version", "running",
+ * "good", "next"}]}; a version that is not known is null. If it was asked, also "proven": true, or
+ * false while the running version is on trial, or null. The caller releases it. NULL if there is no
  * memory. */
 json_t *cli_update_json(const struct cli_update_view *view);
 

@@ -25,6 +25,7 @@ const struct cli_setup_places cli_setup_installed = {
 const struct cli_image_places cli_image_installed = {
     .os_release = "/usr/lib/os-release", /* /etc/os-release is a link */
     .slot = "/run/isotherm/slot",
+    .trial = "/run/isotherm/trial", /* of check-health (board/image/programs) */
     .packages = "/usr/lib/isotherm-image/packages",
     .dpkg_query = "/usr/bin/dpkg-query",
 };

@@ -30,6 +30,7 @@ struct cli_web_places {
 struct cli_image_places {
     const char *os_release; /* which image runs */
     const char *slot;       /* from which slot it runs: SLOT=a */
+    const char *trial;      /* whether its version is on trial: TRIAL=yes or TRIAL=no */
     const char *packages;   /* the list of the packages of the image */
     const char *dpkg_query; /* knows the packages where there is no such list */
 };

@@ -68,7 +68,7 @@ bool cli_setup_show_picture(const struct cli_setup_wish *wish, const struct cli_
     struct png png = {0};
     struct cli_fault fault = {0};
 
-    fputs("waiting for a picture ...\n", dialogue->out);
+    fputs("Waiting for a picture ...\n", dialogue->out);
     fflush(dialogue->out);
     enum cli_exit exit = fetch(&wish->bus, &png, &fault);
     if (!exit && dialogue->terminal) {

@@ -90,13 +90,22 @@ void hub__api_list_rollout_doors(void *api, struct web_exchange *exchange)
     hub__call(api, exchange, HUB_LANE_LOOKS, list_rollout_doors);
 }
 
-/* Stops the rollout of a zone, or lets it go on. */
+/* Stops the rollout of a zone, or lets it go on. The request names it, because the zone may have
+ * another one since its sender looked. */
 static int turn_rollout(struct hub_call *call, struct hub_store *store, struct iso_fault *fault)
 {
     struct hub_zone zone;
+    struct iso_fleet_id id;
     bool has = false, running = false;
     int error = hub__call_flag(call, "running", &has, &running, fault);
+    const char *text = error
+                           ? NULL
+                           : hub__call_text(call, "id", ISO_FLEET_ID_TEXT_SIZE - 1, &error, fault);
 
+    if (!error && iso_fleet_id_read(text, &id)) {
+        return hub__call_refuse(call, fault, 400, "invalid-member",
+                                "id has to be that of a rollout");
+    }
     if (!error && !has) {
         return hub__call_refuse(call, fault, 400, "invalid-member",
                                 "running has to be true or false");
@@ -107,8 +116,8 @@ static int turn_rollout(struct hub_call *call, struct hub_store *store, struct i
         return error;
     }
     call->absent = "no-such-update"; /* the version of a stopped rollout may be removed */
-    error = running ? hub_rollout_resume(store, zone.name, fault)
-                    : hub_rollout_stop(store, zone.name, fault);
+    error = running ? hub_rollout_resume(store, zone.name, &id, fault)
+                    : hub_rollout_stop(store, zone.name, &id, fault);
     return error ? error : show_doors(call, store, &zone, fault);
 }
 

@@ -14,9 +14,9 @@ static const struct {
 } problems[] = {
     {-EEXIST, 409, "name-in-use"},   {-EINVAL, 400, "invalid-value"},
     {-EALREADY, 409, "done-before"}, {-EACCES, 409, "door-expelled"},
-    {-ESTALE, 409, "zone-behind"},   {-EFBIG, 400, "invalid-value"},
-    {-ENOTCONN, 503, "no-database"}, {-EAGAIN, 503, "no-database"},
-    {-ENOSPC, 507, "storage"},
+    {-ESRCH, 409, "other-rollout"},  {-ESTALE, 409, "zone-behind"},
+    {-EFBIG, 400, "invalid-value"},  {-ENOTCONN, 503, "no-database"},
+    {-EAGAIN, 503, "no-database"},   {-ENOSPC, 507, "storage"},
 };
 
 static bool may(void *context)

@@ -39,12 +39,12 @@ static int roll(struct hub_run *run)
 
 static int stop(struct hub_run *run)
 {
-    return hub_rollout_stop(&run->store, run->arguments.words[0], &run->fault);
+    return hub_rollout_stop(&run->store, run->arguments.words[0], NULL, &run->fault);
 }
 
 static int resume(struct hub_run *run)
 {
-    return hub_rollout_resume(&run->store, run->arguments.words[0], &run->fault);
+    return hub_rollout_resume(&run->store, run->arguments.words[0], NULL, &run->fault);
 }
 
 static int print_file(void *context, const struct hub_update_file *file)

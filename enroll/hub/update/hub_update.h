@@ -3,14 +3,17 @@
  *
  * A door that was told counts as failed, so that a stage always ends,
  *
- *   when it says so, or when it runs its former version again;
+ *   when it says so, or when it runs its former version again, also after it was healthy;
  *   when it has not reported for HUB_UPDATE_SILENT_S; it is told again when it reports;
  *   when it has reported for HUB_UPDATE_SILENT_S, but has said nothing of its updates, or that it
  *   takes none; it is told again when it says more;
- *   when it has been told, fetching or installed for HUB_UPDATE_STILL_S; it stays failed unless it
- *   runs the version, because it would begin the same again.
+ *   when it has been told, fetching or installed for HUB_UPDATE_STILL_S in all; it stays failed
+ *   unless it runs the version, because it would begin the same again.
  *
- * A time in which the hub itself did not look, or in which the rollout was stopped, does not count.
+ * A time in which the hub itself did not look, or in which the rollout was stopped, does not count;
+ * nor does the time after a silence, until the door reports again. A rollout that is done runs
+ * again when a door that was silent comes back, as long as the zone has had no later one and the
+ * door belongs to it.
  * The hub looks when a door of the rollout asks, and once a minute (hub_rollouts_look()).
  *
  *   state of a door   what it means
@@ -78,15 +81,16 @@ int hub_rollout_start(struct hub_store *store, const struct hub_rollout_options 
                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Stops the rollout of a zone: no door is told any more, and the orders of those that were told
- * hold no more. -ENOENT, -EALREADY it does not run. */
-int hub_rollout_stop(struct hub_store *store, const char *zone, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+ * hold no more. `id` is the rollout that is meant, or NULL for whichever it is. -ENOENT, -EALREADY
+ * it does not run; -ESRCH another one of the zone runs. */
+int hub_rollout_stop(struct hub_store *store, const char *zone, const struct iso_fleet_id *id,
+                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Lets a stopped one go on. What has failed so far does not count any more. -EALREADY none was
  * stopped, or a door takes part in a running one of another zone; -ENOENT also: its version was
- * removed. */
-int hub_rollout_resume(struct hub_store *store, const char *zone, struct iso_fault *fault)
-    __attribute__((warn_unused_result));
+ * removed; -ESRCH another one of the zone was stopped. */
+int hub_rollout_resume(struct hub_store *store, const char *zone, const struct iso_fleet_id *id,
+                       struct iso_fault *fault) __attribute__((warn_unused_result));
 
 /* Looks at all running rollouts, whose doors may all be silent. The leader calls this once a minute
  * as long as the broker is connected; without it a rollout is looked at when one of its doors asks.

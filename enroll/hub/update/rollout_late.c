@@ -16,7 +16,7 @@ int hub__rollout_leave_out_expelled(struct hub_store *store, const struct iso_fl
 }
 
 int hub__rollout_fail_late(struct hub_store *store, const struct iso_fleet_id *rollout,
-                           int64_t watched_s, struct iso_fault *fault)
+                           int64_t watched_s, int64_t clock_s, struct iso_fault *fault)
 {
     const int64_t now_s = store->now_s();
     struct hub_values values = {.n = 0};
@@ -24,17 +24,21 @@ int hub__rollout_fail_late(struct hub_store *store, const struct iso_fleet_id *r
     hub_value_integer(&values, now_s);
     hub_value_integer(&values, watched_s);
     hub_value_integer(&values, now_s - HUB_UPDATE_SILENT_S);
-    hub_value_integer(&values, now_s - HUB_UPDATE_STILL_S);
-    /* A door that was silent is told again when it comes back. One that has not moved would begin
-     * the same again, so it stays failed. */
+    hub_value_integer(&values, clock_s);
+    hub_value_integer(&values, HUB_UPDATE_STILL_S);
+    /* A door that was silent is told again when it comes back, and the time that it has been at
+     * work goes on: it may come and go. One that was at work for too long would begin the same
+     * again, so it stays failed. */
     return hub_db_run_often(
         store->db,
         "WITH late AS (SELECT d.door, greatest(door.reported_s, d.changed_s, $3) < $4 AS silent, "
         "d.mute_s > 0 AND greatest(d.mute_s, $3) < $4 AS mute, "
-        "greatest(d.changed_s, $3) < $5 AS still "
+        "d.work_s + $5 - d.work_from_s > $6 AS still "
         "FROM rollout_door d JOIN door ON door.id = d.door WHERE d.rollout = $1 AND d.counts "
         "AND d.state IN ('told', 'fetching', 'installed')) "
         "UPDATE rollout_door d SET state = 'failed', changed_s = $2, "
+        "work_s = d.work_s + $5 - d.work_from_s, "
+        "finished_s = CASE WHEN d.finished_s > 0 THEN d.finished_s ELSE $2 END, "
         "stuck = NOT (late.silent OR late.mute), "
         "fault = CASE WHEN late.silent THEN 'it does not report' "
         "WHEN late.mute THEN 'it reports, but says nothing of its updates' "

@@ -84,7 +84,7 @@ int hub__rollout_count(struct hub_store *store, const struct iso_fleet_id *rollo
         "count(*) FILTER (WHERE counts AND state IN ('healthy', 'failed', 'went-back')), "
         "count(*) FILTER (WHERE counts AND state IN ('failed', 'went-back')), "
         "count(*) FILTER (WHERE state = 'waiting'), "
-        "coalesce(max(changed_s) FILTER (WHERE counts), 0) FROM rollout_door WHERE rollout = $1",
+        "coalesce(max(finished_s) FILTER (WHERE counts), 0) FROM rollout_door WHERE rollout = $1",
         &values, &rows, fault);
     if (!error) {
         *out = (struct hub_rollout_count){
@@ -92,7 +92,7 @@ int hub__rollout_count(struct hub_store *store, const struct iso_fleet_id *rollo
             .finished = hub_row_integer(rows, 0, 1),
             .failed = hub_row_integer(rows, 0, 2),
             .waiting = hub_row_integer(rows, 0, 3),
-            .changed_s = hub_row_integer(rows, 0, 4),
+            .finished_s = hub_row_integer(rows, 0, 4),
         };
         PQclear(rows);
     }

@@ -39,10 +39,11 @@ int hub__rollout_count(struct hub_store *store, const struct iso_fleet_id *rollo
 int hub__rollout_leave_out_expelled(struct hub_store *store, const struct iso_fleet_id *rollout,
                                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Doors that were told have failed if they are silent, say nothing of their updates, or have not
- * moved for too long (hub_update.h). `watched_s`: since when the hub looks. */
+/* Doors that were told have failed if they are silent, say nothing of their updates, or were at
+ * work for too long (hub_update.h). `watched_s`: since when the hub looks; `clock_s`: of the
+ * rollout, which stands still while it is stopped or the hub is away. */
 int hub__rollout_fail_late(struct hub_store *store, const struct iso_fleet_id *rollout,
-                           int64_t watched_s, struct iso_fault *fault)
+                           int64_t watched_s, int64_t clock_s, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
 #endif

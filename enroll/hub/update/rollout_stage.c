@@ -18,7 +18,7 @@ void hub_rollout_move(struct hub_rollout_stage *stage, const struct hub_rollout_
         return;
     }
     /* The stage is full, and all of it have finished. */
-    if (count->told >= stage->most && now_s - count->changed_s >= stage->wait_s) {
+    if (count->told >= stage->most && now_s - count->finished_s >= stage->wait_s) {
         stage->stage++;
         stage->most = 2 * count->told;
     }

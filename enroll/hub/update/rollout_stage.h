@@ -4,7 +4,7 @@
  *   stage n + 1  as many again as were told up to then, so that their number doubles
  *
  * The next stage begins when all doors of the present one are healthy, or have failed without being
- * too many, and when the time to wait is over since the last of them changed. A rollout stops when
+ * too many, and when the time to wait is over since the last of them did. A rollout stops when
  * more doors have failed than it may have. It is done when no door waits any more. */
 #ifndef ISO_ENROLL_HUB_UPDATE_ROLLOUT_STAGE_H
 #define ISO_ENROLL_HUB_UPDATE_ROLLOUT_STAGE_H
@@ -20,11 +20,13 @@ enum hub_rollout_state {
 };
 
 struct hub_rollout_count {
-    int64_t told;      /* doors that were told */
-    int64_t finished;  /* of those: healthy or failed */
-    int64_t failed;    /* of those */
-    int64_t waiting;   /* doors that were not told */
-    int64_t changed_s; /* when one of those that were told changed last */
+    int64_t told;     /* doors that were told */
+    int64_t finished; /* of those: healthy or failed */
+    int64_t failed;   /* of those */
+    int64_t waiting;  /* doors that were not told */
+    /* When the last of those that were told finished. A door that fails by silence again and again
+     * has finished the first time. */
+    int64_t finished_s;
 };
 
 struct hub_rollout_stage {

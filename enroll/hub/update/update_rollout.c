@@ -135,7 +135,8 @@ int hub_rollout_start(struct hub_store *store, const struct hub_rollout_options 
 struct turn {
     struct hub_store *store;
     const char *zone, *from, *sql, *act, *unfit;
-    bool begins; /* it must still be possible, as at its start */
+    const struct iso_fleet_id *id; /* which one is meant; NULL: whichever it is */
+    bool begins;                   /* it must still be possible, as at its start */
 };
 
 static int check_again(const struct turn *t, const struct hub_zone *zone, const char *version,
@@ -170,6 +171,12 @@ static int turn(void *context, struct iso_fault *fault)
         error = iso_fault_set(fault, -EALREADY, "zone %s has no rollout that %s", zone.name,
                               t->unfit);
     }
+    if (!error && t->id) {
+        const struct iso_fleet_id found = hub_row_id(rows, 0, 0);
+        error = iso_fleet_id_is_same(&found, t->id)
+                    ? 0
+                    : iso_fault_set(fault, -ESRCH, "zone %s has another rollout now", zone.name);
+    }
     if (!error && t->begins) {
         error = check_again(t, &zone, hub_row_text(rows, 0, 1), fault);
     }
@@ -187,11 +194,13 @@ static int turn(void *context, struct iso_fault *fault)
     return error;
 }
 
-int hub_rollout_stop(struct hub_store *store, const char *zone, struct iso_fault *fault)
+int hub_rollout_stop(struct hub_store *store, const char *zone, const struct iso_fleet_id *id,
+                     struct iso_fault *fault)
 {
     struct turn t = {
         .store = store,
         .zone = zone,
+        .id = id,
         .from = "running",
         .sql = "UPDATE rollout SET state = 'stopped', why = 'by ' || $2, watched_s = $3 "
                "WHERE id = $1",
@@ -201,11 +210,13 @@ int hub_rollout_stop(struct hub_store *store, const char *zone, struct iso_fault
     return hub_db_transaction(store->db, HUB_READ_COMMITTED, turn, &t, fault);
 }
 
-int hub_rollout_resume(struct hub_store *store, const char *zone, struct iso_fault *fault)
+int hub_rollout_resume(struct hub_store *store, const char *zone, const struct iso_fleet_id *id,
+                       struct iso_fault *fault)
 {
     struct turn t = {
         .store = store,
         .zone = zone,
+        .id = id,
         .from = "stopped",
         /* The hub has not waited for its doors meanwhile. */
         .sql = "WITH d AS (UPDATE rollout_door SET counts = false WHERE rollout = $1 AND state IN "

@@ -18,7 +18,7 @@ static const char usage[] =
     "  --bus ADDRESS  system, session or an address of D-Bus (system)\n"
     "  --updates DIR  run, leave: updates of the image (" UPDATES_FOLDER ")\n"
     "  --restart FROM-UNTIL  run: hours of the day at which an update may restart the machine\n"
-    "                 (any), such as 1-5\n"
+    "                 (any), such as 1-5; UTC on an image\n"
     "  --metrics      status: figures in the text format of Prometheus\n"
     "  --help         print this and end\n"
     "  --version      print the version and end\n";

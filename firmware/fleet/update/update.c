@@ -10,8 +10,7 @@ enum {
     LOOK_AGAIN_S = 60, /* RAUC was busy or did not answer */
     SPREAD_MOST_S = 4 * 3600,
     HOLDS_S = 15 * 60,   /* doors ask each minute */
-    KEEPS_S = 24 * 3600, /* the file of an order that does not come again */
-    ANSWERS_WITHOUT = 2, /* the first answer may have lost the order */
+    ANSWERS_WITHOUT = 2, /* the order holds so long; one of them may have lost it */
     TEXT_SIZE = 4096,
     EXIT_NO_IMAGE = 3, /* isotherm(1): not found */
 };
@@ -46,15 +45,29 @@ void link_update_in(struct link_update *u, uint64_t delay_us)
 
 /* ---- what is told and stored ---- */
 
+/* A version that another way has brought is being checked. A door that was told nothing and says
+ * that it runs a version is healthy for the hub, so it says that the version is installed. */
+static bool is_foreign_trial(const struct link_update *u)
+{
+    return u->record.state == ISO_FLEET_UPDATE_IDLE && link_update_is_on_trial(u);
+}
+
+static enum iso_fleet_update_state told_state(const struct link_update *u)
+{
+    return u->step == LINK_UPDATE_OFF ? ISO_FLEET_UPDATE_NONE
+           : is_foreign_trial(u)      ? ISO_FLEET_UPDATE_INSTALLED
+                                      : u->record.state;
+}
+
 void link_update_tell(struct link_update *u)
 {
     struct iso_fault fault = {.text = ""};
     struct iso_fleet_update_report *report = &u->report;
 
-    *report = (struct iso_fleet_update_report){
-        .is_known = true,
-        .state = u->step == LINK_UPDATE_OFF ? ISO_FLEET_UPDATE_NONE : u->record.state,
-        .rollout = u->record.rollout};
+    *report = (struct iso_fleet_update_report){.is_known = true, .state = told_state(u)};
+    if (!is_foreign_trial(u) || strcmp(u->slots.version, u->record.version) == 0) {
+        report->rollout = u->record.rollout;
+    }
     memcpy(report->version, u->slots.version, sizeof report->version);
     memcpy(report->board, u->slots.board, sizeof report->board);
     memcpy(report->fault, u->record.fault, sizeof report->fault);
@@ -91,7 +104,7 @@ void link_update_cancel(struct link_update *u, bool keeps_file)
     link_update_fetch_end(u);
     u->step = LINK_UPDATE_IDLE;
     if (keeps_file) {
-        link_update_in(u, KEEPS_S * LINK_UPDATE_S_US);
+        link_update_in(u, LINK_UPDATE_KEEPS_S * LINK_UPDATE_S_US);
     } else {
         (void)unlink(u->file);
     }
@@ -165,27 +178,51 @@ static int on_time(sd_event_source *source, uint64_t at_us, void *context)
 
 /* ---- the hub ---- */
 
+uint64_t link_update_turn_us(const struct link_update *u)
+{
+    const uint64_t spread_s = u->order.spread_s < SPREAD_MOST_S ? u->order.spread_s : SPREAD_MOST_S;
+    uint64_t random;
+
+    randombytes_buf(&random, sizeof random);
+    return random % (spread_s * LINK_UPDATE_S_US + 1);
+}
+
 static void begin(struct link_update *u)
 {
     const bool is_same_file = memcmp(u->record.sha256, u->order.sha256, sizeof u->record.sha256) ==
                               0;
-    uint64_t random;
 
     link_update_fetch_end(u);
     if (!is_same_file) {
         (void)unlink(u->file);
     }
     const bool is_same = iso_fleet_id_is_same(&u->record.rollout, &u->order.rollout);
-    u->record = (struct link_update_record){.rollout = u->order.rollout,
-                                            .tries = is_same ? u->record.tries : 0};
+    struct link_update_record record = {.rollout = u->order.rollout};
+    if (is_same) {
+        memcpy(record.tries, u->record.tries, sizeof record.tries);
+    }
+    u->record = record;
     memcpy(u->record.version, u->order.version, sizeof u->record.version);
     memcpy(u->record.former, u->slots.version, sizeof u->record.former);
     memcpy(u->record.sha256, u->order.sha256, sizeof u->record.sha256);
     u->step = LINK_UPDATE_WAIT;
     link_update_set(u, ISO_FLEET_UPDATE_FETCHING, "");
-    randombytes_buf(&random, sizeof random);
-    const uint64_t spread_s = u->order.spread_s < SPREAD_MOST_S ? u->order.spread_s : SPREAD_MOST_S;
-    link_update_in(u, random % (spread_s * LINK_UPDATE_S_US + 1));
+    link_update_in(u, link_update_turn_us(u));
+}
+
+static bool is_fetched(const struct link_update *u)
+{
+    return u->step == LINK_UPDATE_WAIT || u->step == LINK_UPDATE_FETCH ||
+           u->step == LINK_UPDATE_CHECK;
+}
+
+/* The order holds no more: nothing restarts for it. */
+static void let_go(struct link_update *u)
+{
+    u->holds = false;
+    if (is_fetched(u)) {
+        link_update_cancel(u, false);
+    }
 }
 
 /* Whether the door has done with this rollout. */
@@ -202,13 +239,19 @@ void link_update_ordered(struct link_update *u, const struct iso_fleet_update *o
     const bool is_same = iso_fleet_id_is_same(&order->rollout, &u->record.rollout);
 
     u->without = 0;
-    if (u->step == LINK_UPDATE_OFF || u->step == LINK_UPDATE_LOOK) {
+    /* The image refuses every update while the running version is on trial. */
+    if (u->step == LINK_UPDATE_OFF || u->step == LINK_UPDATE_LOOK || link_update_is_on_trial(u)) {
         return; /* the order comes again */
     }
-    u->comes = u->holds = is_same || u->step != LINK_UPDATE_INSTALL;
+    if (is_over(u, order)) {
+        if (!is_same) {
+            let_go(u); /* the hub wants the running version, and not the one that waits */
+        }
+        return;
+    }
+    u->holds = is_same || u->step != LINK_UPDATE_INSTALL;
     u->holds_until_us = link_update_now_us(u) + HOLDS_S * LINK_UPDATE_S_US;
-    if ((is_same && u->step != LINK_UPDATE_IDLE) || u->step == LINK_UPDATE_INSTALL ||
-        is_over(u, order)) {
+    if ((is_same && u->step != LINK_UPDATE_IDLE) || u->step == LINK_UPDATE_INSTALL) {
         return;
     }
     u->order = *order;
@@ -217,16 +260,16 @@ void link_update_ordered(struct link_update *u, const struct iso_fleet_update *o
 
 void link_update_answered(struct link_update *u)
 {
-    u->holds = u->comes;
-    u->comes = false;
-    u->without++;
-    if (u->step == LINK_UPDATE_IDLE && u->without >= ANSWERS_WITHOUT) {
+    /* The order of this answer comes behind it. */
+    const bool is_gone = u->without++ >= ANSWERS_WITHOUT;
+
+    if (is_gone && u->step == LINK_UPDATE_IDLE) {
         (void)unlink(u->file); /* of an order that was taken back while the link did not run */
     }
-    if (!u->holds && (u->step == LINK_UPDATE_WAIT || u->step == LINK_UPDATE_FETCH ||
-                      u->step == LINK_UPDATE_CHECK)) {
-        link_update_cancel(u, false);
-    } else if (u->step != LINK_UPDATE_LOOK) {
+    if (is_gone) {
+        let_go(u);
+    }
+    if (u->step != LINK_UPDATE_LOOK) {
         link_update_tell(u); /* the daemon may have been started again */
     }
 }

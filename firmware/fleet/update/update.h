@@ -13,21 +13,25 @@
  *   FETCH      CHECK      all parts are there
  *   CHECK      INSTALL    the digest is that of the order
  *   INSTALL    LOOK       the image has done with the file
- *   INSTALLED  LOOK       from time to time, once the new version runs
+ *   INSTALLED  LOOK       from time to time, while the running version is on trial, whoever has
+ *                         brought it; no order begins meanwhile
  *   WAIT, FETCH, CHECK  IDLE  the order holds no more
  *   FETCH, CHECK, INSTALL, LOOK
- *              WAIT       something has refused it, and it may succeed later (update_refuse.c)
+ *              WAIT       something has refused it, and it may succeed later (update_refuse.c); if
+ *                         it has to be fetched again, for such a part once more
  *              IDLE       it cannot succeed, or was refused too often
  *
- * What became of a file is decided by a look at the slots: which version runs, and which starts
- * next. The image says only why it has refused one.
+ * What became of a file is decided by a look at the slots: which version runs, whether it is proven
+ * or on trial, and which starts next. The image says only why it has refused one. A version is
+ * healthy when it is proven, and not before: RAUC calls a slot good that is on trial.
  *
- * An order holds until the second answer of the hub that comes without it: the first one may have
- * lost it on its way. A machine whose order holds no more does not restart, but a file that is
- * being installed is installed. If no answer comes for 15 minutes, a complete file is installed as
- * well, and the machine does not restart before the order comes again. What became of a rollout is
- * in the file update.record, so a restart does not forget it; a rollout that has failed at this
- * door is not tried again.
+ * An order holds until two answers of the hub in a row have come without it, which the third one
+ * shows: one of them may have lost it on its way. It also holds no more when the hub orders another
+ * version, be it the one that runs already. A machine whose order holds no more does not restart,
+ * but a file that is being installed is installed. If no answer comes for 15 minutes, a complete
+ * file is installed as well, and the machine does not restart before the order comes again. What
+ * became of a rollout is in the file update.record, so a restart does not forget it; a rollout that
+ * has failed at this door is not tried again.
  *
  * The link has no right to install anything or to restart the machine. Both are wishes in the
  * folder "hub" of the image's folder of updates, which units of root look at

@@ -55,6 +55,19 @@ static int open_part(struct link_update *u, struct iso_fault *fault)
     return iso_file_open(u->file, O_RDWR | O_CREAT, ISO_FLEET_UPDATE_BYTES_MAX, &u->fd, fault);
 }
 
+bool link_update_has_file(const struct link_update *u)
+{
+    struct stat file;
+    int fd = -1;
+
+    if (iso_file_open(u->file, O_RDWR, ISO_FLEET_UPDATE_BYTES_MAX, &fd, NULL) < 0) {
+        return false;
+    }
+    const bool is_whole = fstat(fd, &file) == 0 && (uint64_t)file.st_size == u->order.size;
+    (void)close(fd);
+    return is_whole;
+}
+
 void link_update_fetch_begin(struct link_update *u)
 {
     struct iso_fault fault = {.text = ""};

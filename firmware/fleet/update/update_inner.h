@@ -11,7 +11,11 @@
 
 #define LINK_UPDATE_S_US UINT64_C(1000000)
 
-enum { LINK_UPDATE_QUIET_LOOK_S = 5 }; /* between two looks whether somebody is at the door */
+enum {
+    LINK_UPDATE_REASONS = 20,        /* for which an order is refused (update_refuse.c) */
+    LINK_UPDATE_QUIET_LOOK_S = 5,    /* between two looks whether somebody is at the door */
+    LINK_UPDATE_KEEPS_S = 24 * 3600, /* the file of an order that does not come again */
+};
 
 enum link_update_step {
     LINK_UPDATE_LOOK,
@@ -38,16 +42,17 @@ struct link_update_record {
     uint8_t sha256[32];                      /* of the file that is in bundle.part, or was */
     enum iso_fleet_update_state state;
     char fault[ISO_FLEET_UPDATE_FAULT_SIZE];
-    unsigned tries;                 /* that were refused */
-    struct link_update_stamp stamp; /* of the result file when the image was given the file */
+    unsigned tries[LINK_UPDATE_REASONS]; /* how often it was refused for each reason */
+    struct link_update_stamp stamp;      /* of the result file when the image was given the file */
 };
 
 /* What `isotherm update --json` says. */
 struct link_update_slots {
     char version[ISO_FLEET_UPDATE_WORD_SIZE], board[ISO_FLEET_UPDATE_WORD_SIZE];
     char other[ISO_FLEET_UPDATE_WORD_SIZE]; /* the version of the other slot; "": not known */
-    bool good;                              /* the running version has passed its checks */
-    bool waiting;                           /* the other slot starts next */
+    bool good;    /* the running version can be started; it may be on trial */
+    bool proven;  /* it has passed its checks: the boot loader does not leave it by itself */
+    bool waiting; /* the other slot starts next */
 };
 
 /* What the image has said in the result file. */
@@ -76,9 +81,8 @@ struct link_update {
     struct iso_fleet_update_report report;
     struct iso_fleet_update order;
     bool holds;              /* the order */
-    bool comes;              /* it has come since the last answer */
     uint64_t holds_until_us; /* without answers; the machine does not restart later */
-    unsigned without;        /* answers without it, in a row */
+    unsigned without;        /* answers since it came: the last one may bring it yet */
     bool busy;               /* somebody is at the door */
     uint64_t quiet_since_us; /* 0: not quiet */
     uint64_t handed_us;      /* when the image was given the file; 0: not yet */
@@ -96,6 +100,9 @@ void link_update_note(const struct link_update *u, const char *line);
 
 /* Acts again after this time. */
 void link_update_in(struct link_update *u, uint64_t delay_us);
+
+/* A random part of the time within which the doors of a stage begin to fetch. */
+uint64_t link_update_turn_us(const struct link_update *u);
 uint64_t link_update_now_us(const struct link_update *u);
 
 /* Sets the state of the record, stores it, and tells the daemon. */
@@ -113,11 +120,19 @@ void link_update_cancel(struct link_update *u, bool keeps_file);
 
 /* ---- update_refuse.c ---- */
 
+/* The number of a reason, less than LINK_UPDATE_REASONS; codes that the table does not have are one
+ * reason. */
+size_t link_update_reason(const char *code);
+
+/* Its code; NULL: there is no such reason. */
+const char *link_update_reason_code(size_t reason);
+
 /* How often an order is tried in all if this is why it is refused: 1 if the same cannot succeed
  * later. The table is in isotherm-link(8), too. */
 unsigned link_update_tries(const char *code);
 
-/* Something has refused the order. It is tried again after a time that grows, or has failed. */
+/* Something has refused the order. It is tried again after a time that grows, or has failed. If the
+ * file has to be fetched again, the door waits for its turn, too. */
 void link_update_refused(struct link_update *u, const char *code, const char *why);
 
 /* ---- update_settle.c ---- */
@@ -125,12 +140,19 @@ void link_update_refused(struct link_update *u, const char *code, const char *wh
 /* The slots are known: what became of the last rollout. */
 void link_update_settle(struct link_update *u);
 
+/* Whether nothing is to be done but to wait for the end of the checks of the running version,
+ * whoever has brought it; a part of the step INSTALLED. */
+bool link_update_is_on_trial(const struct link_update *u);
+
 /* ---- update_fetch.c ---- */
 
 void link_update_fetch_begin(struct link_update *u);
 void link_update_fetch_next(struct link_update *u); /* step FETCH */
 void link_update_check_next(struct link_update *u); /* step CHECK */
 void link_update_fetch_end(struct link_update *u);  /* closes everything; the file stays */
+
+/* Whether nothing is to be fetched: the file has the size of the order and can be opened. */
+bool link_update_has_file(const struct link_update *u);
 
 /* ---- update_hand_over.c ---- */
 

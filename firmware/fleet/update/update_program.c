@@ -134,6 +134,8 @@ int link_update_slots_read(const char *text, struct link_update_slots *out)
     const bool is_read = has_running &&
                          take_word(json_object_get(object, "version"), read.version) &&
                          take_word(json_object_get(object, "board"), read.board);
+    /* As long as nobody has said it, it is not: check-health says it soon after the start. */
+    read.proven = json_is_true(json_object_get(object, "proven"));
     json_decref(object);
     if (!is_read) {
         return -EBADMSG;

@@ -31,13 +31,37 @@ static void read_stamp(const char *text, struct link_update_stamp *out)
     }
 }
 
+/* {"busy": 2}; an earlier version has one number for all reasons, which says nothing of one. */
+static void read_tries(const json_t *counts, unsigned out[LINK_UPDATE_REASONS])
+{
+    for (size_t i = 0; i < LINK_UPDATE_REASONS; i++) {
+        const json_int_t n = json_integer_value(
+            json_object_get(counts, link_update_reason_code(i)));
+        out[i] = n > 0 && n < TRIES_MOST ? (unsigned)n : 0;
+    }
+}
+
+/* NULL if there is no memory. */
+static json_t *tries_json(const unsigned tries[LINK_UPDATE_REASONS])
+{
+    json_t *counts = json_object();
+
+    for (size_t i = 0; counts && i < LINK_UPDATE_REASONS; i++) {
+        if (tries[i] > 0 && json_object_set_new(counts, link_update_reason_code(i),
+                                                json_integer((json_int_t)tries[i]))) {
+            json_decref(counts);
+            counts = NULL;
+        }
+    }
+    return counts;
+}
+
 static bool read_object(const json_t *object, struct link_update_record *out)
 {
     size_t n = 0;
     const char *digits = member(object, "sha256");
-    const json_int_t tries = json_integer_value(json_object_get(object, "tries"));
 
-    out->tries = tries > 0 && tries < TRIES_MOST ? (unsigned)tries : 0;
+    read_tries(json_object_get(object, "tries"), out->tries);
     read_stamp(member(object, "stamp"), &out->stamp);
     (void)snprintf(out->former, sizeof out->former, "%s", member(object, "former"));
 
@@ -77,11 +101,11 @@ int link_update_record_write(const char *path, const struct link_update_record *
     (void)snprintf(stamp, sizeof stamp, "%llu.%lld.%09ld", (unsigned long long)record->stamp.inode,
                    (long long)record->stamp.changed.tv_sec, record->stamp.changed.tv_nsec);
     json_t *object = json_pack(
-        "{s:s, s:s, s:s, s:s, s:s, s:s, s:I, s:s}", "rollout",
+        "{s:s, s:s, s:s, s:s, s:s, s:s, s:o, s:s}", "rollout",
         iso_fleet_id_text(&record->rollout, rollout), "version", record->version, "sha256",
         sodium_bin2hex(digits, sizeof digits, record->sha256, sizeof record->sha256), "state",
         iso_fleet_update_state_word(record->state), "fault", record->fault, "former",
-        record->former, "tries", (json_int_t)record->tries, "stamp", stamp);
+        record->former, "tries", tries_json(record->tries), "stamp", stamp);
     char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL;
     const int r = text ? iso_data_file_replace(path, text, strlen(text), fault)
                        : iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);

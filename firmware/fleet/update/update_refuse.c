@@ -35,24 +35,51 @@ static const struct {
     {"not-taken", DAMAGE_TRIES},
     {"no-result", DAMAGE_TRIES},
     {"disk", DAMAGE_TRIES},
+    {"not-installed", DAMAGE_TRIES}, /* RAUC has no code for its reasons; also codes of no reason */
 };
+
+enum { OTHER = LINK_UPDATE_REASONS - 1 };
+
+_Static_assert(sizeof reasons / sizeof *reasons == LINK_UPDATE_REASONS,
+               "LINK_UPDATE_REASONS is the number of reasons");
+
+size_t link_update_reason(const char *code)
+{
+    size_t i = 0;
+
+    while (i < OTHER && strcmp(code, reasons[i].code) != 0) {
+        i++;
+    }
+    return i;
+}
+
+const char *link_update_reason_code(size_t reason)
+{
+    return reason < LINK_UPDATE_REASONS ? reasons[reason].code : NULL;
+}
 
 unsigned link_update_tries(const char *code)
 {
-    for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++) {
-        if (strcmp(code, reasons[i].code) == 0) {
-            return reasons[i].tries;
-        }
-    }
-    return DAMAGE_TRIES; /* "not-installed": RAUC has no code for its reasons */
+    return reasons[link_update_reason(code)].tries;
 }
 
-/* A random time in the second half of a limit that doubles. */
+static unsigned tries_in_all(const struct link_update *u)
+{
+    unsigned n = 0;
+
+    for (size_t i = 0; i < LINK_UPDATE_REASONS; i++) {
+        n += u->record.tries[i];
+    }
+    return n;
+}
+
+/* A random time in the second half of a limit that doubles with each refusal, whatever its reason.
+ */
 static uint64_t wait_us(const struct link_update *u)
 {
     struct link_backoff backoff = {.base_ms = u->setup.retry_ms ? u->setup.retry_ms : RETRY_MS,
                                    .cap_ms = RETRY_CAP_MS,
-                                   .failures = u->record.tries - 1};
+                                   .failures = tries_in_all(u) - 1};
     const uint64_t half_us = link_backoff_limit_ms(&backoff) * 1000 / 2;
     uint64_t random;
 
@@ -62,7 +89,9 @@ static uint64_t wait_us(const struct link_update *u)
 
 void link_update_refused(struct link_update *u, const char *code, const char *why)
 {
-    if (++u->record.tries >= link_update_tries(code)) {
+    const size_t reason = link_update_reason(code);
+
+    if (++u->record.tries[reason] >= reasons[reason].tries) {
         link_update_fail(u, why);
         return;
     }
@@ -77,5 +106,5 @@ void link_update_refused(struct link_update *u, const char *code, const char *wh
     u->step = LINK_UPDATE_WAIT;
     link_update_set(u, ISO_FLEET_UPDATE_FETCHING, why);
     link_update_note(u, u->record.fault);
-    link_update_in(u, wait_us(u));
+    link_update_in(u, wait_us(u) + (link_update_has_file(u) ? 0 : link_update_turn_us(u)));
 }

@@ -1,6 +1,5 @@
 /* The machine waits for a quiet moment to restart, or the new version for the end of its checks. */
 #include <fcntl.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -35,7 +34,7 @@ void link_update_wait(struct link_update *u)
     const uint64_t now = link_update_now_us(u);
 
     link_update_tell(u);
-    if (strcmp(u->slots.version, u->record.version) == 0) {
+    if (link_update_is_on_trial(u)) {
         u->step = LINK_UPDATE_LOOK;
         link_update_in(u, 0);
         return;

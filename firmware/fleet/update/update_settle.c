@@ -5,7 +5,7 @@
 
 #include "firmware/fleet/update/update_inner.h"
 
-enum { CHECKS_S = 15 }; /* until the checks of a new version have ended */
+enum { CHECKS_S = 15 }; /* between two looks whether the checks of a version have ended */
 
 static bool runs(const struct link_update *u)
 {
@@ -18,11 +18,24 @@ static bool starts_next(const struct link_update *u)
     return u->slots.waiting && (!*u->slots.other || strcmp(u->slots.other, u->record.version) == 0);
 }
 
-/* The new version waits for the restart, or for the end of its checks. */
+/* RAUC calls each slot good that can be started; only one that was marked as good is proven. */
+static bool is_healthy(const struct link_update *u)
+{
+    return runs(u) && u->slots.good && u->slots.proven;
+}
+
+bool link_update_is_on_trial(const struct link_update *u)
+{
+    return u->step == LINK_UPDATE_INSTALLED &&
+           (runs(u) || u->record.state != ISO_FLEET_UPDATE_INSTALLED);
+}
+
+/* A version waits for the restart, or the running one for the end of its checks. */
 static void wait_for_version(struct link_update *u)
 {
     u->step = LINK_UPDATE_INSTALLED;
-    link_update_in(u, (runs(u) ? CHECKS_S : LINK_UPDATE_QUIET_LOOK_S) * LINK_UPDATE_S_US);
+    link_update_in(u, (link_update_is_on_trial(u) ? CHECKS_S : LINK_UPDATE_QUIET_LOOK_S) *
+                          LINK_UPDATE_S_US);
 }
 
 static void settle_installed(struct link_update *u)
@@ -30,7 +43,7 @@ static void settle_installed(struct link_update *u)
     const char *another = u->slots.waiting ? u->slots.other : u->slots.version;
     char why[ISO_FLEET_UPDATE_FAULT_SIZE];
 
-    if (runs(u) && u->slots.good) {
+    if (is_healthy(u)) {
         link_update_set(u, ISO_FLEET_UPDATE_HEALTHY, "");
     } else if (runs(u) || starts_next(u)) {
         wait_for_version(u);
@@ -40,6 +53,17 @@ static void settle_installed(struct link_update *u)
     } else {
         (void)snprintf(why, sizeof why, "another way has installed version %s instead", another);
         link_update_fail(u, why);
+    }
+}
+
+/* The version has passed its checks, and another one runs now. */
+static void settle_healthy(struct link_update *u)
+{
+    if (*u->record.former && strcmp(u->slots.version, u->record.former) == 0) {
+        link_update_set(u, ISO_FLEET_UPDATE_WENT_BACK,
+                        "the former version runs again, although the new one passed its checks");
+    } else {
+        u->record.state = ISO_FLEET_UPDATE_IDLE; /* another way has brought another version */
     }
 }
 
@@ -66,13 +90,13 @@ void link_update_settle(struct link_update *u)
         break;
     case ISO_FLEET_UPDATE_FAILED:
     case ISO_FLEET_UPDATE_WENT_BACK:
-        if (runs(u) && u->slots.good) { /* another way has brought the version */
+        if (is_healthy(u)) { /* another way has brought the version */
             link_update_set(u, ISO_FLEET_UPDATE_HEALTHY, "");
         }
         break;
     case ISO_FLEET_UPDATE_HEALTHY:
         if (!runs(u)) {
-            u->record.state = ISO_FLEET_UPDATE_IDLE; /* another way has brought another version */
+            settle_healthy(u);
         }
         break;
     case ISO_FLEET_UPDATE_INSTALLING:
@@ -82,7 +106,11 @@ void link_update_settle(struct link_update *u)
         link_update_cancel(u, true); /* the order comes again */
         break;
     default:
+        link_update_in(u, LINK_UPDATE_KEEPS_S * LINK_UPDATE_S_US);
         break;
+    }
+    if (u->step == LINK_UPDATE_IDLE && !u->slots.proven) {
+        wait_for_version(u);
     }
     if (u->record.state == ISO_FLEET_UPDATE_INSTALLED ||
         u->record.state == ISO_FLEET_UPDATE_HEALTHY ||

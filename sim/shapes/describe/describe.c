@@ -220,6 +220,7 @@ static int describe_mesh(struct work *work, const char *path, struct iso_fault *
                                                         .n_pairs = options->pairs};
         error = sim_source_shape(path, &mesh, &shape_options, &shape, fault);
     }
+    iso_coloured_mesh_done(&mesh); /* the shape has what is needed of it */
     if (!error) {
         subject.shape = shape;
         error = fill_arrays(work, shape, arrays, path, fault);
@@ -237,7 +238,6 @@ static int describe_mesh(struct work *work, const char *path, struct iso_fault *
     }
     free(arrays);
     iso_shape_free(shape);
-    iso_coloured_mesh_done(&mesh);
     return error;
 }
 

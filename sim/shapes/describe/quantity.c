@@ -316,6 +316,7 @@ int sim_quantity_method(const struct iso_shape *shape, const struct iso_shape_me
         d->whole = NULL;
         error = sim_arrays_add(arrays, &whole);
     }
+    float *bags = d->local;
     for (int32_t b = 0; b < d->n_bags && !error; b++) {
         char suffix[24] = "_local";
         if (d->n_bags > 1) {
@@ -327,12 +328,12 @@ int sim_quantity_method(const struct iso_shape *shape, const struct iso_shape_me
                                   .columns = d->n_values};
         const size_t items = (size_t)d->n_points * (size_t)d->n_values;
         array_name(method, suffix, local.name);
-        float *copy = malloc(items * sizeof *copy);
-        if (copy) {
-            memcpy(copy, &d->local[(size_t)b * items], items * sizeof *copy);
+        local.data = &bags[(size_t)b * items];
+        if (b == 0) { /* the array of the first bag owns all of them */
+            local.owned = bags;
+            d->local = NULL;
         }
-        local.data = local.owned = copy;
-        error = copy ? sim_arrays_add(arrays, &local) : -ENOMEM;
+        error = sim_arrays_add(arrays, &local);
     }
     iso_shape_description_free(d);
     return error;

@@ -24,6 +24,8 @@ enum {
     TRANSFORMATIONS = 4,
     TEXTURED_EACH = COATS_EACH * BODIES_EACH * TRANSFORMATIONS,
     SHAPES_MAX = 100000,
+    VERTICES_MIN = 200,
+    VERTICES_MAX = 200000,
     CLASS_NAME_MAX = 40,
 };
 
@@ -276,8 +278,9 @@ static int complete_options(struct sim_shapes_options *options, bool *textured,
     if (options->shapes > SHAPES_MAX) {
         return iso_fault_set(fault, -EINVAL, "--shapes: more than %d", (int)SHAPES_MAX);
     }
-    if (options->vertices < 200 || options->vertices > 50000) {
-        return iso_fault_set(fault, -EINVAL, "--vertices: outside 200..50000");
+    if (options->vertices < VERTICES_MIN || options->vertices > VERTICES_MAX) {
+        return iso_fault_set(fault, -EINVAL, "--vertices: outside %d..%d", (int)VERTICES_MIN,
+                             (int)VERTICES_MAX);
     }
     return 0;
 }

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A corner of a cube is a number of three bits, x the lowest. An edge of a tetrahedron runs from a
  * node to the one that is `corner` further on: seven kinds, 1..7, each belonging to its lower node.
@@ -18,7 +19,10 @@ static const int tetrahedra[6][4] = {
 struct march {
     const struct sim_field_grid *grid;
     double level;
-    int32_t *vertex_of_edge; /* [n_nodes][EDGE_KINDS]: index + 1, 0: no vertex yet */
+    /* [2][nodes of a sheet][EDGE_KINDS]: index + 1, 0: no vertex yet. Edges of a cell belong to
+     * nodes of its own sheet and of the next one, so that two sheets are kept: even and odd ones.
+     */
+    int32_t *vertex_of_edge;
     struct iso_mesh *mesh;
 };
 
@@ -41,13 +45,20 @@ static struct iso_vec3 node_place(const struct sim_field_grid *grid, size_t node
     return iso_madd(grid->origin_mm, grid->pitch_mm, step);
 }
 
+static int32_t *edges_of(const struct march *m, size_t node)
+{
+    const size_t sheet = (size_t)m->grid->nx * (size_t)m->grid->ny;
+    const size_t place = node / sheet % 2 * sheet + node % sheet;
+    return &m->vertex_of_edge[place * EDGE_KINDS];
+}
+
 /* The vertex on the edge between two corners of the cube at `node`, or -ENOMEM. */
 static int32_t edge_vertex(struct march *m, size_t node, int a, int b)
 {
     const int low = a < b ? a : b,
               high = a < b ? b : a; /* in a tetrahedron, high has all bits of low */
     const size_t from = corner_node(m->grid, node, low), to = corner_node(m->grid, node, high);
-    int32_t *known = &m->vertex_of_edge[from * EDGE_KINDS + (size_t)(high - low) - 1];
+    int32_t *known = &edges_of(m, from)[high - low - 1];
     if (*known == 0) {
         if (iso_mesh_reserve(m->mesh, m->mesh->n_vertices + 1, 0)) {
             return -ENOMEM;
@@ -143,8 +154,11 @@ static int cut_cell(struct march *m, size_t node)
 static int march(struct march *m)
 {
     const struct sim_field_grid *grid = m->grid;
+    const size_t sheet = (size_t)grid->nx * (size_t)grid->ny;
     int error = 0;
     for (int k = 0; k + 1 < grid->nz; k++) {
+        memset(edges_of(m, ((size_t)k + 1) * sheet), 0,
+               sheet * EDGE_KINDS * sizeof *m->vertex_of_edge);
         for (int j = 0; j + 1 < grid->ny; j++) {
             for (int i = 0; i + 1 < grid->nx && !error; i++) {
                 error = cut_cell(m, node_index(grid, i, j, k));
@@ -162,9 +176,9 @@ int sim_polygonise(const struct sim_field_grid *grid, double level, struct iso_m
     if (grid->nx < 2 || grid->ny < 2 || grid->nz < 2) {
         return -EINVAL;
     }
-    const size_t n_nodes = (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz;
+    const size_t sheets = 2 * (size_t)grid->nx * (size_t)grid->ny;
     struct march m = {.grid = grid, .level = level};
-    m.vertex_of_edge = calloc(n_nodes, EDGE_KINDS * sizeof *m.vertex_of_edge);
+    m.vertex_of_edge = calloc(sheets, EDGE_KINDS * sizeof *m.vertex_of_edge);
     int error = m.vertex_of_edge ? iso_mesh_new(1024, 2048, &m.mesh) : -ENOMEM;
     if (!error) {
         error = march(&m);

@@ -1,6 +1,7 @@
 #!/bin/bash
 # Measures what the daemon needs while nobody is before its camera: processor time, wake-ups and examined frames a second, first with
-# every frame examined (rest_s = 0), then at rest. The camera is a stored room, played at the rate of its time stamps. It checks no limit.
+# every frame examined (rest_s = 0), then at rest; in all, and for each of its threads. The camera is a stored room, played at the rate of
+# its time stamps. It checks no limit.
 # usage: idle.sh BUILD [SECONDS [RECORDING...]]    (BUILD with isothermd and isotherm; recordings of sim/stored)
 set -euo pipefail
 build=$(cd "$1" && pwd)
@@ -42,18 +43,23 @@ status() {
     "$build/enroll/isotherm" --bus "$story_address" --json status 2>/dev/null
 }
 
-# Prints: ticks of the processor, times that a thread waited for something, frames from the sensor.
-counts() {
-    local ticks waits frames
-    ticks=$(sed 's/.*) //' "/proc/$daemon_pid/stat" | awk '{ print $12 + $13 }')
-    waits=$(cat "/proc/$daemon_pid"/task/*/status | awk '/^voluntary_ctxt_switches/ { n += $2 } END { print n }')
-    frames=$(status | sed -n 's/^ *"frames": \([0-9]*\),\{0,1\}$/\1/p')
-    echo "$ticks $waits $frames"
+# Prints a line for each thread: its id and name, the time that it ran (ns), and how often it waited for something.
+threads() {
+    local task
+    for task in "/proc/$daemon_pid"/task/*; do
+        echo "${task##*/} $(tr ' ' _ <"$task/comm") $(cut -d ' ' -f 1 "$task/schedstat") \
+            $(sed -n 's/^voluntary_ctxt_switches:[[:blank:]]*//p' "$task/status")"
+    done
+}
+
+# Prints how many frames the sensor has given.
+frames() {
+    status | sed -n 's/^ *"frames": \([0-9]*\),\{0,1\}$/\1/p'
 }
 
 # usage: measure RECORDING REST_S
 measure() {
-    local recording=$1 rest_s=$2 before after
+    local recording=$1 rest_s=$2 before
     rm -rf "$run/frames" "$run"/gallery.db* "$run"/audit.log*
     cp -r "$source_dir/sim/stored/$recording" "$run/frames"
     cat >"$run/isotherm.conf" <<END
@@ -72,14 +78,25 @@ END
         sleep 0.1
     done
     sleep 5 # rest_s, and some time
-    before=$(counts)
+    before=$(frames)
+    threads >"$run/before"
     sleep "$seconds"
-    after=$(counts)
+    threads >"$run/after"
+    awk -v seconds="$seconds" -v frames="$(($(frames) - before))" -v what="$recording, rest_s = $rest_s" '
+        FNR == NR { ran[$1] = $3; waited[$1] = $4; next }
+        {
+            share[FNR] = ($3 - ran[$1]) / seconds / 1e7; wakes[FNR] = ($4 - waited[$1]) / seconds; name[FNR] = $2
+            all_share += share[FNR]; all_wakes += wakes[FNR]
+        }
+        END {
+            printf "%s: %.1f %% of a core, %.0f wake-ups a second, %.1f frames a second from the sensor\n",
+                what, all_share, all_wakes, frames / seconds
+            for (i = 1; i <= FNR; i++) {
+                printf "    thread %-16s %5.2f %% of a core, %5.1f wake-ups a second\n", name[i], share[i], wakes[i]
+            }
+        }' "$run/before" "$run/after"
     end "$daemon_pid"
     daemon_pid=''
-    echo "$before $after" | awk -v seconds="$seconds" -v tick="$(getconf CLK_TCK)" -v what="$recording, rest_s = $rest_s" '{
-        printf "%s: %.1f %% of a core, %.0f wake-ups a second, %.1f frames a second from the sensor\n",
-            what, 100 * ($4 - $1) / tick / seconds, ($5 - $2) / seconds, ($6 - $3) / seconds }'
 }
 
 for recording in "${recordings[@]}"; do

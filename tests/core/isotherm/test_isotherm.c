@@ -1,4 +1,4 @@
-/* Levels and traced curves of known functions on known surfaces. */
+/* Traced curves of known functions on known surfaces. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -69,11 +69,6 @@ static double signed_area(struct iso_curve curve)
     return area;
 }
 
-static double ramp(double x, double y)
-{
-    return 2.0 * x + 0.5 * y + 3.0;
-}
-
 static double cone(double x, double y)
 {
     return 50.0 - hypot(x, y);
@@ -111,62 +106,6 @@ static double flat(double x, double y)
     (void)x;
     (void)y;
     return 0.25;
-}
-
-static double cold(double x, double y)
-{
-    (void)x;
-    (void)y;
-    return 0.0;
-}
-
-/* 20 x 12 mm; {2 x + y / 2 + 3 >= level} is a trapezium. */
-static void areas_above_a_ramp_are_exact(void **state)
-{
-    (void)state;
-    struct scene s = scene_with(shape_sheet(21, 13, 1.0), ramp);
-    const double levels[] = {-9.3, 0.0, 3.0, 7.77};
-    for (size_t i = 0; i < sizeof levels / sizeof levels[0]; i++) {
-        double x = (levels[i] - 3.0) / 2.0; /* where the level crosses y = 0 */
-        double exact = 12.0 * (10.0 - x);
-        assert_true(fabs(iso_isotherm_area_above(s.mesh, s.heat, levels[i]) - exact) < 1e-9);
-    }
-    assert_true(fabs(iso_isotherm_area_above(s.mesh, s.heat, -100.0) - 240.0) < 1e-9);
-    assert_true(iso_isotherm_area_above(s.mesh, s.heat, 100.0) == 0.0);
-    scene_done(&s);
-}
-
-static void the_level_encloses_the_area_of_the_circle(void **state)
-{
-    (void)state;
-    struct scene s = scene_with(shape_sheet(81, 71, 0.5), cone);
-    const double radii[] = {3.0, 8.5, 15.0};
-    for (size_t i = 0; i < sizeof radii / sizeof radii[0]; i++) {
-        double level = NAN, wanted = M_PI * radii[i] * radii[i];
-        assert_int_equal(iso_isotherm_level(s.mesh, s.heat, radii[i], &level), 0);
-        assert_true(fabs(level - (50.0 - radii[i])) < 0.02);
-        double area = iso_isotherm_area_above(s.mesh, s.heat, level);
-        assert_true(fabs(area / wanted - 1.0) < 2e-6);
-    }
-    scene_done(&s);
-}
-
-static void no_level_encloses_more_than_there_is(void **state)
-{
-    (void)state;
-    double level = -7.0;
-    struct scene s = scene_with(shape_sheet(21, 13, 1.0), cone);
-    assert_int_equal(iso_isotherm_level(s.mesh, s.heat, 8.8, &level), -ERANGE);
-    assert_int_equal(iso_isotherm_level(s.mesh, s.heat, 8.7, &level), 0);
-    scene_done(&s);
-    level = -7.0;
-    s = scene_with(shape_sheet(21, 13, 1.0), flat);
-    assert_int_equal(iso_isotherm_level(s.mesh, s.heat, 3.0, &level), -ERANGE);
-    scene_done(&s);
-    s = scene_with(shape_sheet(21, 13, 1.0), cold);
-    assert_int_equal(iso_isotherm_level(s.mesh, s.heat, 3.0, &level), -ERANGE);
-    scene_done(&s);
-    assert_true(level == -7.0);
 }
 
 static void a_hill_has_one_loop_with_the_hot_side_left(void **state)
@@ -381,9 +320,6 @@ static void bending_leaves_the_isotherm_where_it_was(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(areas_above_a_ramp_are_exact),
-        cmocka_unit_test(the_level_encloses_the_area_of_the_circle),
-        cmocka_unit_test(no_level_encloses_more_than_there_is),
         cmocka_unit_test(a_hill_has_one_loop_with_the_hot_side_left),
         cmocka_unit_test(of_two_loops_the_one_about_the_landmark_is_chosen),
         cmocka_unit_test(of_nested_loops_the_outer_one_is_chosen),

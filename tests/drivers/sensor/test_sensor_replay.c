@@ -173,11 +173,19 @@ static void passes_over_frames_that_are_not_wanted(void **state)
     now_ns = began_ns + 375 * MS;
     assert_frame(sensor, 0, 1, now_ns); /* number 3, which is number 0 again */
     assert_int_equal(iso_sensor_next_due_ns(sensor, &due_ns), 0);
-    now_ns += 50 * MS; /* the slot is looked at every 50 ms */
-    assert_int_equal(due_ns, now_ns);
+    assert_int_equal(due_ns, now_ns + 100 * MS); /* the slot is looked at every 100 ms then */
+    now_ns += 230 * MS;
+    assert_nothing(sensor);
+    assert_int_equal(iso_sensor_next_due_ns(sensor, &due_ns), 0);
+    now_ns = began_ns + 700 * MS;
+    assert_nothing(sensor);
+    assert_int_equal(iso_sensor_next_due_ns(sensor, &due_ns), 0);
+    assert_int_equal(due_ns, began_ns + 750 * MS); /* and not for the frames in between */
     iso_sensor_set_interval(sensor, 0);
-    now_ns = began_ns + 500 * MS;
-    assert_frame(sensor, 1, 2, now_ns);
+    assert_int_equal(iso_sensor_next_due_ns(sensor, &due_ns), 0);
+    assert_int_equal(due_ns, now_ns + 50 * MS);
+    now_ns = began_ns + 750 * MS;
+    assert_frame(sensor, 0, 2, now_ns);
     assert_int_equal(iso_sensor_health(sensor).lost, 0);
     iso_sensor_close(sensor);
 }

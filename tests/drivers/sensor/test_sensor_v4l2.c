@@ -89,28 +89,6 @@ static void lost_and_damaged_pictures_are_gaps(void **state)
     iso_sensor_close(sensor);
 }
 
-/* Pictures that are not wanted are passed over and leave no gap; a lost one still does. */
-static void pictures_that_are_not_wanted_are_passed_over(void **state)
-{
-    struct iso_sensor *sensor = v4l2_started(false);
-    const struct iso_frame *frame = NULL;
-    uint64_t last = 0;
-    (void)state;
-    for (int i = 0; i < 10; i++) {
-        v4l2_at(33 * i);
-        v4l2_shoot_depth(i, 33 * i, i == 4 ? FAKE_LOST : FAKE_GOOD);
-        const int error = v4l2_look(sensor, &frame, NULL);
-        assert_int_equal(error, i == 0 || i == 3 || i == 6 || i == 9 ? 0 : -ETIMEDOUT);
-        last = error ? last : frame->sequence;
-        if (i == 0) {
-            iso_sensor_set_interval(sensor, 80000000);
-        }
-    }
-    assert_int_equal(last, 4);
-    assert_int_equal(iso_sensor_health(sensor).lost, 1);
-    iso_sensor_close(sensor);
-}
-
 /* A driver returns a picture late, or twice. The back end drops it, the last frame stays the newest
  * one, and the pictures that came too late are counted as lost. */
 static void late_pictures_are_dropped(void **state)
@@ -364,7 +342,6 @@ int main(void)
         ON_FAKE(frames_are_what_the_camera_gave),
         ON_FAKE(tells_whether_its_intrinsics_are_nominal),
         ON_FAKE(lost_and_damaged_pictures_are_gaps),
-        ON_FAKE(pictures_that_are_not_wanted_are_passed_over),
         ON_FAKE(late_pictures_are_dropped),
         ON_FAKE(numbers_may_begin_anew_after_32_bits),
         ON_FAKE(sequence_and_time_go_on_over_a_stop),

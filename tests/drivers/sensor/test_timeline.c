@@ -23,6 +23,18 @@ static void a_gap_in_the_count_is_a_gap_in_the_sequence(void **state)
     assert_int_equal(timeline.sequence, 4);
 }
 
+static void a_caller_who_wants_few_frames_sees_no_gaps(void **state)
+{
+    struct iso_timeline timeline = {.gapless = true};
+    (void)state;
+    iso_timeline_advance(&timeline, 7, 100 * MS, 5000 * MS);
+    iso_timeline_advance(&timeline, 10, 200 * MS, 5100 * MS);
+    assert_int_equal(timeline.sequence, 1);
+    timeline.gapless = false;
+    iso_timeline_advance(&timeline, 12, 266 * MS, 5166 * MS);
+    assert_int_equal(timeline.sequence, 3);
+}
+
 static void the_least_delay_is_what_counts(void **state)
 {
     struct iso_timeline timeline = {0};
@@ -92,6 +104,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_gap_in_the_count_is_a_gap_in_the_sequence),
+        cmocka_unit_test(a_caller_who_wants_few_frames_sees_no_gaps),
         cmocka_unit_test(the_least_delay_is_what_counts),
         cmocka_unit_test(no_frame_lies_in_the_future_and_time_rises),
         cmocka_unit_test(follows_clocks_that_drift),

@@ -156,6 +156,18 @@ static void a_rauc_that_does_not_answer_is_no_foreign_key(void **state)
     expect_refusal(&answer, 5, "RAUC does not answer");
 }
 
+/* RAUC answers as to a foreign key, because another way has begun an update meanwhile. */
+static void a_rauc_that_was_overtaken_is_busy(void **state)
+{
+    const struct fake_rauc_script overtaken = {.overtaken = true};
+    struct answer answer = update(&overtaken, bundle_in(*state), NULL);
+
+    assert_non_null(strstr(answer.asked, "Info"));
+    assert_null(strstr(answer.asked, "InstallBundle"));
+    expect_refusal(&answer, 4,
+                   "another update is being installed; isotherm update shows how far it is");
+}
+
 static void a_refusal_as_json(void **state)
 {
     const struct fake_rauc_script older = {
@@ -296,7 +308,44 @@ static void version_and_slots_are_shown(void **state)
     assert_string_equal(json_string_value(json_object_get(running, "version")), "2.0.0");
     assert_true(json_is_true(json_object_get(running, "running")));
     assert_true(json_is_false(json_object_get(json_array_get(slots, 0), "next")));
+    assert_null(json_object_get(document, "proven")); /* it was not asked */
     json_decref(document);
+}
+
+/* RAUC calls the slot good in each case. */
+static void a_version_on_trial_is_shown(void **state)
+{
+    const struct cli_installer_state idle = {.operation = "idle"};
+    const char *const words[] = {"yes", "no", "", "maybe"};
+    (void)state;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        const struct cli_update_view view = {
+            .running = {.image = "isotherm-pc-usb", .version = "2.0.0"},
+            .state = &idle,
+            .slots = {.n = 1, .slots = {{.name = "b", .running = true, .good = true}}},
+            .trial = words[i]};
+        char *text = text_of(&view);
+        json_t *document = cli_update_json(&view);
+        const json_t *proven = json_object_get(document, "proven");
+        assert_string_equal(text, i == 0 ? "version     2.0.0 (isotherm-pc-usb), on trial\n"
+                                           "slot        b, good, in use\n"
+                                         : "version     2.0.0 (isotherm-pc-usb)\n"
+                                           "slot        b, good, in use\n");
+        assert_int_equal(json_typeof(proven), i == 0 ? JSON_FALSE : i == 1 ? JSON_TRUE : JSON_NULL);
+        free(text);
+        json_decref(document);
+    }
+}
+
+/* The program itself, on a machine where nobody has said it. */
+static void a_program_that_does_not_know_says_null(void **state)
+{
+    struct answer answer = update(&sound, "--status", "--json");
+    json_t *document = json_loads(answer.run.out, 0, NULL);
+    (void)state;
+    assert_true(json_is_null(json_object_get(document, "proven")));
+    json_decref(document);
+    run_free(&answer.run);
 }
 
 static void the_slots_of_rauc_are_shown(void **state)
@@ -318,12 +367,15 @@ int main(void)
         IN_SCRATCH(an_update_is_installed),
         IN_SCRATCH(refused_bundles_are_named_with_the_reason),
         IN_SCRATCH(a_rauc_that_does_not_answer_is_no_foreign_key),
+        IN_SCRATCH(a_rauc_that_was_overtaken_is_busy),
         IN_SCRATCH(a_refusal_as_json),
         IN_SCRATCH(files_that_are_none_are_not_given_to_rauc),
         IN_SCRATCH(a_machine_without_rauc_is_no_image),
         IN_SCRATCH(a_rauc_that_is_busy_or_ends_is_reported),
         IN_SCRATCH(an_interrupt_leaves_rauc_alone),
         IN_SCRATCH(version_and_slots_are_shown),
+        cmocka_unit_test(a_version_on_trial_is_shown),
+        cmocka_unit_test(a_program_that_does_not_know_says_null),
         cmocka_unit_test(the_slots_of_rauc_are_shown),
         IN_SCRATCH(a_user_without_the_right_is_told_so), /* the last one: it changes the bus */
     };

@@ -45,7 +45,7 @@ static int refuse(sd_bus_error *error, const char *text)
 
 static int on_info(sd_bus_message *call, void *context, sd_bus_error *error)
 {
-    const struct service *service = context;
+    struct service *service = context;
     const char *path, *board = service->script->board ? service->script->board : fake_rauc_board;
     int r = sd_bus_message_read(call, "s", &path);
 
@@ -53,6 +53,7 @@ static int on_info(sd_bus_message *call, void *context, sd_bus_error *error)
         return r;
     }
     trace_call(service, "Info", path);
+    service->installing = service->installing || service->script->overtaken;
     if (service->script->mute) {
         return sd_bus_error_set(error, SD_BUS_ERROR_NO_REPLY, "no reply");
     }

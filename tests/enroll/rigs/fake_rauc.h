@@ -19,6 +19,7 @@ struct fake_rauc_script {
     bool foreign_key;  /* Info fails */
     bool mute;         /* the bus answers Info: RAUC does not */
     bool busy;         /* it installs from the beginning, and is at 40 % */
+    bool overtaken;    /* another way begins to install just before Info */
     bool installed;    /* an update waits in slot b from the beginning */
     bool spare_is_bad; /* the boot loader cannot start the other slot */
     enum fake_rauc_end end;

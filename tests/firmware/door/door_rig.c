@@ -15,6 +15,7 @@ struct iso_door_control door_rig_control;
 char door_rig_told[512]; /* "unlocked(grant) ..." */
 struct iso_door_outputs door_rig_opened_with;
 bool door_rig_weak_contact;
+int door_rig_weak_fd;
 int door_rig_failing;
 const struct iso_door_outputs door_rig_unpowered;
 const struct iso_door_options door_rig_options = {.fail = ISO_DOOR_FAIL_SECURE,
@@ -68,6 +69,12 @@ static int weak_get_inputs(void *self, struct iso_door_inputs *out, struct iso_f
     return error;
 }
 
+static int weak_poll_fd(void *self)
+{
+    (void)self;
+    return door_rig_weak_fd ? door_rig_weak_fd : -ENOSYS;
+}
+
 static void weak_close(void *self)
 {
     iso_door_null_ops.close(self);
@@ -78,6 +85,7 @@ static const struct iso_door_io_ops weak_ops = {
     .open = weak_open,
     .set_output = weak_set_output,
     .get_inputs = weak_get_inputs,
+    .poll_fd = weak_poll_fd,
     .close = weak_close,
 };
 
@@ -88,6 +96,7 @@ static void prepare(const struct iso_door_io_ops *ops)
     door_rig_told[0] = '\0';
     door_rig_failing = 0;
     door_rig_weak_contact = false;
+    door_rig_weak_fd = 0;
     assert_int_equal(
         iso_door_io_open_ops(ops, NULL, 0, &clock, &door_rig_unpowered, &door_rig_io, NULL), 0);
     iso_door_control_init(&door_rig_control, &door_rig_options, &door_rig_timing, door_rig_io,

@@ -14,6 +14,7 @@ extern struct iso_door_control door_rig_control;
 extern struct iso_door_outputs
     door_rig_opened_with;          /* the outputs with which the weak back end was opened */
 extern bool door_rig_weak_contact; /* state of the contact input on the weak back end */
+extern int door_rig_weak_fd;       /* descriptor of the weak lines; 0: they have none */
 extern int door_rig_failing; /* the error of every operation on the weak lines; 0: they work */
 extern const struct iso_door_outputs door_rig_unpowered;
 extern const struct iso_door_options door_rig_options;

@@ -20,10 +20,10 @@ static void lets_in_and_locks_again(void **state)
     assert_true(door_rig_output(ISO_DOOR_RELAY));
     assert_true(door_rig_output(ISO_DOOR_LED_GRANTED));
     door_rig_set_input(ISO_DOOR_CONTACT, true);
-    door_rig_step_at(1050);
+    door_rig_step_at(1200);
     assert_false(door_rig_output(ISO_DOOR_RELAY));
     door_rig_set_input(ISO_DOOR_CONTACT, false);
-    door_rig_step_at(1100);
+    door_rig_step_at(1400);
     assert_string_equal(door_rig_news(), "unlocked(grant) opened(opened) locked(closed) ");
 }
 
@@ -49,10 +49,11 @@ static void reads_inputs_when_it_is_time(void **state)
     iso_door_control_start(&door_rig_control, door_rig_now_ns);
     (void)door_rig_news();
     door_rig_set_input(ISO_DOOR_EXIT_BUTTON, true);
-    assert_int_equal(iso_door_control_due_ns(&door_rig_control), 1050 * MS);
-    door_rig_step_at(1049);
+    /* The descriptor of the lines wakes the caller for the button, not the time. */
+    assert_int_equal(iso_door_control_due_ns(&door_rig_control), 1200 * MS);
+    door_rig_step_at(1199);
     assert_string_equal(door_rig_news(), "");
-    door_rig_step_at(1050);
+    door_rig_step_at(1200);
     assert_string_equal(door_rig_news(), "unlocked(exit-button) ");
     door_rig_set_input(ISO_DOOR_EXIT_BUTTON, false);
     iso_door_control_step(&door_rig_control, true, door_rig_now_ns);

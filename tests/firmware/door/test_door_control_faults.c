@@ -89,6 +89,30 @@ static void says_when_the_lines_are_gone(void **state)
     assert_string_equal(door_rig_control.fault.text, "the wire is cut");
 }
 
+/* Lines without a descriptor are read at every interval, and so are lines that do not work. */
+static void lines_that_wake_nobody_are_read_every_50_ms(void **state)
+{
+    (void)state;
+    iso_door_control_start(&door_rig_control, door_rig_now_ns);
+    assert_int_equal(iso_door_control_due_ns(&door_rig_control), 1050 * MS);
+    door_rig_step_at(1050);
+    assert_int_equal(iso_door_control_due_ns(&door_rig_control), 1100 * MS);
+    door_rig_weak_fd = 7;
+    door_rig_step_at(1100);
+    assert_int_equal(iso_door_control_due_ns(&door_rig_control), 1300 * MS);
+    door_rig_failing = -EIO;
+    iso_door_control_refuse(&door_rig_control, 1110 * MS); /* a light cannot be switched on */
+    assert_true(door_rig_control.broken);
+    assert_int_equal(iso_door_control_due_ns(&door_rig_control), 1160 * MS);
+    door_rig_step_at(1160);
+    assert_int_equal(iso_door_control_due_ns(&door_rig_control), 1210 * MS);
+    door_rig_failing = 0;
+    door_rig_step_at(1210);
+    assert_false(door_rig_control.broken);
+    door_rig_step_at(1260);
+    assert_int_equal(iso_door_control_due_ns(&door_rig_control), 1460 * MS);
+}
+
 /* The first try follows after 500 ms, the next ones after 1000 and 1200, which is the longest wait.
  * Between them no line is touched. The times are those of the steps. */
 static void opens_lost_lines_anew(void **state)
@@ -196,6 +220,7 @@ int main(void)
         WEAK(starts_at_fault_with_broken_lines),
         WEAK(two_faults_must_both_end),
         WEAK(says_when_the_lines_are_gone),
+        WEAK(lines_that_wake_nobody_are_read_every_50_ms),
         WEAK(opens_lost_lines_anew),
         WEAK(sees_changes_from_the_time_without_lines),
         TEST(starts_without_lines),

@@ -216,6 +216,7 @@ static const struct iso_sensor_ops streaming_ops = {
     .start = stream_start,
     .wait = stream_wait,
     .poll_fd = stream_poll_fd,
+    .set_interval = stream_set_interval,
     .stop = stream_stop,
     .close = stream_close,
 };

@@ -115,6 +115,27 @@ refuse 3 'nowhere.off' describe "$work/nowhere.off" --out "$work/o"
 refuse 4 'a method needs colours, and the file has none' describe "$mesh" --out "$work/o" --what w-hks1
 refuse 4 'not a directory' describe "$mesh" --out "$mesh"
 
+# Memory by vertices: what everything but views needs on 12,000 vertices more than on 400 (tests/bench/shapes/cost.sh has more sizes).
+# Sanitizers keep memory of their own.
+if ! nm "$simulator" | grep -q ' __\(asan\|tsan\|msan\)_init'; then
+    "$simulator" shapes generate --classes 1 --shapes 1 --vertices 12000 --out "$work/large" >/dev/null 2>&1 || fail 'generate a large shape'
+    "$python" - "$simulator" "$mesh" "$(find "$work/large" -name '*.off')" "$work/o" <<'PYTHON' || fail 'a description needs over 5 kB a vertex'
+import os
+import subprocess
+import sys
+what = 'eigen,mass,stiffness,hks,si-hks,wks,hms,segments,heat,critical,shape-dna,td,cp-td,srcp-td,srcp-td-one,cp-hk,cp-hk-plain,shape-google'
+def most(mesh):
+    child = subprocess.Popen([sys.argv[1], 'shapes', 'describe', mesh, '--what', what, '--threads', '1', '--no-pictures', '--out', sys.argv[4]],
+                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(child.pid, 0)
+    assert status == 0, status
+    return 1.024 * usage.ru_maxrss
+needed = (most(sys.argv[3]) - most(sys.argv[2])) / (12000 - 400)
+print('%.2f kB a vertex' % needed)
+sys.exit(needed > 5.0)
+PYTHON
+fi
+
 # A tetrahedron, a flat one, and two spheres of which the smaller one has over 1 % of the area.
 printf 'OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n' >"$work/tiny.off"
 printf 'OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n' >"$work/line.off"

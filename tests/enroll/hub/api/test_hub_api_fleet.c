@@ -292,25 +292,41 @@ static void updates_and_their_rollouts_are_shown(void **state)
     api_rig_refused(WEB_ROLE_NONE, "GET", "/updates", NULL, 401, "login-required");
 }
 
+/* Writes the body of a request about the only rollout. */
+static void name_rollout(const char *running, char *out, size_t size)
+{
+    json_t *list = get("/updates");
+    (void)snprintf(out, size, "{'id': '%s', 'running': %s}", api_rig_text(list, "rollouts.0.id"),
+                   running);
+    json_decref(list);
+}
+
 static void administrators_stop_a_rollout_and_let_it_go_on(void **state)
 {
     static const char path[] = "/zones/house/rollout";
+    static const char other[] = "{'id': '0190b3f2-0000-7000-8000-000000000000', 'running': false}";
     static struct played_door doors[3];
     struct iso_fault fault = {.text = ""};
+    char stop[96], go_on[96];
     (void)state;
     api_rig_do("POST", "/zones", "{'name': 'house'}", 201);
-    api_rig_refused(ADMIN, "PATCH", path, "{'running': false}", 409, "done-before");
+    api_rig_refused(ADMIN, "PATCH", path, other, 409, "done-before");
     begin_rollout(doors);
-    api_rig_refused(WEB_ROLE_ENROLLER, "PATCH", path, "{'running': false}", 403, "not-allowed");
+    name_rollout("false", stop, sizeof stop);
+    name_rollout("true", go_on, sizeof go_on);
+    api_rig_refused(WEB_ROLE_ENROLLER, "PATCH", path, stop, 403, "not-allowed");
     api_rig_refused(ADMIN, "PATCH", path, "{}", 400, "invalid-member");
+    api_rig_refused(ADMIN, "PATCH", path, "{'running': false}", 400, "invalid-member");
+    api_rig_refused(ADMIN, "PATCH", path, "{'id': 'x', 'running': false}", 400, "invalid-member");
     api_rig_refused(ADMIN, "PATCH", path, "{'running': 'no'}", 400, "invalid-member");
-    api_rig_refused(ADMIN, "PATCH", "/zones/garden/rollout", "{'running': true}", 404,
-                    "no-such-zone");
-    api_rig_refused(ADMIN, "PATCH", path, "{'running': true}", 409, "done-before");
+    api_rig_refused(ADMIN, "PATCH", "/zones/garden/rollout", go_on, 404, "no-such-zone");
+    /* The zone has another one than its sender has seen. */
+    api_rig_refused(ADMIN, "PATCH", path, other, 409, "other-rollout");
+    api_rig_refused(ADMIN, "PATCH", path, go_on, 409, "done-before");
     assert_int_equal(store_rig_number(api_rig.hub, "SELECT count(*) FROM act WHERE what IN "
                                                    "('update-stop', 'update-resume')"),
                      0);
-    json_t *list = api_rig_ask(ADMIN, "PATCH", path, "{'running': false}", 200);
+    json_t *list = api_rig_ask(ADMIN, "PATCH", path, stop, 200);
     assert_string_equal(api_rig_text(list, "doors.0.name"), "near");
     json_decref(list);
     list = get("/updates");
@@ -319,7 +335,7 @@ static void administrators_stop_a_rollout_and_let_it_go_on(void **state)
     json_decref(list);
     store_rig_fine(played_door_ask(&doors[0], &api_rig.hub->store, &fault), &fault);
     assert_false(doors[0].is_ordered);
-    json_decref(api_rig_ask(ADMIN, "PATCH", path, "{'running': true}", 200));
+    json_decref(api_rig_ask(ADMIN, "PATCH", path, go_on, 200));
     store_rig_fine(played_door_ask(&doors[0], &api_rig.hub->store, &fault), &fault);
     assert_true(doors[0].is_ordered);
     /* Both are on record, with who did it. */
@@ -328,9 +344,9 @@ static void administrators_stop_a_rollout_and_let_it_go_on(void **state)
                                       "AND what IN ('update-stop', 'update-resume')"),
                      2);
     /* The version of a stopped one is removed. */
-    json_decref(api_rig_ask(ADMIN, "PATCH", path, "{'running': false}", 200));
+    json_decref(api_rig_ask(ADMIN, "PATCH", path, stop, 200));
     store_rig_fine(hub_update_remove(&api_rig.hub->store, "1.2", &fault), &fault);
-    api_rig_refused(ADMIN, "PATCH", path, "{'running': true}", 404, "no-such-update");
+    api_rig_refused(ADMIN, "PATCH", path, go_on, 404, "no-such-update");
 }
 
 #define TEST(NAME) cmocka_unit_test_setup_teardown(NAME, api_rig_setup, api_rig_teardown)

@@ -82,7 +82,7 @@ static void failures_stop_a_rollout(void **state)
         assert_false(rollout_players[i].door.is_ordered);
     }
     /* It goes on when somebody says so, and what has failed does not count any more. */
-    store_rig_fine(hub_rollout_resume(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_resume(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
     for (int i = 0; i < 20; i++) {
         rollout_rig_round(rig);
     }
@@ -99,18 +99,18 @@ static void a_stop_takes_orders_back(void **state)
     rollout_rig_start(rig, 2, 0, 0);
     rollout_rig_ask(rig, &rollout_players[0]);
     assert_true(rollout_players[0].door.is_ordered);
-    store_rig_fine(hub_rollout_stop(&rig->store, "office", &rollout_fault), &rollout_fault);
-    assert_int_equal(hub_rollout_stop(&rig->store, "office", &rollout_fault), -EALREADY);
+    store_rig_fine(hub_rollout_stop(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
+    assert_int_equal(hub_rollout_stop(&rig->store, "office", NULL, &rollout_fault), -EALREADY);
     rollout_rig_ask(rig, &rollout_players[0]);
     assert_false(rollout_players[0].door.is_ordered);
     rollout_rig_ask(rig, &rollout_players[1]);
     assert_false(rollout_players[1].door.is_ordered);
     assert_string_equal(rollout_rig_now(rig).why, "by anna");
     /* It goes on where it was. */
-    store_rig_fine(hub_rollout_resume(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_resume(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
     rollout_rig_ask(rig, &rollout_players[0]);
     assert_true(rollout_players[0].door.is_ordered);
-    assert_int_equal(hub_rollout_resume(&rig->store, "office", &rollout_fault), -EALREADY);
+    assert_int_equal(hub_rollout_resume(&rig->store, "office", NULL, &rollout_fault), -EALREADY);
 }
 
 static void a_silent_door_has_failed(void **state)
@@ -258,7 +258,7 @@ static void what_cannot_be_started(void **state)
     assert_int_equal(hub_rollout_start(&rig->store, &options, &rollout_fault), -EALREADY);
     assert_non_null(strstr(rollout_fault.text, "zone office"));
     /* A stopped one is replaced. */
-    store_rig_fine(hub_rollout_stop(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_stop(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
     options.zone = "office";
     store_rig_fine(hub_rollout_start(&rig->store, &options, &rollout_fault), &rollout_fault);
     assert_int_equal(store_rig_number(rig, "SELECT count(*) FROM rollout WHERE state = 'replaced'"),

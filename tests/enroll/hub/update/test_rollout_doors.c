@@ -100,18 +100,18 @@ static void a_rollout_goes_on_only_if_it_still_can(void **state)
     const struct iso_fleet_id both[2] = {store_rig_zone(rig, "office"), store_rig_zone(rig, "lab")};
     played_door_join(&rollout_players[0].door, rig, "both", both, 2);
     rollout_rig_start(rig, 1, 0, 0);
-    store_rig_fine(hub_rollout_stop(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_stop(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
     /* Meanwhile its door takes part in another one. */
     store_rig_fine(hub_rollout_start(&rig->store, &options, &rollout_fault), &rollout_fault);
-    assert_int_equal(hub_rollout_resume(&rig->store, "office", &rollout_fault), -EALREADY);
+    assert_int_equal(hub_rollout_resume(&rig->store, "office", NULL, &rollout_fault), -EALREADY);
     assert_non_null(strstr(rollout_fault.text, "zone lab"));
-    store_rig_fine(hub_rollout_stop(&rig->store, "lab", &rollout_fault), &rollout_fault);
-    store_rig_fine(hub_rollout_resume(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_stop(&rig->store, "lab", NULL, &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_resume(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
     /* The version of a stopped one may be removed; then it cannot go on. */
     assert_int_equal(hub_update_remove(&rig->store, "1.2", &rollout_fault), -EALREADY);
-    store_rig_fine(hub_rollout_stop(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_stop(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
     store_rig_fine(hub_update_remove(&rig->store, "1.2", &rollout_fault), &rollout_fault);
-    assert_int_equal(hub_rollout_resume(&rig->store, "office", &rollout_fault), -ENOENT);
+    assert_int_equal(hub_rollout_resume(&rig->store, "office", NULL, &rollout_fault), -ENOENT);
 }
 
 static int expect_first(void *context, const struct hub_rollout_door *door)
@@ -179,7 +179,7 @@ static void a_door_that_does_not_move_fails(void **state)
     rollout_rig_start(rig, 1, 5, 0);
     rollout_rig_step(rig, p);
     strcpy(p->state, "installed");
-    minutes_of(rig, p, HUB_UPDATE_STILL_S / 60 + 1);
+    minutes_of(rig, p, HUB_UPDATE_STILL_S / 60); /* since it was told */
     assert_int_equal(rollout_rig_count(rig, "installed"), 1);
     minutes_of(rig, p, 1);
     expect_attention(rig, "door00 failed it was installed for too long");
@@ -208,10 +208,10 @@ static void a_stopped_rollout_waits_for_nobody(void **state)
     rollout_rig_start(rig, 1, 5, 0);
     rollout_rig_step(rig, p);
     rollout_rig_ask(rig, p);
-    store_rig_fine(hub_rollout_stop(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_stop(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
     minutes_of(rig, p, HUB_UPDATE_STILL_S / 60 + 10);
     assert_int_equal(rollout_rig_count(rig, "fetching"), 1);
-    store_rig_fine(hub_rollout_resume(&rig->store, "office", &rollout_fault), &rollout_fault);
+    store_rig_fine(hub_rollout_resume(&rig->store, "office", NULL, &rollout_fault), &rollout_fault);
     minutes_of(rig, p, 2);
     assert_int_equal(rollout_rig_count(rig, "fetching"), 1);
     assert_true(p->door.is_ordered);

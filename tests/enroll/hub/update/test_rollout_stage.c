@@ -17,7 +17,7 @@ static struct hub_rollout_stage running(void)
 static void a_stage_waits_for_its_doors(void **state)
 {
     struct hub_rollout_stage stage = running();
-    struct hub_rollout_count count = {.told = 2, .finished = 2, .waiting = 20, .changed_s = 1000};
+    struct hub_rollout_count count = {.told = 2, .finished = 2, .waiting = 20, .finished_s = 1000};
     (void)state;
     /* It is not full. */
     hub_rollout_move(&stage, &count, 5000);
@@ -60,7 +60,7 @@ static void failures_stop_it(void **state)
 static void it_ends_with_the_last_door(void **state)
 {
     struct hub_rollout_stage stage = running();
-    struct hub_rollout_count count = {.told = 2, .finished = 1, .changed_s = 1000};
+    struct hub_rollout_count count = {.told = 2, .finished = 1, .finished_s = 1000};
     (void)state;
     hub_rollout_move(&stage, &count, 5000);
     assert_int_equal(stage.state, HUB_ROLLOUT_RUNNING);

@@ -203,9 +203,9 @@ static void a_door_gets_it_in_parts(void **state)
     /* A door that was not told gets nothing, nor does one after the stop. */
     other.update = door.update;
     assert_int_equal(fetch(rig, &other, 0, got, &n), -EACCES);
-    store_rig_fine(hub_rollout_stop(&rig->store, "office", &fault), &fault);
+    store_rig_fine(hub_rollout_stop(&rig->store, "office", NULL, &fault), &fault);
     assert_int_equal(fetch(rig, &door, 0, got, &n), -EACCES);
-    store_rig_fine(hub_rollout_resume(&rig->store, "office", &fault), &fault);
+    store_rig_fine(hub_rollout_resume(&rig->store, "office", NULL, &fault), &fault);
     /* A file that is not on this machine is asked for again. */
     char kept[HUB_UPDATE_PATH_SIZE];
     hub_update_path(&rig->store, file.sha256, kept);

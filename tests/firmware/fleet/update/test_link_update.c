@@ -183,9 +183,12 @@ static void an_order_that_holds_no_more_is_left(void **state)
     update_rig_order(rig);
     update_rig_order(rig);
     assert_true(update_rig_is_told(rig, ISO_FLEET_UPDATE_FETCHING));
-    /* An answer without the order: the next one shows that it does not come again. */
-    link_update_answered(rig->update);
-    assert_true(update_rig_is_told(rig, ISO_FLEET_UPDATE_FETCHING));
+    /* Two answers without the order, of which one may have lost it: the third one shows that it
+     * does not come again. */
+    for (int i = 0; i < 2; i++) {
+        link_update_answered(rig->update);
+        assert_true(update_rig_is_told(rig, ISO_FLEET_UPDATE_FETCHING));
+    }
     link_update_answered(rig->update);
     assert_true(update_rig_is_told(rig, ISO_FLEET_UPDATE_IDLE));
     /* The hub refuses a part. */
@@ -194,6 +197,65 @@ static void an_order_that_holds_no_more_is_left(void **state)
     update_rig_order(rig);
     update_rig_wait(rig, ISO_FLEET_UPDATE_IDLE);
     assert_int_equal(rig->server.requests, 1);
+}
+
+/* The line between hub and door loses one order in two. */
+static void a_lost_order_cancels_nothing(void **state)
+{
+    struct update_rig *rig = *state;
+    rig->cut_at = ISO_FLEET_UPDATE_PART_BYTES;
+    update_rig_begin(rig, "\n");
+    update_rig_run(rig, 2);
+    for (int i = 0; i < 3; i++) {
+        link_update_answered(rig->update);
+        update_rig_order(rig);
+        assert_true(update_rig_is_told(rig, ISO_FLEET_UPDATE_FETCHING));
+        assert_true(update_rig_has(rig, "var/lib/isotherm-update/hub/bundle.part"));
+    }
+    rig->cut_at = 0;
+    update_rig_slots(rig, "1.1", true, true);
+    update_rig_wait(rig, ISO_FLEET_UPDATE_INSTALLED);
+    assert_int_equal(rig->begins, 1);
+}
+
+/* The hub has stopped a rollout and orders the version that runs. */
+static void an_order_for_the_running_version_takes_the_place_of_another(void **state)
+{
+    struct update_rig *rig = *state;
+    struct link_update_record record = {
+        .rollout = rig->order.rollout, .version = "1.2", .state = ISO_FLEET_UPDATE_INSTALLED};
+    const struct iso_fleet_update first = rig->order;
+    char path[320];
+    (void)snprintf(path, sizeof path, "%s/update.record", rig->folder);
+    assert_int_equal(link_update_record_write(path, &record, NULL), 0);
+    update_rig_slots(rig, "1.1", true, true);
+    update_rig_start(rig);
+    update_rig_wait(rig, ISO_FLEET_UPDATE_INSTALLED);
+    update_rig_order(rig);
+    rig->order.rollout = iso_fleet_id_random();
+    strcpy(rig->order.version, "1.1");
+    update_rig_order(rig);
+    for (unsigned tells = rig->tells; rig->tells < tells + 2;) {
+        update_rig_turn(rig);
+    }
+    assert_false(scratch_exists(rig->restart));
+    rig->order = first;
+    update_rig_order(rig);
+    while (!scratch_exists(rig->restart)) {
+        update_rig_turn(rig);
+    }
+    /* What is being fetched is left. */
+    update_rig_stop(rig);
+    assert_int_equal(unlink(path), 0);
+    rig->order.spread_s = 3600;
+    rig->tells = 0;
+    update_rig_begin(rig, "\n");
+    assert_true(update_rig_is_told(rig, ISO_FLEET_UPDATE_FETCHING));
+    rig->order.rollout = iso_fleet_id_random();
+    strcpy(rig->order.version, "1.1");
+    update_rig_order(rig);
+    assert_true(update_rig_is_told(rig, ISO_FLEET_UPDATE_IDLE));
+    assert_int_equal(rig->server.requests, 0);
 }
 
 /* A part of the file is there, and the order holds no more. */
@@ -208,6 +270,7 @@ static void the_file_goes_with_its_order(void **state)
         assert_true(update_rig_has(rig, part));
         if (i == 0) { /* the link is told */
             link_update_answered(rig->update);
+            link_update_answered(rig->update);
             assert_true(update_rig_has(rig, part));
             link_update_answered(rig->update);
         } else if (i == 1) { /* it did not run then */
@@ -216,6 +279,7 @@ static void the_file_goes_with_its_order(void **state)
             update_rig_start(rig);
             link_update_answered(rig->update);
             update_rig_wait(rig, ISO_FLEET_UPDATE_IDLE);
+            link_update_answered(rig->update);
             assert_true(update_rig_has(rig, part)); /* the order may come behind the answer */
             link_update_answered(rig->update);
         } else { /* the door leaves its fleet */
@@ -316,6 +380,8 @@ int main(void)
         TEST(the_file_goes_with_its_order),
         TEST(results_that_are_not_of_the_hub_are_none),
         TEST(an_order_that_holds_no_more_is_left),
+        TEST(a_lost_order_cancels_nothing),
+        TEST(an_order_for_the_running_version_takes_the_place_of_another),
         TEST(a_version_that_came_another_way_is_no_failure),
         TEST(nothing_restarts_while_somebody_is_there),
         cmocka_unit_test(slots_that_cannot_be_read_are_none),

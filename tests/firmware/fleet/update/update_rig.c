@@ -77,16 +77,17 @@ void update_rig_slots(struct update_rig *rig, const char *version, bool good, bo
 void update_rig_slots_with(struct update_rig *rig, const char *version, const char *other,
                            bool good, bool waiting)
 {
-    char path[320], text[400];
+    char path[320], text[480];
     (void)snprintf(path, sizeof path, "%s/slots", rig->folder);
     (void)snprintf(
         text, sizeof text,
         "{\"image\": \"isotherm-pc-usb\", \"board\": \"" UPDATE_BOARD "\", \"version\": "
-        "\"%s\", \"operation\": \"idle\", \"percent\": 0, \"slots\": [{\"slot\": \"a\", "
+        "\"%s\", \"proven\": %s, \"operation\": \"idle\", \"percent\": 0, \"slots\": [{\"slot\": "
+        "\"a\", "
         "\"version\": \"%s\", \"running\": true, \"good\": %s, \"next\": %s}, {\"slot\": "
         "\"b\", \"version\": \"%s\", \"running\": false, \"good\": true, \"next\": %s}]}\n",
-        version, version, good ? "true" : "false", waiting ? "false" : "true", other,
-        waiting ? "true" : "false");
+        version, rig->is_on_trial ? "false" : "true", version, good ? "true" : "false",
+        waiting ? "false" : "true", other, waiting ? "true" : "false");
     scratch_write_text(path, text);
 }
 

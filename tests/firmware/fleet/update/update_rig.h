@@ -30,6 +30,7 @@ struct update_rig {
     uint64_t last_after;
     uint64_t cut_at;   /* replies behind it fail; 0: none */
     bool has_no_units; /* nothing of the image looks at the inbox */
+    bool is_on_trial;  /* the running version, when its slots are said the next time */
     /* Of the daemon. */
     bool is_busy, is_away;
     unsigned tells;

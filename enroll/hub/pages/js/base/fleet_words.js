@@ -62,5 +62,6 @@ export const FLEET_FAULTS = {
     'no-such-request': N_('There is no such request any more.'),
     'no-such-update': N_('The hub does not keep this version any more.'),
     'no-such-zone': N_('There is no such zone any more.'),
+    'other-rollout': N_('The zone has another rollout now. Look at it first.'),
     'zone-behind': N_('The database was restored from an old copy: recover the zone first.'),
 };

@@ -80,7 +80,7 @@ async function openDoors({ api }, zone) {
 }
 
 /* Stops a rollout, or lets a stopped one go on. */
-async function turn({ api, changed }, { zone, version }, running) {
+async function turn({ api, changed }, { id, zone, version }, running) {
     const name = { name: zone, version };
     const agreed = running ?
         confirm(
@@ -92,7 +92,7 @@ async function turn({ api, changed }, { zone, version }, running) {
             { danger: true });
     try {
         if (await agreed) {
-            await api.turnRollout(zone, running);
+            await api.turnRollout(zone, id, running);
             notice(running ? _('The rollout goes on.') : _('The rollout is stopped.'));
         }
     } catch (error) {

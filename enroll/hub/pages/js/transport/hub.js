@@ -34,7 +34,7 @@ export const hub = {
     setLockdown: async (on, zone) => (await ask('PUT', '/lockdown', zone ? {on, zone} : {on})).zones,
 
     updates: () => ask('GET', '/updates'),
-    turnRollout: (zone, running) => ask('PATCH', `/zones/${part(zone)}/rollout`, {running}),
+    turnRollout: (zone, id, running) => ask('PATCH', `/zones/${part(zone)}/rollout`, {id, running}),
     rollout: async (zone) => (await ask('GET', `/zones/${part(zone)}/rollout`)).doors,
 
     doors: async () => (await ask('GET', '/doors')).doors,
