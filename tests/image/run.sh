@@ -25,7 +25,7 @@ machine_out=$out/vm
 ISOTHERM_CACHE=$out/cache
 SOURCE_DATE_EPOCH=$(dpkg-parsechangelog -l "$source_dir/board/debian/changelog" -S Timestamp)
 export ISOTHERM_CACHE SOURCE_DATE_EPOCH
-all='boot_slots production reproducible first_start later_start updates bring setup damaged_root wrong_root tpm secure_boot'
+all='boot_slots production reproducible first_start later_start updates bring setup power_cuts damaged_root wrong_root tpm secure_boot'
 # Those that touch what is built for the architecture: boot loader, kernel, root and our programs.
 [ "$ISOTHERM_ARCH" = amd64 ] || all='production first_start later_start damaged_root wrong_root secure_boot'
 checks=${*:-$all}
