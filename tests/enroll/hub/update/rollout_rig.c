@@ -122,3 +122,21 @@ int64_t rollout_rig_count(struct store_rig *rig, const char *state)
     (void)snprintf(sql, sizeof sql, "SELECT count(*) FROM rollout_door WHERE state = '%s'", state);
     return store_rig_number(rig, sql);
 }
+
+static int expect_first(void *context, const struct hub_rollout_door *door)
+{
+    const char **text = context;
+    if (*text) {
+        char line[256];
+        (void)snprintf(line, sizeof line, "%s %s %s", door->name, door->state, door->fault);
+        assert_string_equal(line, *text);
+        *text = NULL;
+    }
+    return 0;
+}
+
+void rollout_rig_expect_first(struct store_rig *rig, const char *text)
+{
+    store_rig_fine(hub_rollout_doors(&rig->store, "office", expect_first, &text, &rollout_fault),
+                   &rollout_fault);
+}

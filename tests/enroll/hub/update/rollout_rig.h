@@ -40,4 +40,8 @@ void rollout_rig_start(struct store_rig *rig, uint32_t first, uint32_t stop_afte
 struct hub_rollout rollout_rig_now(struct store_rig *rig);
 int64_t rollout_rig_count(struct store_rig *rig, const char *state);
 
+/* Fails unless the door of the newest rollout that needs attention most is described by "NAME STATE
+ * FAULT". */
+void rollout_rig_expect_first(struct store_rig *rig, const char *text);
+
 #endif

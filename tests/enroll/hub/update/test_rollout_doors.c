@@ -114,24 +114,6 @@ static void a_rollout_goes_on_only_if_it_still_can(void **state)
     assert_int_equal(hub_rollout_resume(&rig->store, "office", NULL, &rollout_fault), -ENOENT);
 }
 
-static int expect_first(void *context, const struct hub_rollout_door *door)
-{
-    const char **text = context;
-    if (*text) {
-        char line[256];
-        (void)snprintf(line, sizeof line, "%s %s %s", door->name, door->state, door->fault);
-        assert_string_equal(line, *text);
-        *text = NULL;
-    }
-    return 0;
-}
-
-static void expect_attention(struct store_rig *rig, const char *text)
-{
-    store_rig_fine(hub_rollout_doors(&rig->store, "office", expect_first, &text, &rollout_fault),
-                   &rollout_fault);
-}
-
 /* The door reports each minute. */
 static void minutes_of(struct store_rig *rig, struct player *p, int minutes)
 {
@@ -158,9 +140,9 @@ static void a_door_that_says_nothing_of_updates_fails(void **state)
             store_rig_fine(played_door_ask(&p->door, &rig->store, &rollout_fault), &rollout_fault);
             assert_int_equal(rollout_rig_count(rig, "told"), 1);
         }
-        expect_attention(rig, "door00 told it says nothing of its updates");
+        rollout_rig_expect_first(rig, "door00 told it says nothing of its updates");
         minutes_of_silence(rig, 1); /* not silence: it has reported a minute ago */
-        expect_attention(rig, "door00 failed it reports, but says nothing of its updates");
+        rollout_rig_expect_first(rig, "door00 failed it reports, but says nothing of its updates");
         /* It says no more, and stays failed; then it says more, and is told again. */
         store_rig_fine(played_door_ask(&p->door, &rig->store, &rollout_fault), &rollout_fault);
         assert_int_equal(rollout_rig_count(rig, "failed"), 1);
@@ -182,7 +164,7 @@ static void a_door_that_does_not_move_fails(void **state)
     minutes_of(rig, p, HUB_UPDATE_STILL_S / 60); /* since it was told */
     assert_int_equal(rollout_rig_count(rig, "installed"), 1);
     minutes_of(rig, p, 1);
-    expect_attention(rig, "door00 failed it was installed for too long");
+    rollout_rig_expect_first(rig, "door00 failed it was installed for too long");
     /* The stage does not wait for this door, and the hub does not tell the door the same order
      * again. */
     minutes_of(rig, p, 2);

@@ -19,13 +19,18 @@ enum {
     DAY_STEPS = 24 * 3600 / STEP_S,
 };
 
-/* The rollout is looked at each minute for so long, and no door asks. */
-static void minutes_of_silence(struct store_rig *rig, int minutes)
+/* The rollout is looked at so often, and no door asks. */
+static void silence(struct store_rig *rig, int looks, int64_t step_s)
 {
-    for (int i = 0; i < minutes; i++) {
-        store_rig_now_s += 60;
+    for (int i = 0; i < looks; i++) {
+        store_rig_now_s += step_s;
         store_rig_fine(hub_rollouts_look(&rig->store, &rollout_fault), &rollout_fault);
     }
+}
+
+static void minutes_of_silence(struct store_rig *rig, int minutes)
+{
+    silence(rig, minutes, 60);
 }
 
 static void ask_without_words(struct store_rig *rig, struct player *p)
@@ -52,24 +57,6 @@ static struct player *last_stage_without_a_door(struct store_rig *rig, uint32_t 
     return &rollout_players[1];
 }
 
-static int expect_first(void *context, const struct hub_rollout_door *door)
-{
-    const char **text = context;
-    if (*text) {
-        char line[256];
-        (void)snprintf(line, sizeof line, "%s %s %s", door->name, door->state, door->fault);
-        assert_string_equal(line, *text);
-        *text = NULL;
-    }
-    return 0;
-}
-
-static void expect_attention(struct store_rig *rig, const char *text)
-{
-    store_rig_fine(hub_rollout_doors(&rig->store, "office", expect_first, &text, &rollout_fault),
-                   &rollout_fault);
-}
-
 /* ---- doors that come and go ---- */
 
 /* Each time it is told again, for two days. */
@@ -88,7 +75,7 @@ static void a_door_that_comes_and_goes_fails_for_good(void **state)
     /* Half an hour and a minute each. */
     assert_in_range(returns, HUB_UPDATE_STILL_S / 60 / SILENT_MINUTES - 1,
                     HUB_UPDATE_STILL_S / 60 / SILENT_MINUTES + 2);
-    expect_attention(rig, "door00 failed it was told for too long");
+    rollout_rig_expect_first(rig, "door00 failed it was told for too long");
     rollout_rig_ask(rig, p);
     assert_false(p->door.is_ordered);
 }
@@ -101,10 +88,7 @@ static void a_door_that_was_away_for_days_has_its_time(void **state)
     (void)rollout_rig_join_all(rig);
     rollout_rig_start(rig, 1, 5, 7 * 24 * 3600);
     rollout_rig_ask(rig, p);
-    for (int i = 0; i < 4 * DAY_STEPS; i++) {
-        store_rig_now_s += STEP_S;
-        store_rig_fine(hub_rollouts_look(&rig->store, &rollout_fault), &rollout_fault);
-    }
+    silence(rig, 4 * DAY_STEPS, STEP_S);
     rollout_rig_ask(rig, p);
     assert_true(p->door.is_ordered);
     for (int i = 0; i < HUB_UPDATE_STILL_S / STEP_S - SILENT_MINUTES * 60 / STEP_S - 1; i++) {
@@ -161,7 +145,7 @@ static void pauses_do_not_prolong_the_time_of_a_door(void **state)
     assert_int_equal(rollout_rig_count(rig, "installed"), 1);
     store_rig_now_s += 60;
     rollout_rig_ask(rig, p);
-    expect_attention(rig, "door00 failed it was installed for too long");
+    rollout_rig_expect_first(rig, "door00 failed it was installed for too long");
 }
 
 /* ---- a rollout that is done ---- */
@@ -232,7 +216,7 @@ static void a_version_that_is_left_later_has_gone_back(void **state)
     rollout_rig_ask(rig, &rollout_players[3]);
     assert_false(rollout_players[3].door.is_ordered);
     assert_int_equal(rollout_rig_count(rig, "went-back"), 1);
-    expect_attention(rig, "door03 went-back ");
+    rollout_rig_expect_first(rig, "door03 went-back ");
     assert_int_equal(rollout_rig_now(rig).stage.state, HUB_ROLLOUT_DONE);
 }
 
@@ -285,7 +269,7 @@ static void a_restart_does_not_make_a_failed_door_able(void **state)
         assert_false(slow->door.is_ordered);
         assert_false(broken->door.is_ordered);
     }
-    expect_attention(rig, "door00 failed it was fetching for too long");
+    rollout_rig_expect_first(rig, "door00 failed it was fetching for too long");
     /* Somebody restarts it by hand, and it has the version. */
     strcpy(slow->version, "1.2");
     rollout_rig_ask(rig, slow);
