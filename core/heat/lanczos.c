@@ -43,8 +43,9 @@ static void project_out(struct iso_lanczos *l, int32_t size, double *w, int32_t 
     }
 }
 
-/* Stores w, which is orthogonal to V, as the next vector of the pending block, unless its norm is
- * `least` or less. Returns its norm, or 0. The caller counts it. */
+/* Stores w, which is orthogonal to V, as the next vector of the pending block, and returns its
+ * norm. If the norm is at most `least`, it stores nothing and returns 0. The caller increases the
+ * number of pending vectors. */
 static double append(struct iso_lanczos *l, double *w, double least)
 {
     double *v = vector(l->v, l, l->size + l->pending), *bv = vector(l->bv, l, l->pending);

@@ -15,7 +15,7 @@ static void sample(const struct iso_tracer *curves, struct iso_vec3 landmark_mm,
 }
 
 /* Finds the isotherm of one landmark at one radius on a mesh. Returns 0 with n = 0 if there is
- * none, -ENOSPC if the tracer is too small, and -ENOMEM. */
+ * none; -ENOSPC if the tracer is too small; -ENOMEM. */
 static int trace_on_mesh(struct iso_tracer *tracer, const struct iso_heated_face *face,
                          int landmark, double radius_mm, int n_points, struct iso_isotherm *out)
 {

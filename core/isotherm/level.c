@@ -69,7 +69,8 @@ static double area_of_band(const void *surface, double level)
     return area;
 }
 
-/* Collects the triangles between two levels. `band` has room for all triangles of the mesh. */
+/* Collects the triangles between two levels. The caller has allocated `band` for all triangles of
+ * the mesh. */
 static void collect(const struct iso_mesh *mesh, const double *heat, double low, double high,
                     struct band *band)
 {

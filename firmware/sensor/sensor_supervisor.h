@@ -88,9 +88,10 @@ enum iso_sensor_news iso_sensor_supervisor_look(struct iso_sensor_supervisor *su
 void iso_sensor_supervisor_excuse(struct iso_sensor_supervisor *supervisor, int64_t held_up_ns,
                                   int64_t now_ns);
 
-/* As iso_sensor_set_interval. Until interval_ns after a frame was taken, the caller need not look;
- * then the sensor's descriptor is watched again. An interval must be shorter than silence_ns and
- * pause_ns. Does nothing in AWAY; an opened sensor gives every frame. */
+/* Sets the interval of the sensor (iso_sensor_set_interval). After a frame was taken, the caller
+ * need not look before interval_ns has passed; then it watches the sensor's descriptor again. An
+ * interval must be shorter than silence_ns and pause_ns. Does nothing in AWAY; an opened sensor
+ * gives every frame. */
 void iso_sensor_supervisor_set_interval(struct iso_sensor_supervisor *supervisor,
                                         int64_t interval_ns);
 

@@ -160,7 +160,8 @@ static int add_rows(struct bench *bench, const struct iso_fourier *fourier, int3
     return 0;
 }
 
-/* Adds the heat of one point at all vertices. The constant in which the heat ends is left out. */
+/* Adds the heat of one point at all vertices. The first eigenpair
+ * is left out: it gives the constant to which the heat decays. */
 static int add_amplitudes(struct bench *bench, const struct iso_fourier *fourier, int32_t source,
                           float *histogram)
 {

@@ -115,7 +115,8 @@ struct iso_sensor_ops {
      * 0: every frame, as after each start. The back end passes over the others before it converts
      * or matches them. They are no gaps in the sequence. The caller may call wait so seldom
      * meanwhile that the device drops frames; those are no gaps either, and do not count as
-     * dropped. Leaves the last frame unchanged. Does not block or fail. */
+     * dropped. The last frame stays as it is. The call does not
+     * block and cannot fail. */
     void (*set_interval)(void *self, int64_t interval_ns);
 
     /* OPTIONAL. Fills in the description: model and capabilities. -ENODATA while it is not known.

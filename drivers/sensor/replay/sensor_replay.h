@@ -9,10 +9,10 @@
  *
  * It plays the frames in order, from the first one at each start. When the link is replaced,
  * appears or disappears, the sensor plays the new recording from its first frame. The path may be
- * empty at first. If there is nothing to play, wait returns -ETIMEDOUT, and next_due_ns asks for
- * another look at the path in 50 ms (100 ms while few frames are wanted). A recording that is
- * refused, and every damaged frame, is reported once as -EBADMSG; a damaged frame leaves a gap in
- * the sequence.
+ * empty at first. If there is nothing to play, wait returns -ETIMEDOUT, and next_due_ns asks the
+ * caller to look at the path again after 50 ms, or after 100 ms while few frames are wanted. A
+ * recording that is refused, and every damaged frame, is reported once as -EBADMSG; a damaged frame
+ * leaves a gap in the sequence.
  *
  * The sensor never sleeps. A frame's t_ns is the time at which it was due, on the injected clock;
  * frames that are fetched late are not dropped. t_ns and the sequence go on rising from recording

@@ -40,8 +40,9 @@ enum cli_exit cli_installer_slots(struct cli_installer *installer, struct cli_sl
  *                        other-board; not-newer; on-trial (the running version is not yet found to
  *                        be good): check-update (board/image/programs) refuses it
  *   CLI_EXIT_FAULT       busy, also if it began after the state was asked; not-installed: any other
- * reason, in RAUC's words; update-fault: RAUC has ended CLI_EXIT_TIMED_OUT   no-reply: RAUC has
- * reported nothing for ten minutes CLI_EXIT_INTERRUPTED interrupted: RAUC goes on alone */
+ *                        reason, in RAUC's words; update-fault: RAUC has ended
+ *   CLI_EXIT_TIMED_OUT   no-reply: RAUC has reported nothing for ten minutes
+ *   CLI_EXIT_INTERRUPTED interrupted: RAUC goes on alone */
 enum cli_exit cli_installer_install(struct cli_installer *installer, const char *path,
                                     struct cli_fault *fault) __attribute__((warn_unused_result));
 

@@ -49,8 +49,9 @@ int hub__step_store(const struct hub__step *s, enum hub__door_state state, bool 
 int hub__step_lock(struct hub__step *s, bool *is_locked, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Lets a rollout that is done run again for a door that comes back. *is_open: false if the zone has
- * had another one since, or the door has left the zone. The rollout is locked. */
+/* Lets a rollout that is done run again for a door that comes back. *is_open receives false if the
+ * zone has had a later rollout, or if the door has left the zone. The caller has locked the
+ * rollout. */
 int hub__step_reopen(struct hub__step *s, bool *is_open, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -3,9 +3,6 @@
 
 #include "enroll/hub/update/step_parts.h"
 
-/* The order of the rollout is being carried out. */
-#define AT_WORK(STATE) "(" STATE " IN ('told', 'fetching', 'installed'))"
-
 static enum hub__door_state state_of_report(enum iso_fleet_update_state state,
                                             enum hub__door_state before)
 {
@@ -105,20 +102,20 @@ int hub__step_store(const struct hub__step *s, enum hub__door_state state, bool 
     hub_value_text(&values, s->file.board); /* "" without a file */
     hub_value_integer(&values, s->mute_s);
     hub_value_integer(&values, s->clock_s);
-    /* A door that says something else of the same state has not moved. */
+    /* A door that says something else of the same state has not moved. A door that is told,
+     * fetching or installed is at work. */
     return hub_db_run_often(
         s->store->db,
         "UPDATE rollout_door SET "
         "changed_s = CASE WHEN state = $3 THEN changed_s ELSE $5 END, "
         "finished_s = CASE WHEN state <> $3 AND $3 IN ('healthy', 'failed', 'went-back') THEN $5 "
         "ELSE finished_s END, "
-        "work_s = CASE WHEN " AT_WORK("state") " AND NOT " AT_WORK(
-            "$3") " THEN work_s + $9 - "
-                  "work_from_s ELSE work_s END, "
-                  "work_from_s = CASE WHEN " AT_WORK("$3") " AND NOT " AT_WORK(
-                      "state") " THEN $9 "
-                               "ELSE work_from_s END, "
-                               "state = $3, counts = $4, fault = $6, board = $7, mute_s = $8, "
-                               "stuck = stuck AND $3 <> 'healthy' WHERE rollout = $1 AND door = $2",
+        "work_s = CASE WHEN state IN ('told', 'fetching', 'installed') AND "
+        "$3 NOT IN ('told', 'fetching', 'installed') THEN work_s + $9 - work_from_s "
+        "ELSE work_s END, "
+        "work_from_s = CASE WHEN $3 IN ('told', 'fetching', 'installed') AND "
+        "state NOT IN ('told', 'fetching', 'installed') THEN $9 ELSE work_from_s END, "
+        "state = $3, counts = $4, fault = $6, board = $7, mute_s = $8, "
+        "stuck = stuck AND $3 <> 'healthy' WHERE rollout = $1 AND door = $2",
         &values, NULL, fault);
 }

@@ -13,8 +13,8 @@
  *   FETCH      CHECK      all parts are there
  *   CHECK      INSTALL    the digest is that of the order
  *   INSTALL    LOOK       the image has done with the file
- *   INSTALLED  LOOK       from time to time, while the running version is on trial, whoever has
- *                         brought it; no order begins meanwhile
+ *   INSTALLED  LOOK       from time to time, as long as the running version is on trial, from
+ *                         wherever it has come; the link begins no order in that time
  *   WAIT, FETCH, CHECK  IDLE  the order holds no more
  *   FETCH, CHECK, INSTALL, LOOK
  *              WAIT       something has refused it, and it may succeed later (update_refuse.c); if
@@ -29,9 +29,9 @@
  * shows: one of them may have lost it on its way. It also holds no more when the hub orders another
  * version, be it the one that runs already. A machine whose order holds no more does not restart,
  * but a file that is being installed is installed. If no answer comes for 15 minutes, a complete
- * file is installed as well, and the machine does not restart before the order comes again. What
- * became of a rollout is in the file update.record, so a restart does not forget it; a rollout that
- * has failed at this door is not tried again.
+ * file is installed as well, and the machine does not restart before the order comes again. The
+ * file update.record keeps the result of a rollout over restarts of the link. The link does not
+ * try a rollout again that has failed at this door.
  *
  * The link has no right to install anything or to restart the machine. Both are wishes in the
  * folder "hub" of the image's folder of updates, which units of root look at
