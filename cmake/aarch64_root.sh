@@ -14,35 +14,12 @@ packages=$(awk '($1 == "build" || $1 == "test") && $2 ~ /^lib/ { print $2 }' "$h
 complete=$root/complete-2 # the list of its packages; raise the number when this script makes another folder from the same list
 [ "$(cat "$complete" 2>/dev/null)" != "$packages" ] || exit 0
 
-# A separate configuration of apt, with one architecture and without installed packages.
-apt=$root/apt
-rm -rf "$root/usr" "$root/lib" "$complete" "$apt"
-mkdir -p "$apt/lists/partial" "$apt/cache/archives/partial" "$apt/parts"
-: >"$apt/status"
-keyring=/usr/share/keyrings/debian-archive-keyring.gpg
-cat >"$apt/sources.list" <<END
-deb [signed-by=$keyring] http://deb.debian.org/debian bookworm main
-deb [signed-by=$keyring] http://deb.debian.org/debian-security bookworm-security main
-END
-cat >"$apt/apt.conf" <<END
-APT::Architecture "arm64";
-APT::Architectures { "arm64"; };
-APT::Install-Recommends "false";
-APT::Sandbox::User "$(id -un)";
-Dir::State "$apt";
-Dir::State::lists "$apt/lists";
-Dir::State::status "$apt/status";
-Dir::Cache "$apt/cache";
-Dir::Etc::sourcelist "$apt/sources.list";
-Dir::Etc::sourceparts "$apt/parts";
-Dir::Etc::preferencesparts "$apt/parts";
-END
-APT_CONFIG=$apt/apt.conf
-export APT_CONFIG
-apt-get update -q >"$apt/log"
+rm -rf "$root/usr" "$root/lib" "$complete"
+. "$here/foreign_apt.sh"
+foreign_apt arm64 "$root"
 
 # shellcheck disable=SC2086
-apt-get install -q -y --download-only $packages libc6-dev libstdc++-12-dev >>"$apt/log"
+apt-get install -q -y --no-install-recommends --download-only $packages libc6-dev libstdc++-12-dev >>"$apt/log"
 
 mkdir -p "$root/usr/lib" "$root/usr/bin"
 ln -s usr/lib "$root/lib"

@@ -31,40 +31,6 @@ if [ "$(dpkg --print-architecture)" != "$ISOTHERM_ARCH" ]; then
     arch_foreign=yes arch_objcopy=$arch_multiarch-objcopy
 fi
 
-# arch_apt CACHE: from here on apt is about packages of the image's architecture. The machine of the build does not have to know this
-# architecture: if it is not its own, apt gets a folder CACHE/apt with lists of its own and without installed packages.
-arch_apt() {
-    [ $arch_foreign = yes ] || return 0
-    apt=$1/apt
-    rm -rf "$apt"
-    mkdir -p "$apt/lists/partial" "$apt/cache/archives/partial" "$apt/parts"
-    : >"$apt/status"
-    signed="[arch=$ISOTHERM_ARCH signed-by=/usr/share/keyrings/debian-archive-keyring.gpg]"
-    cat >"$apt/sources.list" <<END
-deb $signed ${ISOTHERM_MIRROR:-http://deb.debian.org/debian} bookworm main
-deb $signed ${ISOTHERM_MIRROR:-http://deb.debian.org/debian} bookworm-updates main
-deb $signed ${ISOTHERM_MIRROR_SECURITY:-http://deb.debian.org/debian-security} bookworm-security main
-END
-    cat >"$apt/apt.conf" <<END
-APT::Architecture "$ISOTHERM_ARCH";
-APT::Architectures { "$ISOTHERM_ARCH"; };
-APT::Sandbox::User "$(id -un)";
-Dir::State "$apt";
-Dir::State::lists "$apt/lists";
-Dir::State::status "$apt/status";
-Dir::Cache "$apt/cache";
-Dir::Etc::sourcelist "$apt/sources.list";
-Dir::Etc::sourceparts "$apt/parts";
-Dir::Etc::preferencesparts "$apt/parts";
-END
-    APT_CONFIG=$apt/apt.conf
-    export APT_CONFIG
-    apt-get update -q >"$apt/log" 2>&1 || {
-        tail -n 5 "$apt/log" >&2
-        exit 1
-    }
-}
-
 # arch_file CACHE PATH: prints where a file is that the image takes from a package of the build's machine (systemd-boot-efi,
 # busybox-static): there, or in what kernel.sh has fetched for another architecture
 arch_file() {

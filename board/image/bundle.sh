@@ -15,10 +15,18 @@ cp "$out/isotherm.efi" "$work/content/isotherm.efi"
 of() {
     sed -n "s/^$1=//p" "$out/os-release"
 }
+# Each by itself: a command that fails within the text below would not end the script.
+arch=$(cat "$out/arch")
+id=$(of IMAGE_ID)
+version=$(of IMAGE_VERSION)
+if [ -z "$id" ] || [ -z "$version" ]; then
+    echo "bundle.sh: $out/os-release: no IMAGE_ID or no IMAGE_VERSION" >&2
+    exit 1
+fi
 cat >"$work/content/manifest.raucm" <<END
 [update]
-compatible=$(of IMAGE_ID)-$(cat "$out/arch")
-version=$(of IMAGE_VERSION)
+compatible=$id-$arch
+version=$version
 
 [bundle]
 format=verity

@@ -28,10 +28,9 @@ for program in veritysetup sfdisk; do
 done
 
 # The modules of the list, with what they need.
-awk -v arch="$ISOTHERM_ARCH" '$1 == "initrd" || $1 == "initrd-" arch { $1 = ""; print }' "$here/modules.txt" | xargs -n 1 modprobe -d "$root" -S "$release" --show-depends |
-    awk '$1 == "insmod" { print $2 }' | sort -u | while read -r module; do
-    name=${module#"$root"/}
-    install -D -m 0644 "$module" "$tree/usr/lib/modules/$release/${name#*modules/"$release"/}"
+files=$("$here/module_files.sh" "$root" "$release" initrd)
+for file in $files; do
+    install -D -m 0644 "$root/$file" "$tree/$file"
 done
 cp "$root/usr/lib/modules/$release"/modules.builtin* "$root/usr/lib/modules/$release/modules.order" "$tree/usr/lib/modules/$release"
 depmod -b "$tree" "$release"

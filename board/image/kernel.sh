@@ -9,7 +9,10 @@ mkdir -p "$1"
 cache=$(cd "$1" && pwd)
 PATH=$PATH:/usr/sbin:/sbin
 . "$(dirname "$0")/arch.sh"
-arch_apt "$cache"
+if [ $arch_foreign = yes ]; then
+    . "$(dirname "$0")/../../cmake/foreign_apt.sh"
+    foreign_apt "$ISOTHERM_ARCH" "$cache"
+fi
 release=$(apt-cache depends "linux-image-$ISOTHERM_ARCH" | sed -n 's/^ *Depends: linux-image-//p' | head -n 1)
 [ -n "$release" ] || {
     echo "kernel.sh: apt knows no linux-image-$ISOTHERM_ARCH (apt-get update?)" >&2

@@ -30,9 +30,8 @@ install_isotherm() {
 install_modules() {
     release=$(cut -d ' ' -f 1 "$cache/kernel.release")
     modules=usr/lib/modules/$release
-    awk -v arch="$ISOTHERM_ARCH" '!/^#/ && ($1 !~ /-/ || $1 ~ "-" arch "$") { $1 = ""; print }' "$here/modules.txt" | xargs -n 1 modprobe -d "$cache/kernel" -S "$release" --show-depends |
-        awk -v from="$cache/kernel/" '$1 == "insmod" { sub(from "(usr/)?", "usr/", $2); sub("usr/usr", "usr", $2); print $2 }' | sort -u |
-        (cd "$cache/kernel" && xargs cp --parents -t "$root")
+    files=$("$here/module_files.sh" "$cache/kernel" "$release")
+    echo "$files" | (cd "$cache/kernel" && xargs cp --parents -t "$root")
     cp "$cache/kernel/$modules"/modules.builtin* "$cache/kernel/$modules/modules.order" "$root/$modules"
     depmod -b "$root" "$release"
     install -D -m 0644 "$cache/kernel/usr/share/doc/linux-image-$release/copyright" "$root/usr/share/doc/linux-image-$release/copyright"

@@ -15,8 +15,12 @@ complete=$cache/complete-6$arch # raise the number when this script makes other 
 [ ! -e "$complete" ] || exit 0
 
 . "$here/../../board/image/arch.sh"
-(arch_apt "$cache") # kbuild's programs and the source are of this machine's lists
-[ $arch_foreign = no ] || foreign="APT_CONFIG=$cache/apt/apt.conf"
+# Lists of another architecture also have what is for all of them: common headers and source. Only kbuild's programs run on this machine.
+if [ $arch_foreign = yes ]; then
+    . "$here/../../cmake/foreign_apt.sh"
+    (foreign_apt "$ISOTHERM_ARCH" "$cache")
+    foreign="APT_CONFIG=$cache/apt/apt.conf"
+fi
 # linux-image-amd64 depends on one release, such as linux-image-6.1.0-56-amd64.
 release=$(env ${foreign:-} apt-cache depends "linux-image-$ISOTHERM_ARCH" | sed -n 's/^ *Depends: linux-image-//p' | head -n 1)
 [ -n "$release" ] || {
@@ -28,9 +32,9 @@ version=$(env ${foreign:-} apt-cache policy "linux-image-$release" | sed -n 's/^
 download() {
     mkdir -p "$cache/deb"
     # Without this option apt would drop root's rights and could not write here.
-    (cd "$cache/deb" && env ${foreign:-} apt-get download -q -o "APT::Sandbox::User=$(id -un)" "linux-image-$release" "linux-headers-$release" &&
-        apt-get download -q -o "APT::Sandbox::User=$(id -un)" "linux-headers-${release%-"$ISOTHERM_ARCH"}-common=$version" \
-            "linux-kbuild-6.1=$version" "linux-source-6.1=$version")
+    (cd "$cache/deb" && env ${foreign:-} apt-get download -q -o "APT::Sandbox::User=$(id -un)" "linux-image-$release" "linux-headers-$release" \
+        "linux-headers-${release%-"$ISOTHERM_ARCH"}-common=$version" "linux-source-6.1=$version" &&
+        apt-get download -q -o "APT::Sandbox::User=$(id -un)" linux-kbuild-6.1)
 }
 
 unpack() {
