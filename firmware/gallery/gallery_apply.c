@@ -245,6 +245,7 @@ void iso_gallery_memory_put_person(struct iso_gallery_memory *memory, const stru
     *own = *row;
     own->templates = templates;
     own->usable = usable;
+    memory->may_be_learned |= unusable > 0;
 }
 
 /* Does in memory what is on the disk now; cannot fail. */

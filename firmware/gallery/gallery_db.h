@@ -37,6 +37,7 @@ void iso_gallery_db_close(struct iso_gallery_db *db);
 /* The vector of one template. Biometric. */
 struct iso_gallery_vector {
     int64_t number;                       /* of the template */
+    bool learned;                         /* the template was learned at a visit */
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* that made the template */
     struct iso_metric_vector vector;      /* by the metric of the gallery's options */
 };

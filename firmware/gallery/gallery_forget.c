@@ -108,6 +108,10 @@ static int import(struct iso_gallery *gallery, const struct restoring *restoring
 int iso_gallery_forget_learned(struct iso_gallery *gallery, size_t *n, struct iso_fault *fault)
 {
     struct restoring restoring = {0};
+    if (!gallery->memory.may_be_learned && !iso__gallery_is_lost(gallery)) {
+        *n = 0; /* templates are not read again for this */
+        return 0;
+    }
     int error = iso_gallery_export(gallery, NULL, restore, &restoring, fault);
     if (!error && restoring.n > 0) {
         error = import(gallery, &restoring, fault);

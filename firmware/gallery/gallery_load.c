@@ -32,7 +32,7 @@ struct loading {
 
 /* Notes a vector that the batch has made. Without memory it is not noted, and is made again at the
  * next start. */
-static void note_made(void *context, int64_t number, const char *sensor,
+static void note_made(void *context, int64_t number, bool learned, const char *sensor,
                       const struct iso_metric_vector *vector)
 {
     struct made *made = context;
@@ -49,6 +49,7 @@ static void note_made(void *context, int64_t number, const char *sensor,
     }
     struct iso_gallery_vector *own = &made->vectors[made->n++];
     own->number = number;
+    own->learned = learned;
     own->vector = *vector;
     memcpy(own->sensor, sensor, sizeof own->sensor);
 }
@@ -84,6 +85,7 @@ static int load_usable(struct loading *loading, struct iso_person *person, int64
     int error = loading->batch ? iso_site_batch_add(loading->batch, person->id, number, bytes, size)
                                : iso__gallery_memory_read(&loading->memory, bytes, size, &kept);
     if (!error && !loading->batch) {
+        loading->memory.may_be_learned |= kept.tmpl->learned;
         error = iso__gallery_memory_insert(&loading->memory, person->id, &kept);
     }
     person->usable += !error;
@@ -91,13 +93,15 @@ static int load_usable(struct loading *loading, struct iso_person *person, int64
 }
 
 /* Checks that the bytes are a template of this algorithm, which is not the running one. */
-static int check_unusable(const void *bytes, size_t size, uint32_t algorithm)
+static int check_unusable(struct loading *loading, const void *bytes, size_t size,
+                          uint32_t algorithm)
 {
     struct iso_template_facts facts;
     const int error = iso_template_check(bytes, size, &facts);
     if (error) {
         return error;
     }
+    loading->memory.may_be_learned |= facts.learned;
     return facts.algorithm == algorithm ? 0 : -EBADMSG;
 }
 
@@ -137,7 +141,7 @@ static int load_template(void *context, const struct iso_gallery_place *place, c
     }
     const int error = place->algorithm == loading->memory.algorithm
                           ? load_usable(loading, person, place->number, bytes, size)
-                          : check_unusable(bytes, size, place->algorithm);
+                          : check_unusable(loading, bytes, size, place->algorithm);
     return template_result(loading, error, fault);
 }
 
@@ -153,6 +157,7 @@ static int load_vector(void *context, const struct iso_gallery_place *place,
     const int error = iso_site_batch_add_vector(loading->batch, person->id, stored->number,
                                                 stored->sensor, &stored->vector);
     person->usable += !error;
+    loading->memory.may_be_learned |= stored->learned;
     return template_result(loading, error, fault);
 }
 
@@ -234,6 +239,7 @@ static int read_all(struct loading *loading, struct iso_fault *fault)
     int error = iso_gallery_db_load(loading->db, &visitor, fault);
     if (!error && memory->metric) {
         error = template_result(loading, iso_site_batch_end(loading->batch), fault);
+        memory->may_be_learned |= iso_site_batch_learned(loading->batch);
     }
     if (!error) {
         error = check_names(loading, fault);

@@ -183,6 +183,7 @@ void iso_gallery_memory_add(struct iso_gallery_memory *memory, const struct iso_
     own->valid_until_s = row->valid_until_s;
     own->templates++;
     own->usable++;
+    memory->may_be_learned = true;
     (void)!iso__gallery_memory_insert(memory, row->id, kept);
 }
 

@@ -20,6 +20,8 @@ struct iso_gallery_memory {
     size_t n_people, people_capacity;
     size_t same_names; /* how many names had the key of another person's name when loaded */
     bool adapt;        /* the metric adapts to the people (site_index.h) */
+    /* False if none of the loaded templates was learned at a visit, and none was added since. */
+    bool may_be_learned;
     struct iso_site_index *site;          /* only with a metric */
     char sensor[ISO_TEMPLATE_SENSOR_MAX]; /* class of the running sensor; "": not known */
     struct iso_search_entry *entries;     /* only without a metric, in the order of people */

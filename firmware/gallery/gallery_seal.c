@@ -79,7 +79,7 @@ static struct iso_seal_label vector_label(const struct iso_gallery_seal *seal,
                                           const uint8_t record[ISO_SEAL_DIGEST_BYTES],
                                           const uint8_t metric[ISO_SEAL_DIGEST_BYTES])
 {
-    struct iso_seal_label label = label_of(seal, "isotherm gallery vector 1");
+    struct iso_seal_label label = label_of(seal, "isotherm gallery vector 2");
     iso_seal_label_bytes(&label, record, ISO_SEAL_DIGEST_BYTES);
     iso_seal_label_bytes(&label, metric, ISO_SEAL_DIGEST_BYTES);
     return label;

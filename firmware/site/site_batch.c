@@ -10,6 +10,7 @@
 /* A template that waits. */
 struct kept {
     int64_t person, number;
+    bool learned;
     char sensor[ISO_TEMPLATE_SENSOR_MAX];
 };
 
@@ -22,7 +23,8 @@ struct iso_site_batch {
     float *residual_mm;        /* [ISO_METRIC_ROWS][metric->n_values] */
     iso_site_batch_made *made; /* NULL: nobody wants to know */
     void *made_context;
-    int n; /* templates that wait */
+    bool learned; /* a template that was added */
+    int n;        /* templates that wait */
     struct kept kept[ISO_METRIC_ROWS];
     struct iso_metric_vector vector[ISO_METRIC_ROWS];
 };
@@ -70,10 +72,16 @@ int iso_site_batch_end(struct iso_site_batch *batch)
         error = iso_site_index_add(batch->site, kept->person, (uint64_t)kept->number, kept->sensor,
                                    &batch->vector[i]);
         if (!error && batch->made) {
-            batch->made(batch->made_context, kept->number, kept->sensor, &batch->vector[i]);
+            batch->made(batch->made_context, kept->number, kept->learned, kept->sensor,
+                        &batch->vector[i]);
         }
     }
     return error;
+}
+
+bool iso_site_batch_learned(const struct iso_site_batch *batch)
+{
+    return batch->learned;
 }
 
 void iso_site_batch_tell(struct iso_site_batch *batch, iso_site_batch_made *made, void *context)
@@ -106,7 +114,7 @@ static int keep_residuals(struct iso_site_batch *batch, int64_t person, int64_t 
         return error == -ENODATA ? 0 : error;
     }
     struct kept *kept = &batch->kept[batch->n++];
-    *kept = (struct kept){.person = person, .number = number};
+    *kept = (struct kept){.person = person, .number = number, .learned = batch->tmpl.learned};
     memcpy(kept->sensor, batch->tmpl.sensor, sizeof kept->sensor);
     return 0;
 }
@@ -116,6 +124,7 @@ int iso_site_batch_add(struct iso_site_batch *batch, int64_t person, int64_t num
 {
     int error = iso_template_parse(bytes, size, &batch->tmpl);
     if (!error) {
+        batch->learned = batch->learned || batch->tmpl.learned;
         error = keep_residuals(batch, person, number);
     }
     return !error && batch->n == ISO_METRIC_ROWS ? iso_site_batch_end(batch) : error;

@@ -5,6 +5,8 @@
 #ifndef ISO_FIRMWARE_SITE_SITE_BATCH_H
 #define ISO_FIRMWARE_SITE_SITE_BATCH_H
 
+#include <stdbool.h>
+
 #include "firmware/site/site_index.h"
 
 struct iso_site_batch;
@@ -30,13 +32,16 @@ int iso_site_batch_add_vector(struct iso_site_batch *batch, int64_t person, int6
                               const char *sensor, const struct iso_metric_vector *vector)
     __attribute__((warn_unused_result));
 
-/* Receives a vector that a batch has made of template `number`. sensor: [ISO_TEMPLATE_SENSOR_MAX].
- * Both are valid during the call. */
-typedef void iso_site_batch_made(void *context, int64_t number, const char *sensor,
+/* Receives a vector that a batch has made of template `number`, which was learned or not. sensor:
+ * [ISO_TEMPLATE_SENSOR_MAX]. Both are valid during the call. */
+typedef void iso_site_batch_made(void *context, int64_t number, bool learned, const char *sensor,
                                  const struct iso_metric_vector *vector);
 
 /* Calls `made` from now on for each vector that is made and added. */
 void iso_site_batch_tell(struct iso_site_batch *batch, iso_site_batch_made *made, void *context);
+
+/* Whether a template that was added was learned at a visit. A vector says nothing of this. */
+bool iso_site_batch_learned(const struct iso_site_batch *batch);
 
 /* Adds the templates that wait. -ENOMEM, and errors of iso_site_index_add(). */
 int iso_site_batch_end(struct iso_site_batch *batch) __attribute__((warn_unused_result));

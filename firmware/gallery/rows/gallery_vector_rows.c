@@ -21,9 +21,10 @@
 #include "drivers/file/disk_room.h"
 #include "firmware/gallery/gallery_db_state.h"
 
-/* sensor, weight, scale, step, then the numbers. */
+/* sensor, weight, scale, step, whether the template was learned, then the numbers. */
 enum {
-    NUMBERS_AT = ISO_TEMPLATE_SENSOR_MAX + 4 + 4 + 2,
+    LEARNED_AT = ISO_TEMPLATE_SENSOR_MAX + 4 + 4 + 2,
+    NUMBERS_AT = LEARNED_AT + 1,
     PLAIN_MAX = NUMBERS_AT + 4 * ISO_METRIC_DIMENSIONS_MAX,
 };
 
@@ -90,6 +91,7 @@ static void put_vector(const struct iso_gallery_db *db, const struct iso_gallery
     p = iso_put_f32(p, vector->vector.weight);
     p = iso_put_f32(p, vector->vector.scale);
     p = iso_put_u16(p, (uint16_t)(vector->vector.step - ISO_METRIC_STEP_MIN));
+    *p++ = vector->learned;
     for (int d = 0; d < db->metric->n_dimensions; d++) {
         p = iso_put_f32(p, vector->vector.mean[d]);
     }
@@ -101,6 +103,7 @@ static bool get_vector(const struct iso_gallery_db *db, const uint8_t plain[PLAI
 {
     const uint8_t *p = plain + ISO_TEMPLATE_SENSOR_MAX;
     memcpy(out->sensor, plain, sizeof out->sensor);
+    out->learned = plain[LEARNED_AT] != 0;
     out->vector = (struct iso_metric_vector){
         .n = 1,
         .weight = iso_get_f32(p),

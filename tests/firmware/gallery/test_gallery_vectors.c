@@ -2,7 +2,6 @@
  * them. Each test compares what a start finds with the vectors of the templates themselves. */
 #include <errno.h>
 #include <signal.h>
-#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,153 +12,26 @@
 
 #include "core/base/crc32.h"
 #include "firmware/gallery/gallery.h"
+#include "tests/firmware/gallery/vectors_rig.h"
 #include "tests/firmware/rigs/gallery_rig.h"
 #include "tests/firmware/rigs/puppets.h"
 #include "tests/support/scratch.h"
-
-enum { PEOPLE = 120, DIMENSIONS = 5 }; /* a start stores the vectors of so many people */
-
-/* Counts the templates that are read (the linker puts this function in place of the real one). */
-static int n_parsed;
-
-int __real_iso_template_parse(const void *bytes, size_t size, struct iso_template *out);
-int __wrap_iso_template_parse(const void *bytes, size_t size, struct iso_template *out);
-int __wrap_iso_template_parse(const void *bytes, size_t size, struct iso_template *out)
-{
-    n_parsed++;
-    return __real_iso_template_parse(bytes, size, out);
-}
-
-struct world {
-    char *directory;
-    struct iso_metric *metric; /* the caller frees it */
-    struct iso_gallery_options options;
-};
-
-static struct world new_world(void **state)
-{
-    struct world world = {
-        .directory = *state, .metric = gallery_rig_new_metric(), .options = stores_gallery(*state)};
-    world.options.capacity = PEOPLE + 2;
-    world.options.metric = world.metric;
-    return world;
-}
-
-static struct iso_gallery *open_gallery(const struct world *world)
-{
-    struct iso_gallery *gallery = NULL;
-    struct iso_fault fault = {.text = ""};
-    n_parsed = 0;
-    if (iso_gallery_open(&world->options, &gallery, &fault)) {
-        fail_msg("%s", fault.text);
-    }
-    return gallery;
-}
-
-/* Imports "person 0" and so on; the template of each has the person's number as its face. */
-static void make_people(const struct world *world)
-{
-    static struct iso_gallery_item items[PEOPLE];
-    static uint8_t bytes[PEOPLE][ISO_TEMPLATE_BYTES_MAX];
-    size_t added = 0;
-    for (int i = 0; i < PEOPLE; i++) {
-        const struct iso_template tmpl = puppet_template(i, PUPPET_ALGORITHM);
-        const int size = iso_template_serialise(&tmpl, bytes[i], sizeof bytes[i]);
-        assert_true(size > 0);
-        (void)snprintf(items[i].person.name, sizeof items[i].person.name, "person %d", i);
-        items[i].n = 1;
-        items[i].templates[0].algorithm = PUPPET_ALGORITHM;
-        items[i].templates[0].bytes = bytes[i];
-        items[i].templates[0].size = (size_t)size;
-    }
-    struct iso_gallery *gallery = open_gallery(world);
-    assert_int_equal(iso_gallery_import(gallery, items, PEOPLE, false, NULL, &added, NULL), 0);
-    iso_gallery_close(gallery);
-}
-
-/* The same, and a start that stores their vectors. */
-static void make_stored(const struct world *world)
-{
-    make_people(world);
-    iso_gallery_close(open_gallery(world));
-}
-
-static void add_face(struct iso_metric_vector *all, const struct iso_metric *metric, int face)
-{
-    const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
-    struct iso_metric_vector one;
-    assert_int_equal(iso_metric_project(metric, &tmpl, &one), 0);
-    iso_metric_vector_add(metric, &one, all);
-}
-
-/* Expects the vector of person `number`, to the bit: of the own face, and of `second` if it is not
- * negative. */
-static void expect_vector(struct iso_gallery *gallery, const struct world *world, int number,
-                          int second)
-{
-    char name[32];
-    struct iso_metric_vector wanted = {.n = 0}, found;
-    (void)snprintf(name, sizeof name, "person %d", number);
-    const struct iso_person *person = iso_gallery_find(gallery, name);
-    assert_non_null(person);
-    add_face(&wanted, world->metric, number);
-    if (second >= 0) {
-        add_face(&wanted, world->metric, second);
-    }
-    assert_int_equal(iso_index_find(iso_gallery_everybody(gallery).index, person->id, &found), 0);
-    assert_int_equal(found.n, wanted.n);
-    assert_memory_equal(&found.weight, &wanted.weight, sizeof found.weight);
-    assert_memory_equal(&found.scale, &wanted.scale, sizeof found.scale);
-    assert_memory_equal(found.mean, wanted.mean, DIMENSIONS * sizeof(float));
-    assert_true((int)person->templates == wanted.n && (int)person->usable == wanted.n);
-}
-
-static void expect_everybody(struct iso_gallery *gallery, const struct world *world)
-{
-    assert_int_equal(iso_index_size(iso_gallery_everybody(gallery).index), PEOPLE);
-    for (int i = 0; i < PEOPLE; i++) {
-        expect_vector(gallery, world, i, -1);
-    }
-}
-
-/* Opens and closes the gallery, and expects that it reads this number of templates. */
-static void expect_start(const struct world *world, int parsed)
-{
-    struct iso_gallery *gallery = open_gallery(world);
-    assert_int_equal(n_parsed, parsed);
-    expect_everybody(gallery, world);
-    iso_gallery_close(gallery);
-}
-
-/* A number that a query of g.db gives. */
-static int ask(const struct world *world, const char *sql)
-{
-    sqlite3 *db = NULL;
-    sqlite3_stmt *query = NULL;
-    assert_int_equal(sqlite3_open(scratch_path(world->directory, "g.db"), &db), SQLITE_OK);
-    assert_int_equal(sqlite3_prepare_v2(db, sql, -1, &query, NULL), SQLITE_OK);
-    assert_int_equal(sqlite3_step(query), SQLITE_ROW);
-    const int answer = sqlite3_column_int(query, 0);
-    (void)sqlite3_finalize(query);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
-    return answer;
-}
 
 /* ---- what they are for ---- */
 
 static void the_second_start_reads_no_template(void **state)
 {
-    const struct world world = new_world(state);
-    make_people(&world);
-    struct iso_gallery *gallery = open_gallery(&world);
+    const struct vectors_rig world = vectors_rig_new(state);
+    vectors_rig_enroll(&world);
+    struct iso_gallery *gallery = vectors_rig_open(&world);
     const struct iso_gallery_version before = iso_gallery_version(gallery);
-    assert_int_equal(n_parsed, PEOPLE);
-    expect_everybody(gallery, &world);
+    assert_int_equal(vectors_rig_n_parsed, VECTORS_RIG_PEOPLE);
+    vectors_rig_expect_everybody(gallery, &world);
     iso_gallery_close(gallery);
-    assert_int_equal(ask(&world, "SELECT count(*) FROM vector"), PEOPLE);
+    assert_int_equal(vectors_rig_ask(&world, "SELECT count(*) FROM vector"), VECTORS_RIG_PEOPLE);
 
-    expect_start(&world, 0);
-    gallery = open_gallery(&world);
+    vectors_rig_expect_start(&world, 0);
+    gallery = vectors_rig_open(&world);
     assert_int_equal(iso_gallery_version(gallery).changes, before.changes);
     iso_gallery_close(gallery);
     iso_metric_free(world.metric);
@@ -167,30 +39,31 @@ static void the_second_start_reads_no_template(void **state)
 
 static void few_vectors_are_not_stored(void **state)
 {
-    const struct world world = new_world(state);
-    struct iso_gallery *gallery = open_gallery(&world);
+    const struct vectors_rig world = vectors_rig_new(state);
+    struct iso_gallery *gallery = vectors_rig_open(&world);
     assert_int_equal(gallery_rig_add_number(gallery, 1, NULL), 0);
     iso_gallery_close(gallery);
-    iso_gallery_close(open_gallery(&world));
-    assert_int_equal(ask(&world, "SELECT count(*) FROM sqlite_schema WHERE name = 'vector'"), 0);
+    iso_gallery_close(vectors_rig_open(&world));
+    assert_int_equal(
+        vectors_rig_ask(&world, "SELECT count(*) FROM sqlite_schema WHERE name = 'vector'"), 0);
     iso_metric_free(world.metric);
 }
 
 /* Only new templates are read. */
 static void people_who_came_later_are_made_at_the_start(void **state)
 {
-    const struct world world = new_world(state);
-    make_stored(&world);
-    struct iso_gallery *gallery = open_gallery(&world);
+    const struct vectors_rig world = vectors_rig_new(state);
+    vectors_rig_store(&world);
+    struct iso_gallery *gallery = vectors_rig_open(&world);
     struct iso_person person = {.name = "person 7"};
     const struct iso_template tmpl = puppet_template(300, PUPPET_ALGORITHM);
     assert_int_equal(iso_gallery_add(gallery, &person, &tmpl, NULL), 0);
-    assert_int_equal(gallery_rig_add_number(gallery, PEOPLE, NULL), 0);
+    assert_int_equal(gallery_rig_add_number(gallery, VECTORS_RIG_PEOPLE, NULL), 0);
     iso_gallery_close(gallery);
-    gallery = open_gallery(&world);
-    assert_int_equal(n_parsed, 2);
-    for (int i = 0; i <= PEOPLE; i++) {
-        expect_vector(gallery, &world, i, i == 7 ? 300 : -1);
+    gallery = vectors_rig_open(&world);
+    assert_int_equal(vectors_rig_n_parsed, 2);
+    for (int i = 0; i <= VECTORS_RIG_PEOPLE; i++) {
+        vectors_rig_expect_vector(gallery, &world, i, i == 7 ? 300 : -1);
     }
     iso_gallery_close(gallery);
     iso_metric_free(world.metric);
@@ -198,14 +71,15 @@ static void people_who_came_later_are_made_at_the_start(void **state)
 
 static void a_vector_goes_with_its_template(void **state)
 {
-    const struct world world = new_world(state);
-    make_stored(&world);
-    struct iso_gallery *gallery = open_gallery(&world);
+    const struct vectors_rig world = vectors_rig_new(state);
+    vectors_rig_store(&world);
+    struct iso_gallery *gallery = vectors_rig_open(&world);
     assert_int_equal(iso_gallery_remove(gallery, "person 5", NULL), 0);
     iso_gallery_close(gallery);
-    assert_int_equal(ask(&world, "SELECT count(*) FROM vector"), PEOPLE - 1);
-    gallery = open_gallery(&world);
-    assert_int_equal(n_parsed, 0);
+    assert_int_equal(vectors_rig_ask(&world, "SELECT count(*) FROM vector"),
+                     VECTORS_RIG_PEOPLE - 1);
+    gallery = vectors_rig_open(&world);
+    assert_int_equal(vectors_rig_n_parsed, 0);
     assert_null(iso_gallery_find(gallery, "person 5"));
     iso_gallery_close(gallery);
     iso_metric_free(world.metric);
@@ -213,26 +87,26 @@ static void a_vector_goes_with_its_template(void **state)
 
 static void a_new_key_deletes_them(void **state)
 {
-    const struct world world = new_world(state);
-    make_stored(&world);
-    struct iso_gallery *gallery = open_gallery(&world);
+    const struct vectors_rig world = vectors_rig_new(state);
+    vectors_rig_store(&world);
+    struct iso_gallery *gallery = vectors_rig_open(&world);
     assert_int_equal(iso_gallery_rotate(gallery, NULL, NULL), 0);
     iso_gallery_close(gallery);
-    assert_int_equal(ask(&world, "SELECT count(*) FROM vector"), 0);
-    expect_start(&world, PEOPLE);
-    expect_start(&world, 0);
+    assert_int_equal(vectors_rig_ask(&world, "SELECT count(*) FROM vector"), 0);
+    vectors_rig_expect_start(&world, VECTORS_RIG_PEOPLE);
+    vectors_rig_expect_start(&world, 0);
     iso_metric_free(world.metric);
 }
 
 static void another_metric_makes_its_own(void **state)
 {
-    struct world world = new_world(state);
-    make_stored(&world);
+    struct vectors_rig world = vectors_rig_new(state);
+    vectors_rig_store(&world);
     world.metric->axis[3] = 0.5f;
-    expect_start(&world, PEOPLE);
-    expect_start(&world, 0);
+    vectors_rig_expect_start(&world, VECTORS_RIG_PEOPLE);
+    vectors_rig_expect_start(&world, 0);
     world.metric->weight_min = 0.125f;
-    expect_start(&world, PEOPLE);
+    vectors_rig_expect_start(&world, VECTORS_RIG_PEOPLE);
     iso_metric_free(world.metric);
 }
 
@@ -245,13 +119,13 @@ static void a_new_way_of_making_vectors_needs_a_new_label(void **state)
     (void)state;
     skip(); /* the compiler may join products and sums, which changes the last bits */
 #else
-    const struct world world = new_world(state);
+    const struct vectors_rig world = vectors_rig_new(state);
     uint32_t sum = 0;
-    for (int face = 0; face < PEOPLE; face++) {
+    for (int face = 0; face < VECTORS_RIG_PEOPLE; face++) {
         const struct iso_template tmpl = puppet_template(face, PUPPET_ALGORITHM);
         struct iso_metric_vector one;
         assert_int_equal(iso_metric_project(world.metric, &tmpl, &one), 0);
-        sum = iso_crc32(sum, one.mean, DIMENSIONS * sizeof(float));
+        sum = iso_crc32(sum, one.mean, VECTORS_RIG_DIMENSIONS * sizeof(float));
         sum = iso_crc32(sum, &one.scale, sizeof one.scale);
         sum = iso_crc32(sum, &one.step, sizeof one.step);
     }
@@ -263,15 +137,15 @@ static void a_new_way_of_making_vectors_needs_a_new_label(void **state)
 /* Without a metric templates are in memory, and vectors are left as they are. */
 static void without_a_metric_they_are_not_used(void **state)
 {
-    struct world world = new_world(state);
-    make_stored(&world);
+    struct vectors_rig world = vectors_rig_new(state);
+    vectors_rig_store(&world);
     world.options.metric = NULL;
-    struct iso_gallery *gallery = open_gallery(&world);
-    assert_int_equal(n_parsed, PEOPLE);
-    assert_int_equal(iso_gallery_everybody(gallery).n_entries, PEOPLE);
+    struct iso_gallery *gallery = vectors_rig_open(&world);
+    assert_int_equal(vectors_rig_n_parsed, VECTORS_RIG_PEOPLE);
+    assert_int_equal(iso_gallery_everybody(gallery).n_entries, VECTORS_RIG_PEOPLE);
     iso_gallery_close(gallery);
     world.options.metric = world.metric;
-    expect_start(&world, 0);
+    vectors_rig_expect_start(&world, 0);
     iso_metric_free(world.metric);
 }
 
@@ -289,8 +163,8 @@ static void a_changed_template_is_found_in_spite_of_its_vector(void **state)
         "UPDATE template SET record = zeroblob(0) WHERE id = 20",
         "DELETE FROM vector WHERE id = 20; DELETE FROM template WHERE id = 20",
     };
-    const struct world world = new_world(state);
-    make_stored(&world);
+    const struct vectors_rig world = vectors_rig_new(state);
+    vectors_rig_store(&world);
     stores_copy_file(*state, "g.db", "sound");
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
         struct iso_gallery *gallery = NULL;
@@ -304,7 +178,7 @@ static void a_changed_template_is_found_in_spite_of_its_vector(void **state)
         }
         stores_copy_file(*state, "sound", "g.db");
     }
-    expect_start(&world, 0);
+    vectors_rig_expect_start(&world, 0);
     iso_metric_free(world.metric);
 }
 
@@ -324,40 +198,40 @@ static void a_changed_vector_is_not_used(void **state)
         {"UPDATE vector SET record = zeroblob(100000) WHERE id = 20", 1},
         {"DELETE FROM vector WHERE id <= 20", 10},
     };
-    const struct world world = new_world(state);
-    make_stored(&world);
+    const struct vectors_rig world = vectors_rig_new(state);
+    vectors_rig_store(&world);
     stores_copy_file(*state, "g.db", "sound");
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
         gallery_rig_execute(*state, changes[i].sql);
-        expect_start(&world, changes[i].made);
+        vectors_rig_expect_start(&world, changes[i].made);
         stores_copy_file(*state, "sound", "g.db");
     }
     gallery_rig_execute(*state, "DROP TABLE vector");
-    expect_start(&world, PEOPLE);
+    vectors_rig_expect_start(&world, VECTORS_RIG_PEOPLE);
     iso_metric_free(world.metric);
 }
 
 static void a_full_disk_stores_none(void **state)
 {
-    const struct world world = new_world(state);
+    const struct vectors_rig world = vectors_rig_new(state);
     struct stat status;
     struct rlimit unlimited;
-    make_people(&world);
+    vectors_rig_enroll(&world);
     assert_int_equal(stat(scratch_path(*state, "g.db"), &status), 0);
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &unlimited), 0);
     const struct rlimit limit = {.rlim_cur = (rlim_t)status.st_size,
                                  .rlim_max = unlimited.rlim_max};
     assert_true(signal(SIGXFSZ, SIG_IGN) != SIG_ERR);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    struct iso_gallery *gallery = open_gallery(&world);
+    struct iso_gallery *gallery = vectors_rig_open(&world);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &unlimited), 0);
     assert_int_equal(iso_gallery_state(gallery, NULL), 0);
-    expect_everybody(gallery, &world);
-    assert_int_equal(gallery_rig_add_number(gallery, PEOPLE, NULL), 0);
+    vectors_rig_expect_everybody(gallery, &world);
+    assert_int_equal(gallery_rig_add_number(gallery, VECTORS_RIG_PEOPLE, NULL), 0);
     assert_int_equal(iso_gallery_remove(gallery, "person 120", NULL), 0);
     iso_gallery_close(gallery);
-    expect_start(&world, PEOPLE);
-    expect_start(&world, 0);
+    vectors_rig_expect_start(&world, VECTORS_RIG_PEOPLE);
+    vectors_rig_expect_start(&world, 0);
     iso_metric_free(world.metric);
 }
 
@@ -365,15 +239,15 @@ static void a_full_disk_stores_none(void **state)
 
 static void a_stolen_file_shows_no_vector(void **state)
 {
-    const struct world world = new_world(state);
+    const struct vectors_rig world = vectors_rig_new(state);
     size_t size = 0;
-    make_stored(&world);
+    vectors_rig_store(&world);
     char *file = scratch_read(scratch_path(*state, "g.db"), &size);
-    for (int i = 0; i < PEOPLE; i++) {
+    for (int i = 0; i < VECTORS_RIG_PEOPLE; i++) {
         const struct iso_template tmpl = puppet_template(i, PUPPET_ALGORITHM);
         struct iso_metric_vector one;
         assert_int_equal(iso_metric_project(world.metric, &tmpl, &one), 0);
-        assert_null(memmem(file, size, one.mean, DIMENSIONS * sizeof(float)));
+        assert_null(memmem(file, size, one.mean, VECTORS_RIG_DIMENSIONS * sizeof(float)));
     }
     free(file);
     iso_metric_free(world.metric);
