@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "core/heat/grid/chebyshev.h"
+#include "core/heat/grid/flush_to_zero.h"
 #include "core/heat/grid/grid_step.h"
 #include "core/heat/grid/heat_window.h"
 
@@ -264,9 +265,11 @@ int iso_heat_grid(struct iso_heat_grid *h, const struct iso_grid *grid,
         h->effort.stiffness_max = fmax(h->effort.stiffness_max, stiffness);
     }
     const double tolerance = tolerance_of(grid->pitch_mm, request->radius_mm, request->t_mm2);
+    const unsigned before = iso_flush_to_zero_begin();
     for (int s = 0; s < request->n_sources; s++) {
         release_one(h, s, request->t_mm2, tolerance);
     }
+    iso_flush_to_zero_end(before);
     return 0;
 }
 
