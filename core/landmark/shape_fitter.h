@@ -3,6 +3,7 @@
 #ifndef ISO_CORE_LANDMARK_SHAPE_FITTER_H
 #define ISO_CORE_LANDMARK_SHAPE_FITTER_H
 
+#include "core/landmark/meet_many.h"
 #include "core/landmark/shape_fit.h"
 
 enum {
@@ -67,6 +68,12 @@ void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int 
 
 /* Sets f->shape and f->normal to those of the state, where the steps need them. */
 void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *state);
+
+/* Compares the vertices f->face[first] to f->face[end - 1], at most ISO_MEET_MANY, with the frame.
+ * Returns how many. */
+int iso__shape_meet(const struct iso_shape_fitter *f, const struct iso_frame *frame,
+                    const struct iso_rigid *pose, int first, int end, double cutoff_mm,
+                    struct iso_meetings *out);
 
 /* One step of Gauss-Newton. -ENODATA if too few vertices are measured, or if they do not fix the
  * unknowns. */

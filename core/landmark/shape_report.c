@@ -17,15 +17,16 @@ void iso__shape_measure(struct iso_shape_fitter *f, const struct iso_frame *fram
     struct iso_pose_tally tally = {0};
     memset(f->residual_mm, 0, f->model->n_vertices * sizeof *f->residual_mm);
     memset(f->meeting, ISO_MEETING_TURNED_AWAY, f->model->n_vertices * sizeof *f->meeting);
-    for (int i = 0; i < f->n_face; i++) {
-        const uint32_t vertex = f->face[i];
-        double r = 0.0;
-        const enum iso_meeting meeting = iso_meet(
-            frame, iso_rigid_apply(pose, f->shape[vertex]),
-            iso_mat3_apply(&pose->rotation, f->normal[vertex]), &r);
-        f->meeting[vertex] = (uint8_t)meeting;
-        f->residual_mm[vertex] = (float)r;
-        iso_pose_tally_add(&tally, meeting, r);
+    struct iso_meetings m;
+    for (int first = 0; first < f->n_face; first += ISO_MEET_MANY) {
+        const double any_mm = 1.0; /* the weights are not used */
+        const int n = iso__shape_meet(f, frame, pose, first, f->n_face, any_mm, &m);
+        for (int i = 0; i < n; i++) {
+            const uint32_t vertex = f->face[first + i];
+            f->meeting[vertex] = (uint8_t)m.meeting[i];
+            f->residual_mm[vertex] = (float)m.distance_mm[i];
+            iso_pose_tally_add(&tally, (enum iso_meeting)m.meeting[i], m.distance_mm[i]);
+        }
     }
     out->camera_from_face = *pose;
     iso_pose_tally_finish(&tally, out);
