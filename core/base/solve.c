@@ -119,11 +119,13 @@ int iso_cholesky_factorise(double *a, int n)
 
 void iso_cholesky_solve(const double *l, int n, double *b)
 {
-    for (int i = 0; i < n; i++) {
-        for (int k = 0; k < i; k++) {
+    /* Column by column, because no entry then waits for the sum of another one; each goes through
+     * the same operations in the same order as row by row. */
+    for (int k = 0; k < n; k++) {
+        b[k] /= l[k * n + k];
+        for (int i = k + 1; i < n; i++) {
             b[i] -= l[i * n + k] * b[k];
         }
-        b[i] /= l[i * n + i];
     }
     for (int i = n - 1; i >= 0; i--) {
         for (int k = i + 1; k < n; k++) {

@@ -56,7 +56,7 @@ void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *s
     iso_triangle_normals((const uint32_t(*)[3])f->triangle, (uint32_t)f->n_triangles, f->shape,
                          f->normal);
     for (int i = 0; i < f->n_face; i++) {
-        f->normal[f->face[i]] = iso_unit(f->normal[f->face[i]]);
+        f->normal[f->vertex[i]] = iso_unit(f->normal[f->vertex[i]]);
     }
 }
 
@@ -92,7 +92,7 @@ int iso__shape_meet(const struct iso_shape_fitter *f, const struct iso_frame *fr
     const int n = end - first < ISO_MEET_MANY ? end - first : ISO_MEET_MANY;
     struct iso_meet_points points;
     for (int i = 0; i < n; i++) {
-        const uint32_t vertex = f->face[first + i];
+        const uint32_t vertex = f->vertex[first + i];
         iso_meet_points_set(&points, i, f->shape[vertex], f->normal[vertex]);
     }
     for (int i = n; i % ISO_MEET_GROUP != 0; i++) {
@@ -113,7 +113,7 @@ static int add_rows(struct iso_shape_fitter *f, const struct iso_frame *frame,
     struct iso_meetings m;
     const int some = iso__shape_meet(f, frame, pose, first, end, unknowns->cutoff_mm, &m);
     for (int i = 0; i < some; i++) {
-        const uint32_t vertex = f->face[first + i];
+        const uint32_t vertex = f->vertex[first + i];
         const double soft = f->model->region[vertex] & ISO_HEAD_RIGID ? 1.0
                                                                       : f->options.soft_weight;
         const double w = m.weight[i] * soft;

@@ -184,6 +184,22 @@ static void a_fit_does_not_depend_on_the_one_before(void **state)
     iso_frame_free(mean);
 }
 
+static void the_pose_alone_is_that_of_the_fit(void **state)
+{
+    struct fixture *f = *state;
+    struct iso_shape_fit fit;
+    struct iso_pose_fit pose;
+    draw_person(f);
+    assert_int_equal(iso_shape_fitter_new(f->model, &usual, &f->fitter), 0);
+    assert_int_equal(iso_shape_fit(f->fitter, f->frame, &f->start, &fit), 0);
+    assert_int_equal(iso_shape_fit_pose(f->fitter, f->frame, &f->start, &pose), 0);
+    assert_memory_equal(&fit.pose, &pose, sizeof pose);
+    memset(f->frame->depth_mm, 0,
+           (size_t)f->frame->width_px * (size_t)f->frame->height_px * sizeof *f->frame->depth_mm);
+    assert_int_equal(iso_shape_fit_pose(f->fitter, f->frame, &f->start, &pose), -ENODATA);
+    assert_memory_equal(&fit.pose, &pose, sizeof pose);
+}
+
 /* How many starts of a fit of the person are given up with this number of iterations. */
 static int given_up(struct fixture *f, int iterations)
 {
@@ -366,6 +382,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(known_coefficients_are_recovered, set_up, tear_down),
         cmocka_unit_test_setup_teardown(landmarks_are_those_of_the_neutral_head, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_fit_does_not_depend_on_the_one_before, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(the_pose_alone_is_that_of_the_fit, set_up, tear_down),
         cmocka_unit_test_setup_teardown(starts_are_given_up_only_where_the_bounds_hold, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(too_little_of_a_face_is_no_data, set_up, tear_down),
