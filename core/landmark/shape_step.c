@@ -144,8 +144,8 @@ static int build_equations(struct iso_shape_fitter *f, const struct iso_frame *f
         n_rows = add_rows(f, frame, pose, unknowns, first, end, n_rows, &measured);
     }
     iso_gram(f->rows, n_rows, n + 1, f->gram);
-    for (int a = 0; a < n; a++) {
-        memcpy(&f->h[a * n], &f->gram[a * (n + 1)], (size_t)n * sizeof *f->h);
+    for (int a = 0; a < n; a++) { /* the lower triangle */
+        memcpy(&f->h[a * n], &f->gram[a * (n + 1)], (size_t)(a + 1) * sizeof *f->h);
         g[a] = f->gram[n * (n + 1) + a];
     }
     return measured;
