@@ -12,19 +12,34 @@
  * same bits. */
 enum { PANEL = 4 };
 
+/* The sum of the squares of the first n entries of a row. It is only compared with a small share of
+ * a pivot, so the order of its additions does not matter. */
+static double squares_of(const double *row, int n)
+{
+    iso_pair left = {0}, right = {0};
+    double rest = 0.0;
+    int k = 0;
+    for (; k + PANEL <= n; k += PANEL) {
+        left += ISO_PAIR_LOAD(row + k) * ISO_PAIR_LOAD(row + k);
+        right += ISO_PAIR_LOAD(row + k + 2) * ISO_PAIR_LOAD(row + k + 2);
+    }
+    for (; k < n; k++) {
+        rest += row[k] * row[k];
+    }
+    left += right;
+    return left[0] + left[1] + rest;
+}
+
 /* The rows before `end` of a column of the factor, from a matrix from which all panels before
  * `first` are subtracted. */
 static int finish_column(double *a, int n, int first, int end, int j)
 {
-    double pivot = a[j * n + j], diagonal = 0.0;
+    double pivot = a[j * n + j];
     for (int k = first; k < j; k++) {
         pivot -= a[j * n + k] * a[j * n + k];
     }
-    for (int k = 0; k < j; k++) {
-        diagonal += a[j * n + k] * a[j * n + k];
-    }
     /* This comparison is also false for NaN. The sum is the diagonal entry of the matrix. */
-    if (!(pivot > 1e-12 * fabs(pivot + diagonal))) {
+    if (!(pivot > 1e-12 * fabs(pivot + squares_of(&a[j * n], j)))) {
         return -EDOM;
     }
     const double root = sqrt(pivot);
@@ -39,12 +54,27 @@ static int finish_column(double *a, int n, int first, int end, int j)
     return 0;
 }
 
-/* The rows below a whole panel whose own rows are finished. */
+/* Entry k of this row of the factor and of the next one. */
+#define COLUMN_AT(row, n, k) ((iso_pair){(row)[k], (row)[(n) + (k)]})
+
+/* The rows below a whole panel whose own rows are finished, two at a time. */
 static void finish_rows_below(double *a, int n, int first)
 {
     const double *const r0 = &a[first * n + first], *const r1 = r0 + n, *const r2 = r1 + n,
                         *const r3 = r2 + n;
-    for (int i = first + PANEL; i < n; i++) {
+    int i = first + PANEL;
+    for (; i + 2 <= n; i += 2) {
+        double *x = &a[i * n + first];
+        const iso_pair x0 = COLUMN_AT(x, n, 0) / r0[0];
+        const iso_pair x1 = (COLUMN_AT(x, n, 1) - x0 * r1[0]) / r1[1];
+        const iso_pair x2 = (COLUMN_AT(x, n, 2) - x0 * r2[0] - x1 * r2[1]) / r2[2];
+        const iso_pair x3 = (COLUMN_AT(x, n, 3) - x0 * r3[0] - x1 * r3[1] - x2 * r3[2]) / r3[3];
+        ISO_PAIR_STORE(x, __builtin_shufflevector(x0, x1, 0, 2));
+        ISO_PAIR_STORE(x + 2, __builtin_shufflevector(x2, x3, 0, 2));
+        ISO_PAIR_STORE(x + n, __builtin_shufflevector(x0, x1, 1, 3));
+        ISO_PAIR_STORE(x + n + 2, __builtin_shufflevector(x2, x3, 1, 3));
+    }
+    for (; i < n; i++) {
         double *x = &a[i * n + first];
         x[0] = x[0] / r0[0];
         x[1] = (x[1] - x[0] * r1[0]) / r1[1];
@@ -60,9 +90,6 @@ static void subtract_from_entry(double *a, int n, int first, int i, int j)
         a[i * n + j] -= a[i * n + k] * a[j * n + k];
     }
 }
-
-/* Entry k of this row of the factor and of the next one. */
-#define COLUMN_AT(row, n, k) ((iso_pair){(row)[k], (row)[(n) + (k)]})
 
 /* Subtracts a panel from the columns j to j + PANEL - 1 of the lower triangle. The first rows end
  * within these columns: what is written behind their ends belongs to the upper triangle. */
@@ -91,7 +118,29 @@ static void subtract_panel(double *a, int n, int first, int j)
     }
 }
 
-int iso_cholesky_factorise(double *a, int n)
+#if defined __x86_64__
+/* The same with four columns in a register. Without FMA, so that the bits are the same. */
+static __attribute__((target("avx2"))) void subtract_panel_avx2(double *a, int n, int first, int j)
+{
+    const double *const r0 = &a[j * n + first], *const r1 = r0 + n, *const r2 = r1 + n,
+                        *const r3 = r2 + n;
+    const iso_doubles k0 = {r0[0], r1[0], r2[0], r3[0]}, k1 = {r0[1], r1[1], r2[1], r3[1]};
+    const iso_doubles k2 = {r0[2], r1[2], r2[2], r3[2]}, k3 = {r0[3], r1[3], r2[3], r3[3]};
+    for (int i = j; i < n; i++) {
+        const double *factor = &a[i * n + first];
+        iso_doubles entry = ISO_DOUBLES_LOAD(&a[i * n + j]);
+        entry -= factor[0] * k0;
+        entry -= factor[1] * k1;
+        entry -= factor[2] * k2;
+        entry -= factor[3] * k3;
+        ISO_DOUBLES_STORE(&a[i * n + j], entry);
+    }
+}
+#endif
+
+typedef void subtract_function(double *a, int n, int first, int j);
+
+static int factorise(double *a, int n, subtract_function *subtract)
 {
     for (int first = 0; first < n; first += PANEL) {
         const int end = first + PANEL < n ? first + PANEL : n;
@@ -106,7 +155,7 @@ int iso_cholesky_factorise(double *a, int n)
         }
         int j = end;
         for (; j + PANEL <= n; j += PANEL) {
-            subtract_panel(a, n, first, j);
+            subtract(a, n, first, j);
         }
         for (; j < n; j++) {
             for (int i = j; i < n; i++) {
@@ -117,13 +166,30 @@ int iso_cholesky_factorise(double *a, int n)
     return 0;
 }
 
+int iso__cholesky_factorise_baseline(double *a, int n)
+{
+    return factorise(a, n, subtract_panel);
+}
+
+int iso_cholesky_factorise(double *a, int n)
+{
+#if defined __x86_64__
+    if (__builtin_cpu_supports("avx2")) {
+        return factorise(a, n, subtract_panel_avx2);
+    }
+#endif
+    return iso__cholesky_factorise_baseline(a, n);
+}
+
 void iso_cholesky_solve(const double *l, int n, double *b)
 {
-    for (int i = 0; i < n; i++) {
-        for (int k = 0; k < i; k++) {
+    /* Column by column, because no entry then waits for the sum of another one; each goes through
+     * the same operations in the same order as row by row. */
+    for (int k = 0; k < n; k++) {
+        b[k] /= l[k * n + k];
+        for (int i = k + 1; i < n; i++) {
             b[i] -= l[i * n + k] * b[k];
         }
-        b[i] /= l[i * n + i];
     }
     for (int i = n - 1; i >= 0; i--) {
         for (int k = i + 1; k < n; k++) {

@@ -8,6 +8,10 @@
  * (singular, indefinite or not finite). */
 int iso_cholesky_factorise(double *a, int n) __attribute__((warn_unused_result));
 
+/* The same, to the bit, for every processor of the architecture. iso_cholesky_factorise() calls the
+ * fastest one that this machine can run. */
+int iso__cholesky_factorise_baseline(double *a, int n) __attribute__((warn_unused_result));
+
 /* Solves L L' x = b for a factor from iso_cholesky_factorise. b [n] becomes x. */
 void iso_cholesky_solve(const double *l, int n, double *b);
 

@@ -11,6 +11,7 @@
 #include "core/base/wipe.h"
 #include "core/find/ring_height.h"
 #include "core/frame/depth_lanes.h"
+#include "core/frame/distortion.h"
 
 /* Sizes of a head, mm. */
 static const double part_jump_mm = 40.0;    /* a larger step of depth separates two parts */
@@ -36,8 +37,27 @@ struct iso_candidate_finder {
     int32_t *part;    /* the label of each pixel, or a mark */
     int32_t *queue;   /* pixels of the part that flood fill is finding; later high ones */
     float *height_mm; /* of each pixel above its ring; 0 for no candidate */
-    int32_t n_high;   /* pixels in the queue that were given a height */
+    double *column_line, *row_line; /* of the frame (ring_height.h) */
+    struct iso_sight_lines lines;   /* these, or none */
+    int32_t n_high;                 /* pixels in the queue that were given a height */
 };
+
+/* Sets the lines of sight of a frame's columns and rows, if its camera has such lines. */
+static void set_lines(struct iso_candidate_finder *f, const struct iso_frame *frame)
+{
+    const struct iso_camera *c = &frame->camera;
+    f->lines = (struct iso_sight_lines){NULL, NULL};
+    if (c->projection != ISO_PINHOLE || iso_camera_is_distorted(c)) {
+        return;
+    }
+    for (int column = 0; column < frame->width_px; column++) {
+        f->column_line[column] = iso_sight_line(column, frame->crop_x_px, c->cx_px, c->fx_px);
+    }
+    for (int row = 0; row < frame->height_px; row++) {
+        f->row_line[row] = iso_sight_line(row, frame->crop_y_px, c->cy_px, c->fy_px);
+    }
+    f->lines = (struct iso_sight_lines){f->column_line, f->row_line};
+}
 
 /* A connected piece of surface. */
 struct part {
@@ -67,8 +87,11 @@ int iso_candidate_finder_new(size_t capacity_px, struct iso_candidate_finder **o
         f->part = calloc(n, sizeof *f->part);
         f->queue = calloc(capacity_px, sizeof *f->queue);
         f->height_mm = calloc(n, sizeof *f->height_mm);
+        f->column_line = calloc(capacity_px, sizeof *f->column_line);
+        f->row_line = calloc(capacity_px, sizeof *f->row_line);
     }
-    if (!f || !f->depth_mm || !f->part || !f->queue || !f->height_mm) {
+    if (!f || !f->depth_mm || !f->part || !f->queue || !f->height_mm || !f->column_line ||
+        !f->row_line) {
         iso_candidate_finder_free(f);
         return -ENOMEM;
     }
@@ -83,6 +106,8 @@ void iso_candidate_finder_free(struct iso_candidate_finder *finder)
         free(finder->part);
         free(finder->queue);
         iso_wipe_free(finder->height_mm);
+        free(finder->column_line);
+        free(finder->row_line);
         free(finder);
     }
 }
@@ -208,17 +233,24 @@ static void measure_heights(struct iso_candidate_finder *f, const struct iso_fra
                             int column, int row, const struct part *parts, int n_parts)
 {
     const int first = index_of(frame, column, row), left = frame->width_px - column;
+    const int n = left < ISO_DEPTHS ? left : ISO_DEPTHS;
+    unsigned wanted = 0;
+    for (int k = 0; k < n; k++) {
+        wanted |= (unsigned)is_of_parts(f->part[first + k], parts, n_parts) << k;
+    }
+    if (!wanted) {
+        return;
+    }
     double z_mm[ISO_DEPTHS];
-    bool smooth = false;
-    for (int k = 0; k < ISO_DEPTHS && k < left; k++) {
-        if (!is_of_parts(f->part[first + k], parts, n_parts)) {
-            continue;
-        }
-        if (!smooth) {
-            smooth_depths(&f->depth_mm[first], pitch_of(frame), z_mm);
-            smooth = true;
-        }
-        const double height = iso_ring_height(frame, column + k, row, z_mm[k]);
+    _Static_assert(ISO_RINGS == (int)ISO_DEPTHS, "a group of pixels");
+    smooth_depths(&f->depth_mm[first], pitch_of(frame), z_mm);
+    if (wanted == (1u << ISO_DEPTHS) - 1) {
+        wanted &= ~iso_rings_are_low(frame, column, row, z_mm);
+    }
+    for (int k = 0; k < n; k++) {
+        const double height = wanted >> k & 1
+                                  ? iso_ring_height(frame, &f->lines, column + k, row, z_mm[k])
+                                  : 0.0;
         if (height >= ISO_RING_HEIGHT_MIN_MM && height <= height_max_mm) {
             f->height_mm[first + k] = (float)height;
             f->queue[f->n_high++] = first + k;
@@ -266,7 +298,7 @@ static struct iso_nose_candidate candidate_at(const struct iso_candidate_finder 
         &frame->camera, column + frame->crop_x_px, row + frame->crop_y_px, z_mm[0]);
     return (struct iso_nose_candidate){
         .point_mm = point_mm,
-        .height_mm = iso_ring_height(frame, column, row, z_mm[0]),
+        .height_mm = iso_ring_height(frame, &f->lines, column, row, z_mm[0]),
         .stands_out_mm = iso_ring_stands_out(frame, column, row, z_mm[0]),
         .part = part,
     };
@@ -282,6 +314,7 @@ int iso_candidates_find(struct iso_candidate_finder *f, const struct iso_frame *
     }
     struct part parts[ISO_CANDIDATE_PARTS_MAX];
     const bool any = take_in(f, frame, options) > 0;
+    set_lines(f, frame);
     int found_parts = any ? find_parts(f, frame, parts) : 0, n = 0;
     f->n_high = 0;
     for (int row = 0; found_parts > 0 && row < frame->height_px; row++) {

@@ -202,17 +202,18 @@ static bool best_of(const struct iso_pose_search *search, const struct ranking *
     struct ranking refined = refine_ranking(search, &settled, &fine, FITTED);
     bool found = false;
     for (int i = 0; i < refined.n && refined.fit[i].cost_mm2 <= most_mm2; i++) {
-        struct iso_shape_fit fit;
+        struct iso_pose_fit fit;
         if (found && refined.fit[i].cost_mm2 > refined.fit[0].cost_mm2 + hopeless_mm2 &&
             doubt_mm2(search, best) <= beyond_doubt_mm2) {
             break; /* the others are still worse */
         }
-        if (iso_shape_fit(search->fitter, search->frame, &refined.fit[i].camera_from_face, &fit) ||
-            !weigh_up(search, turned_cost_mm2, &fit.pose)) {
+        if (iso_shape_fit_pose(search->fitter, search->frame, &refined.fit[i].camera_from_face,
+                               &fit) ||
+            !weigh_up(search, turned_cost_mm2, &fit)) {
             continue;
         }
-        if (!found || fit.pose.cost_mm2 < best->cost_mm2) {
-            *best = fit.pose;
+        if (!found || fit.cost_mm2 < best->cost_mm2) {
+            *best = fit;
             found = true;
         }
     }

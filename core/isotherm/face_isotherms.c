@@ -3,13 +3,15 @@
 #include <errno.h>
 #include <string.h>
 
+#include "core/isotherm/rays.h"
+
 /* Samples the curve that encloses a landmark. Sets n = 0 if there is none. */
-static void sample(const struct iso_tracer *curves, struct iso_vec3 landmark_mm, int n_points,
-                   struct iso_isotherm *out)
+static void sample(const struct iso_tracer *curves, struct iso_vec3 landmark_mm,
+                   const struct iso__rays *rays, struct iso_isotherm *out)
 {
     const int enclosing = iso_tracer_enclosing(curves, landmark_mm);
-    if (enclosing < 0 || iso_isotherm_sample_polar(iso_tracer_curve(curves, enclosing), landmark_mm,
-                                                   n_points, out)) {
+    if (enclosing < 0 ||
+        iso__isotherm_sample_rays(iso_tracer_curve(curves, enclosing), landmark_mm, rays, out)) {
         out->n = 0;
     }
 }
@@ -17,7 +19,8 @@ static void sample(const struct iso_tracer *curves, struct iso_vec3 landmark_mm,
 /* Finds the isotherm of one landmark at one radius on a mesh. Returns 0 with n = 0 if there is
  * none; -ENOSPC if the tracer is too small; -ENOMEM. */
 static int trace_on_mesh(struct iso_tracer *tracer, const struct iso_heated_face *face,
-                         int landmark, double radius_mm, int n_points, struct iso_isotherm *out)
+                         int landmark, double radius_mm, const struct iso__rays *rays,
+                         struct iso_isotherm *out)
 {
     const double *heat = &face->heat[(size_t)landmark * (size_t)face->mesh->n_vertices];
     out->n = 0;
@@ -30,7 +33,7 @@ static int trace_on_mesh(struct iso_tracer *tracer, const struct iso_heated_face
     if (curves < 0) {
         return curves;
     }
-    sample(tracer, face->landmark_mm[landmark], n_points, out);
+    sample(tracer, face->landmark_mm[landmark], rays, out);
     return 0;
 }
 
@@ -66,13 +69,15 @@ static void end(struct iso_template *tmpl, double total)
 int iso_face_isotherms(struct iso_tracer *tracer, const struct iso_heated_face *face,
                        struct iso_template *tmpl)
 {
+    struct iso__rays rays;
     begin(tmpl);
+    iso__rays_set(&rays, tmpl->n_points);
     double total = 0.0;
     for (int r = 0; r < tmpl->n_radii; r++) {
         for (int l = 0; l < ISO_LANDMARKS; l++) {
             struct iso_isotherm curve;
-            const int error = trace_on_mesh(tracer, face, l, (double)tmpl->radius_mm[r],
-                                            tmpl->n_points, &curve);
+            const int error = trace_on_mesh(tracer, face, l, (double)tmpl->radius_mm[r], &rays,
+                                            &curve);
             if (error) {
                 return error;
             }
@@ -85,7 +90,8 @@ int iso_face_isotherms(struct iso_tracer *tracer, const struct iso_heated_face *
 
 /* The isotherms of one landmark. The sums of their weights go to weight[radius][landmark]. */
 static void trace_on_grid(struct iso_grid_tracer *tracer, const struct iso_heated_grid *face,
-                          int landmark, struct iso_template *tmpl, double weight[][ISO_LANDMARKS])
+                          int landmark, const struct iso__rays *rays, struct iso_template *tmpl,
+                          double weight[][ISO_LANDMARKS])
 {
     iso_grid_tracer_begin(tracer, face->grid, &face->heat[landmark]);
     for (int r = tmpl->n_radii - 1; r >= 0; r--) { /* usually from the largest down */
@@ -93,8 +99,7 @@ static void trace_on_grid(struct iso_grid_tracer *tracer, const struct iso_heate
         double level;
         curve.n = 0;
         if (iso_grid_tracer_run(tracer, (double)tmpl->radius_mm[r], &level) > 0) {
-            sample(iso_grid_tracer_curves(tracer), face->landmark_mm[landmark], tmpl->n_points,
-                   &curve);
+            sample(iso_grid_tracer_curves(tracer), face->landmark_mm[landmark], rays, &curve);
         }
         weight[r][landmark] = keep(&curve, face->patch, r, landmark, tmpl);
     }
@@ -104,9 +109,11 @@ void iso_face_isotherms_on_grid(struct iso_grid_tracer *tracer, const struct iso
                                 struct iso_template *tmpl)
 {
     double weight[ISO_TEMPLATE_RADII_MAX][ISO_LANDMARKS], total = 0.0;
+    struct iso__rays rays;
     begin(tmpl);
+    iso__rays_set(&rays, tmpl->n_points);
     for (int l = 0; l < ISO_LANDMARKS; l++) {
-        trace_on_grid(tracer, face, l, tmpl, weight);
+        trace_on_grid(tracer, face, l, &rays, tmpl, weight);
     }
     for (int r = 0; r < tmpl->n_radii; r++) { /* in the order of iso_face_isotherms */
         for (int l = 0; l < ISO_LANDMARKS; l++) {

@@ -169,6 +169,21 @@ void iso_grid_tracer_begin(struct iso_grid_tracer *tracer, const struct iso_grid
     iso__grid_band_begin(&tracer->band, grid, field);
 }
 
+/* Lists the triangles of the band that a level cuts, without a branch for each, and marks them as
+ * not passed. Returns how many. */
+static int32_t list_cut(struct iso_grid_tracer *tracer, double level)
+{
+    const struct iso__grid_band *band = &tracer->band;
+    int32_t n = 0;
+    for (int32_t i = 0; i < band->n; i++) {
+        const struct iso__grid_triangle *t = &band->triangle[i];
+        tracer->passed[t->cell] = 0;
+        tracer->curves->cut[n] = i;
+        n += (int)(t->heat.low < level) & (int)(t->heat.high >= level);
+    }
+    return n;
+}
+
 int iso_grid_tracer_run(struct iso_grid_tracer *tracer, double radius_mm, double *level)
 {
     const struct iso__grid_band *band = &tracer->band;
@@ -178,22 +193,17 @@ int iso_grid_tracer_run(struct iso_grid_tracer *tracer, double radius_mm, double
         return error;
     }
     const struct scene scene = {band->grid, band->field, found};
-    for (int32_t i = 0; i < band->n; i++) {
-        tracer->passed[band->triangle[i].cell] = 0;
-    }
+    const int32_t n_cut = list_cut(tracer, found);
     tracer->curves->n_curves = 0;
     tracer->curves->start[0] = 0;
     /* The first pass traces the open curves, from where they enter the window. The second pass
      * traces the loops. */
     for (int loops = 0; loops < 2; loops++) {
-        for (int32_t i = 0; i < band->n; i++) {
-            const struct iso__grid_triangle *t = &band->triangle[i];
+        for (int32_t i = 0; i < n_cut; i++) {
+            const struct iso__grid_triangle *t = &band->triangle[tracer->curves->cut[i]];
             const struct place at = {t->cell, t->left_out};
-            const bool is_cut = t->heat.low < found && t->heat.high >= found;
-            if (!is_cut || is_passed(tracer, at)) {
-                continue;
-            }
-            if (loops || across(&scene, at, turn_of(&scene, at).enters).left_out < 0) {
+            if (!is_passed(tracer, at) &&
+                (loops || across(&scene, at, turn_of(&scene, at).enters).left_out < 0)) {
                 walk(tracer, &scene, at);
             }
         }

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "core/base/lanes.h"
+#include "core/isotherm/rays.h"
 
 /* A position relative to the landmark, seen from the front, mm. */
 struct place {
@@ -27,33 +27,25 @@ static int check(struct iso_curve curve, int n_points)
     return n_points >= 4 && n_points <= ISO_ISOTHERM_POINTS_MAX && curve.n >= 3 ? 0 : -EINVAL;
 }
 
-/* Rays from the landmark, in pairs; the last one may be empty. */
-enum { PAIRS = (ISO_ISOTHERM_POINTS_MAX + ISO_PAIR - 1) / ISO_PAIR };
-
-struct rays {
-    int pairs;
-    iso_pair x[PAIRS], y[PAIRS]; /* unit directions */
-};
-
 /* How far a place lies to the left of the line of each ray. */
 struct sides {
-    iso_pair off[PAIRS];
+    iso_pair off[ISO__RAY_PAIRS];
 };
 
-static void point_rays(struct rays *rays, int n_points)
+void iso__rays_set(struct iso__rays *rays, int n)
 {
-    rays->pairs = (n_points + ISO_PAIR - 1) / ISO_PAIR;
-    memset(rays->x, 0, sizeof rays->x);
-    memset(rays->y, 0, sizeof rays->y);
-    for (int i = 0; i < n_points; i++) { /* +y, then -x: counter-clockwise from +z */
-        const double angle = 2.0 * M_PI * i / n_points;
+    memset(rays, 0, sizeof *rays);
+    rays->n = n;
+    rays->pairs = (n + ISO_PAIR - 1) / ISO_PAIR;
+    for (int i = 0; i < n && i < ISO_ISOTHERM_POINTS_MAX; i++) { /* +y, -x: counter-clockwise */
+        const double angle = 2.0 * M_PI * i / n;
         rays->x[i / ISO_PAIR][i % ISO_PAIR] = -sin(angle);
         rays->y[i / ISO_PAIR][i % ISO_PAIR] = cos(angle);
     }
 }
 
 /* Sets `to` to the sides of a place. Returns whether a line has it on another side than `from`. */
-static bool compare_sides(const struct rays *rays, struct place p, const struct sides *from,
+static bool compare_sides(const struct iso__rays *rays, struct place p, const struct sides *from,
                           struct sides *to)
 {
     iso_pair_bits changed = {0};
@@ -72,7 +64,7 @@ struct segment {
 };
 
 /* Keeps where a segment meets the rays, if this is farther than what the rays met before. */
-static void keep_crossings(const struct rays *rays, const struct segment *segment,
+static void keep_crossings(const struct iso__rays *rays, const struct segment *segment,
                            double farthest[ISO_ISOTHERM_POINTS_MAX], struct iso_isotherm *out)
 {
     struct place a = segment->a, b = segment->b;
@@ -93,10 +85,10 @@ static void keep_crossings(const struct rays *rays, const struct segment *segmen
     }
 }
 
-int iso_isotherm_sample_polar(struct iso_curve curve, struct iso_vec3 landmark_mm, int n_points,
-                              struct iso_isotherm *out)
+int iso__isotherm_sample_rays(struct iso_curve curve, struct iso_vec3 landmark_mm,
+                              const struct iso__rays *rays, struct iso_isotherm *out)
 {
-    const int error = check(curve, n_points);
+    const int n_points = rays->n, error = check(curve, n_points);
     if (error) {
         return error;
     }
@@ -106,18 +98,16 @@ int iso_isotherm_sample_polar(struct iso_curve curve, struct iso_vec3 landmark_m
     for (int i = 0; i < n_points; i++) {
         farthest[i] = -1.0;
     }
-    struct rays rays;
     struct sides sides[2] = {{{{0}}}};
-    point_rays(&rays, n_points);
     struct place a = about(curve.points_mm[0], landmark_mm);
-    (void)compare_sides(&rays, a, &sides[1], &sides[0]);
+    (void)compare_sides(rays, a, &sides[1], &sides[0]);
     for (int32_t k = 1; k < curve.n + (curve.closed ? 1 : 0); k++) {
         const struct iso_vec3 *to = &curve.points_mm[k < curve.n ? k : 0];
         const struct place b = about(*to, landmark_mm);
         const struct sides *from = &sides[(k - 1) % 2];
-        if (compare_sides(&rays, b, from, &sides[k % 2])) {
+        if (compare_sides(rays, b, from, &sides[k % 2])) {
             const struct segment segment = {&curve.points_mm[k - 1], to, a, b, from, &sides[k % 2]};
-            keep_crossings(&rays, &segment, farthest, out);
+            keep_crossings(rays, &segment, farthest, out);
         }
         a = b;
     }
@@ -128,6 +118,18 @@ int iso_isotherm_sample_polar(struct iso_curve curve, struct iso_vec3 landmark_m
         }
     }
     return 0;
+}
+
+int iso_isotherm_sample_polar(struct iso_curve curve, struct iso_vec3 landmark_mm, int n_points,
+                              struct iso_isotherm *out)
+{
+    struct iso__rays rays;
+    const int error = check(curve, n_points);
+    if (error) {
+        return error;
+    }
+    iso__rays_set(&rays, n_points);
+    return iso__isotherm_sample_rays(curve, landmark_mm, &rays, out);
 }
 
 static double length_of(struct iso_curve curve, int32_t segments)

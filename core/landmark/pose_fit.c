@@ -6,6 +6,7 @@
 
 #include "core/base/lanes.h"
 #include "core/base/solve.h"
+#include "core/landmark/meet_many.h"
 #include "core/landmark/pose_tally.h"
 
 enum { DOF = 6, VERTICES_MIN = 30 };
@@ -41,26 +42,40 @@ static void add_equation(struct equations *equations, const iso_pair j[PAIRS], d
     g[2] -= c * r;
 }
 
+/* Compares the vertices from `first` on, at most ISO_MEET_MANY of n. Returns how many. */
+static int meet(const struct iso_pose_vertices *vertices, int first, int n,
+                const struct iso_frame *frame, const struct iso_rigid *pose, double cutoff_mm,
+                struct iso_meetings *meetings)
+{
+    const int some = n - first < ISO_MEET_MANY ? n - first : ISO_MEET_MANY;
+    iso_meet_many(frame, pose, &vertices->points[first / ISO_MEET_MANY], some, cutoff_mm, meetings);
+    return some;
+}
+
 /* The normal equations of one Gauss-Newton step; returns how many vertices met a measurement. */
 static int accumulate(const struct iso_pose_vertices *vertices, int n,
                       const struct iso_frame *frame, const struct iso_rigid *pose, double cutoff_mm,
                       struct equations *equations)
 {
+    struct iso_meetings m;
     int met = 0;
-    for (int i = 0; i < n; i++) {
-        const struct iso_vec3 arm = iso_mat3_apply(&pose->rotation, vertices->point_mm[i]);
-        const struct iso_vec3 normal = iso_mat3_apply(&pose->rotation, vertices->normal[i]);
-        double r;
-        if (iso_meet(frame, iso_add(arm, pose->translation_mm), normal, &r) !=
-            ISO_MEETING_MEASURED) {
-            continue;
+    for (int first = 0; first < n; first += ISO_MEET_MANY) {
+        const int some = meet(vertices, first, n, frame, pose, cutoff_mm, &m);
+        int counts[ISO_MEET_MANY] = {0}, n_counts = 0; /* the list is made without branches */
+        for (int i = 0; i < some; i++) {
+            met += m.meeting[i] == ISO_MEETING_MEASURED;
+            counts[n_counts] = i;
+            n_counts += m.weight[i] > 0.0;
         }
-        met++;
-        const double w = vertices->weight[i] * iso_tukey(r, cutoff_mm);
-        if (w > 0.0) {
-            const struct iso_vec3 turn = iso_cross(arm, normal);
-            const iso_pair j[PAIRS] = {{turn.x, turn.y}, {turn.z, normal.x}, {normal.y, normal.z}};
-            add_equation(equations, j, r, w);
+        for (int k = 0; k < n_counts; k++) {
+            const int i = counts[k];
+            const double w = vertices->weight[first + i] * m.weight[i];
+            if (w > 0.0) {
+                const iso_pair j[PAIRS] = {{m.turn_mm[0][i], m.turn_mm[1][i]},
+                                           {m.turn_mm[2][i], m.normal[0][i]},
+                                           {m.normal[1][i], m.normal[2][i]}};
+                add_equation(equations, j, m.distance_mm[i], w);
+            }
         }
     }
     return met;
@@ -84,15 +99,14 @@ static void add_prior(const struct iso_pose_options *options, const struct iso_r
 static void measure(const struct iso_pose_vertices *vertices, int n, const struct iso_frame *frame,
                     struct iso_pose_fit *fit)
 {
+    const double any_mm = 1.0; /* the weights are not used */
     struct iso_pose_tally tally = {0};
-    for (int i = 0; i < n; i++) {
-        const struct iso_vec3 point = iso_rigid_apply(&fit->camera_from_face,
-                                                      vertices->point_mm[i]);
-        const struct iso_vec3 normal = iso_mat3_apply(&fit->camera_from_face.rotation,
-                                                      vertices->normal[i]);
-        double r = 0.0;
-        const enum iso_meeting meeting = iso_meet(frame, point, normal, &r);
-        iso_pose_tally_add(&tally, meeting, r);
+    struct iso_meetings m;
+    for (int first = 0; first < n; first += ISO_MEET_MANY) {
+        const int some = meet(vertices, first, n, frame, &fit->camera_from_face, any_mm, &m);
+        for (int i = 0; i < some; i++) {
+            iso_pose_tally_add(&tally, (enum iso_meeting)m.meeting[i], m.distance_mm[i]);
+        }
     }
     iso_pose_tally_finish(&tally, fit);
 }

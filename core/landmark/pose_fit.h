@@ -10,13 +10,14 @@
 #include "isotherm/frame.h"
 #include "isotherm/head_model.h"
 
+struct iso_meet_points;
+
 /* The vertices of the mean face that are compared: all of them, or a selection that is spread
  * evenly. The first few, however many, are also spread evenly. */
 struct iso_pose_vertices {
     int n;
-    struct iso_vec3 *point_mm; /* [n], face frame */
-    struct iso_vec3 *normal;   /* [n], unit, outward */
-    double *weight;            /* [n], 1 for vertices of ISO_HEAD_RIGID, else the soft weight */
+    struct iso_meet_points *points; /* groups of ISO_MEET_MANY vertices (meet_many.h) */
+    double *weight; /* [n], 1 for vertices of ISO_HEAD_RIGID, else the soft weight */
 };
 
 /* Chooses `count` vertices (0: all) of the region ISO_HEAD_FACE by farthest-point sampling. Those

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <stdlib.h>
 
+#include "core/landmark/meet_many.h"
 #include "core/landmark/normals.h"
 #include "core/landmark/spread.h"
 
@@ -10,11 +11,10 @@ static struct iso_pose_vertices *vertices_alloc(size_t n)
 {
     struct iso_pose_vertices *v = calloc(1, sizeof *v);
     if (v) {
-        v->point_mm = calloc(n, sizeof *v->point_mm);
-        v->normal = calloc(n, sizeof *v->normal);
+        v->points = calloc((n + ISO_MEET_MANY - 1) / ISO_MEET_MANY, sizeof *v->points);
         v->weight = calloc(n, sizeof *v->weight);
     }
-    if (v && v->point_mm && v->normal && v->weight) {
+    if (v && v->points && v->weight) {
         return v;
     }
     iso_pose_vertices_free(v);
@@ -45,8 +45,8 @@ int iso_pose_vertices_new(const struct iso_head_model *model, int count, double 
     iso_head_normals(model, model->mean_mm, normal);
     for (v->n = 0; v->n < n; v->n++) {
         const uint32_t i = order[v->n];
-        v->point_mm[v->n] = model->mean_mm[i];
-        v->normal[v->n] = normal[i];
+        iso_meet_points_set(&v->points[v->n / ISO_MEET_MANY], v->n % ISO_MEET_MANY,
+                            model->mean_mm[i], normal[i]);
         v->weight[v->n] = model->region[i] & ISO_HEAD_RIGID ? 1.0 : soft_weight;
     }
     free(order);
@@ -58,8 +58,7 @@ int iso_pose_vertices_new(const struct iso_head_model *model, int count, double 
 void iso_pose_vertices_free(struct iso_pose_vertices *vertices)
 {
     if (vertices) {
-        free(vertices->point_mm);
-        free(vertices->normal);
+        free(vertices->points);
         free(vertices->weight);
         free(vertices);
     }

@@ -78,8 +78,8 @@ static int allocate_planes(struct iso_shape_fitter *f)
     const size_t rows = n * (size_t)iso_gram_stride(ISO__SHAPE_UNKNOWNS_MAX + 1) * sizeof *f->rows;
     f->modes = aligned_alloc(ISO_GRAM_ALIGNMENT, modes);
     f->rows = aligned_alloc(ISO_GRAM_ALIGNMENT, rows);
-    f->face = calloc(n, sizeof *f->face);
     f->vertex = calloc(n, sizeof *f->vertex);
+    f->place = calloc(n, sizeof *f->place);
     f->triangle = calloc(f->model->n_triangles, sizeof *f->triangle);
     f->start_mm = calloc(2 * n * (size_t)f->options.jaws, sizeof *f->start_mm);
     f->shape = calloc(n, sizeof *f->shape);
@@ -92,7 +92,7 @@ static int allocate_planes(struct iso_shape_fitter *f)
     f->gram = calloc((ISO__SHAPE_UNKNOWNS_MAX + 1) * (ISO__SHAPE_UNKNOWNS_MAX + 1),
                      sizeof *f->gram);
     f->h = calloc((size_t)ISO__SHAPE_UNKNOWNS_MAX * ISO__SHAPE_UNKNOWNS_MAX, sizeof *f->h);
-    if (!f->modes || !f->rows || !f->face || !f->vertex || !f->triangle || !f->start_mm ||
+    if (!f->modes || !f->rows || !f->vertex || !f->place || !f->triangle || !f->start_mm ||
         !f->shape || !f->normal || !f->best_shape || !f->best_normal || !f->fitted ||
         !f->residual_mm || !f->meeting || !f->gram || !f->h) {
         return -ENOMEM;
@@ -101,7 +101,8 @@ static int allocate_planes(struct iso_shape_fitter *f)
     return 0;
 }
 
-/* Lists the triangles at compared vertices, and the vertices. -ENOMEM. */
+/* Lists the triangles at compared vertices, and the vertices in the order of their modes. -ENOMEM.
+ */
 static int gather_near(struct iso_shape_fitter *f)
 {
     enum { COMPARED = 1, NEAR = 2 };
@@ -111,7 +112,7 @@ static int gather_near(struct iso_shape_fitter *f)
         return -ENOMEM;
     }
     for (int i = 0; i < f->n_face; i++) {
-        kind[f->face[i]] = COMPARED | NEAR;
+        kind[f->vertex[i]] = COMPARED | NEAR;
     }
     for (uint32_t t = 0; t < model->n_triangles; t++) {
         const uint32_t *v = model->triangles[t];
@@ -122,14 +123,17 @@ static int gather_near(struct iso_shape_fitter *f)
             }
         }
     }
-    int n = 0;
-    for (int near = 1; near >= 0; near--) {
+    int n = f->n_face;
+    for (int near = NEAR; near >= 0; near -= NEAR) {
         for (uint32_t i = 0; i < model->n_vertices; i++) {
-            if ((kind[i] != 0) == near) {
+            if (kind[i] == near) {
                 f->vertex[n++] = i;
             }
         }
         f->n_near = near ? n : f->n_near;
+    }
+    for (int i = 0; i < n; i++) {
+        f->place[f->vertex[i]] = (uint32_t)i;
     }
     free(kind);
     return 0;
@@ -191,9 +195,8 @@ int iso_shape_fitter_new(const struct iso_head_model *model,
     f->mode_stride = iso_gram_stride(f->n_modes);
     int error = allocate_planes(f);
     if (!error) {
-        gather_modes(f);
         const int most = options->vertices > 0 ? options->vertices : (int)model->n_vertices;
-        error = iso_head_spread(model, most, f->face, &f->n_face);
+        error = iso_head_spread(model, most, f->vertex, &f->n_face);
     }
     if (!error && f->n_face < ISO__SHAPE_MEASURED_MIN) {
         error = -EINVAL;
@@ -205,6 +208,7 @@ int iso_shape_fitter_new(const struct iso_head_model *model,
         iso_shape_fitter_free(f);
         return error;
     }
+    gather_modes(f);
     prepare_starts(f);
     *out = f;
     return 0;
@@ -215,8 +219,8 @@ void iso_shape_fitter_free(struct iso_shape_fitter *fitter)
     if (fitter) { /* the shape of the last face is biometric data */
         free(fitter->modes);
         iso_wipe_free(fitter->rows);
-        free(fitter->face);
         free(fitter->vertex);
+        free(fitter->place);
         free(fitter->triangle);
         free(fitter->start_mm); /* of the model */
         iso_wipe_free(fitter->shape);
@@ -336,21 +340,40 @@ static int choose_jaw(struct iso_shape_fitter *f, const struct iso_frame *frame,
     return isfinite(best_mm2) ? 0 : -ENODATA;
 }
 
+/* The last state of a fit that begins at a pose, with its shape and normals. */
+static int fit_state(struct iso_shape_fitter *f, const struct iso_frame *frame,
+                     const struct iso_rigid *start, struct iso__shape_state *state)
+{
+    const struct iso_shape_fit_options *o = &f->options;
+    start_at(f, 0, start, state);
+    int error = fit_rigidly(f, frame, state);
+    if (!error) {
+        error = choose_jaw(f, frame, state);
+    }
+    if (!error) {
+        error = take_steps(f, frame, trial_steps(o), o->iterations, f->n_face, state);
+    }
+    return error;
+}
+
 int iso_shape_fit(struct iso_shape_fitter *f, const struct iso_frame *frame,
                   const struct iso_rigid *start, struct iso_shape_fit *out)
 {
-    const struct iso_shape_fit_options *o = &f->options;
     struct iso__shape_state state;
-    start_at(f, 0, start, &state);
-    int error = fit_rigidly(f, frame, &state);
-    if (!error) {
-        error = choose_jaw(f, frame, &state);
-    }
-    if (!error) {
-        error = take_steps(f, frame, trial_steps(o), o->iterations, f->n_face, &state);
-    }
+    const int error = fit_state(f, frame, start, &state);
     if (!error) {
         iso__shape_report(f, frame, &state, out);
+    }
+    return error;
+}
+
+int iso_shape_fit_pose(struct iso_shape_fitter *f, const struct iso_frame *frame,
+                       const struct iso_rigid *start, struct iso_pose_fit *out)
+{
+    struct iso__shape_state state;
+    const int error = fit_state(f, frame, start, &state);
+    if (!error) {
+        iso__shape_measure(f, frame, &state.pose, out);
     }
     return error;
 }

@@ -56,7 +56,13 @@ int iso_shape_fit(struct iso_shape_fitter *fitter, const struct iso_frame *frame
                   const struct iso_rigid *start, struct iso_shape_fit *out)
     __attribute__((warn_unused_result));
 
-/* The residuals of the last fit that succeeded. */
+/* As iso_shape_fit(), but only the pose of the head and how well it fits, without landmarks and
+ * residuals. iso_shape_fitter_residuals() has no meaning until the next iso_shape_fit(). */
+int iso_shape_fit_pose(struct iso_shape_fitter *fitter, const struct iso_frame *frame,
+                       const struct iso_rigid *start, struct iso_pose_fit *out)
+    __attribute__((warn_unused_result));
+
+/* The residuals of the last iso_shape_fit() that succeeded. */
 struct iso_shape_residuals iso_shape_fitter_residuals(const struct iso_shape_fitter *fitter);
 
 #endif

@@ -3,6 +3,7 @@
 #ifndef ISO_CORE_LANDMARK_SHAPE_FITTER_H
 #define ISO_CORE_LANDMARK_SHAPE_FITTER_H
 
+#include "core/landmark/meet_many.h"
 #include "core/landmark/shape_fit.h"
 
 enum {
@@ -16,12 +17,15 @@ struct iso_shape_fitter {
     struct iso_shape_fit_options options;
     double jaw_sign; /* of the first expression mode when the chin goes down */
     int n_modes, mode_stride;
-    float *modes; /* [n_vertices][3][mode_stride] the modes at each vertex, identity first */
-    int n_face;
-    uint32_t *face; /* [n_face] vertices that are compared; the first few are spread evenly */
-    /* The steps need the vertices that are near: those that are compared, and their neighbours. */
-    uint32_t *vertex; /* [n_vertices] those that are near, then the others */
-    int n_near, n_triangles;
+    float *modes; /* [n_vertices][3][mode_stride] the modes at each vertex, identity first, in the
+                     order of `vertex` */
+    /* All vertices: first those that are compared, of which the first few are spread evenly; then
+     * their neighbours, which the steps need as well; then the others. The steps read the modes in
+     * this order, one after the other, because they are larger than the cache next to a core. */
+    uint32_t *vertex;   /* [n_vertices] */
+    uint32_t *place;    /* [n_vertices] where a vertex is in `vertex` */
+    int n_face, n_near; /* vertices that are compared; these and their neighbours */
+    int n_triangles;
     uint32_t (*triangle)[3]; /* [n_triangles] the triangles at compared vertices */
     struct iso_vec3 *shape;  /* [n_vertices] the head as fitted so far, face frame; between steps
                                 only the vertices that are near */
@@ -57,7 +61,7 @@ const float *iso__shape_mode(const struct iso_head_model *model, uint32_t k);
 /* The modes at a vertex, [3][mode_stride]: how far it moves along x, y and z, mm. */
 static inline float *iso__shape_modes_at(const struct iso_shape_fitter *f, uint32_t vertex)
 {
-    return &f->modes[3 * (size_t)f->mode_stride * vertex];
+    return &f->modes[3 * (size_t)f->mode_stride * f->place[vertex]];
 }
 
 /* Sets n vertices of f->shape to those of the head with the first n_modes coefficients; the others
@@ -67,6 +71,12 @@ void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int 
 
 /* Sets f->shape and f->normal to those of the state, where the steps need them. */
 void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *state);
+
+/* Compares the vertices f->vertex[first] to f->vertex[end - 1], at most ISO_MEET_MANY, with the
+ * frame. Returns how many. */
+int iso__shape_meet(const struct iso_shape_fitter *f, const struct iso_frame *frame,
+                    const struct iso_rigid *pose, int first, int end, double cutoff_mm,
+                    struct iso_meetings *out);
 
 /* One step of Gauss-Newton. -ENODATA if too few vertices are measured, or if they do not fix the
  * unknowns. */

@@ -56,21 +56,18 @@ void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *s
     iso_triangle_normals((const uint32_t(*)[3])f->triangle, (uint32_t)f->n_triangles, f->shape,
                          f->normal);
     for (int i = 0; i < f->n_face; i++) {
-        f->normal[f->face[i]] = iso_unit(f->normal[f->face[i]]);
+        f->normal[f->vertex[i]] = iso_unit(f->normal[f->vertex[i]]);
     }
 }
 
-/* A row of the Jacobian, times a factor: the turn and the shift of the head, then its modes along
- * the normal. */
-static void fill_row(const struct iso_shape_fitter *f, const struct iso_rigid *pose,
-                     uint32_t vertex, struct iso_vec3 normal, int n, double factor, float *row)
+/* A row of the Jacobian, times a factor, for point i of some that were compared: the turn and the
+ * shift of the head, then its modes along the normal. */
+static void fill_row(const struct iso_shape_fitter *f, const struct iso_meetings *meetings, int i,
+                     uint32_t vertex, int n, double factor, float *row)
 {
-    const struct iso_vec3 arm = iso_mat3_apply(&pose->rotation, f->shape[vertex]);
-    const struct iso_vec3 turn = iso_scale(factor, iso_cross(arm, normal));
-    const struct iso_vec3 shift = iso_scale(factor, normal);
-    const double rigid[ISO__SHAPE_POSE] = {turn.x, turn.y, turn.z, shift.x, shift.y, shift.z};
-    for (int k = 0; k < ISO__SHAPE_POSE; k++) {
-        row[k] = (float)rigid[k];
+    for (int axis = 0; axis < 3; axis++) {
+        row[axis] = (float)(factor * meetings->turn_mm[axis][i]);
+        row[axis + 3] = (float)(factor * meetings->normal[axis][i]);
     }
     const struct iso_vec3 along = iso_scale(factor, f->normal[vertex]);
     float ax = (float)along.x, ay = (float)along.y, az = (float)along.z;
@@ -88,38 +85,67 @@ static void fill_row(const struct iso_shape_fitter *f, const struct iso_rigid *p
     }
 }
 
+int iso__shape_meet(const struct iso_shape_fitter *f, const struct iso_frame *frame,
+                    const struct iso_rigid *pose, int first, int end, double cutoff_mm,
+                    struct iso_meetings *out)
+{
+    const int n = end - first < ISO_MEET_MANY ? end - first : ISO_MEET_MANY;
+    struct iso_meet_points points;
+    for (int i = 0; i < n; i++) {
+        const uint32_t vertex = f->vertex[first + i];
+        iso_meet_points_set(&points, i, f->shape[vertex], f->normal[vertex]);
+    }
+    for (int i = n; i % ISO_MEET_GROUP != 0; i++) {
+        iso_meet_points_set(&points, i, iso_vec3(0, 0, 0), iso_vec3(0, 0, 0));
+    }
+    iso_meet_many(frame, pose, &points, n, cutoff_mm, out);
+    return n;
+}
+
+/* Appends the rows of the vertices from `first` on, at most ISO_MEET_MANY of end - first, to the
+ * n_rows rows so far. Adds to *measured how many of them were measured. Returns the number of rows
+ * then. */
+static int add_rows(struct iso_shape_fitter *f, const struct iso_frame *frame,
+                    const struct iso_rigid *pose, const struct iso__shape_unknowns *unknowns,
+                    int first, int end, int n_rows, int *measured)
+{
+    const int n = unknowns->n, width = iso_gram_stride(n + 1);
+    struct iso_meetings m;
+    const int some = iso__shape_meet(f, frame, pose, first, end, unknowns->cutoff_mm, &m);
+    for (int i = 0; i < some; i++) {
+        const uint32_t vertex = f->vertex[first + i];
+        const double soft = f->model->region[vertex] & ISO_HEAD_RIGID ? 1.0
+                                                                      : f->options.soft_weight;
+        const double w = m.weight[i] * soft;
+        *measured += m.meeting[i] == ISO_MEETING_MEASURED;
+        if (w > 0.0) {
+            float *row = &f->rows[(size_t)n_rows++ * (size_t)width];
+            const double factor = sqrt(w);
+            fill_row(f, &m, i, vertex, n, factor, row);
+            row[n] = (float)(-factor * m.distance_mm[i]);
+            for (int k = n + 1; k < width; k++) {
+                row[k] = 0.0f;
+            }
+        }
+    }
+    return n_rows;
+}
+
 /* Normal equations over n unknowns from the first n_vertices of the face, into f->h and g; returns
  * how many of them were measured. */
 static int build_equations(struct iso_shape_fitter *f, const struct iso_frame *frame,
                            const struct iso_rigid *pose, const struct iso__shape_unknowns *unknowns,
                            double g[ISO__SHAPE_UNKNOWNS_MAX])
 {
-    int measured = 0, n_rows = 0, n = unknowns->n;
-    const int width = iso_gram_stride(n + 1);
-    for (int i = 0; i < unknowns->n_vertices && i < f->n_face; i++) {
-        const uint32_t vertex = f->face[i];
-        const struct iso_vec3 normal = iso_mat3_apply(&pose->rotation, f->normal[vertex]);
-        double r;
-        if (iso_meet(frame, iso_rigid_apply(pose, f->shape[vertex]), normal, &r) !=
-            ISO_MEETING_MEASURED) {
-            continue;
-        }
-        measured++;
-        double w = iso_tukey(r, unknowns->cutoff_mm);
-        w *= f->model->region[vertex] & ISO_HEAD_RIGID ? 1.0 : f->options.soft_weight;
-        if (w > 0.0) {
-            float *row = &f->rows[(size_t)n_rows++ * (size_t)width];
-            const double factor = sqrt(w);
-            fill_row(f, pose, vertex, normal, n, factor, row);
-            row[n] = (float)(-factor * r);
-            for (int k = n + 1; k < width; k++) {
-                row[k] = 0.0f;
-            }
-        }
+    const int n = unknowns->n;
+    const int end = unknowns->n_vertices < f->n_face ? unknowns->n_vertices : f->n_face;
+    int measured = 0, n_rows = 0;
+    for (int first = 0; first < end; first += ISO_MEET_MANY) {
+        n_rows = add_rows(f, frame, pose, unknowns, first, end, n_rows, &measured);
     }
     iso_gram(f->rows, n_rows, n + 1, f->gram);
-    for (int a = 0; a < n; a++) {
-        memcpy(&f->h[a * n], &f->gram[a * (n + 1)], (size_t)n * sizeof *f->h);
+    for (int a = 0; a < n; a++) { /* the lower triangle */
+        memcpy(&f->h[a * n], &f->gram[a * (n + 1)], (size_t)(a + 1) * sizeof *f->h);
         g[a] = f->gram[n * (n + 1) + a];
     }
     return measured;

@@ -7,6 +7,7 @@
 
 #include "core/base/lanes.h"
 #include "core/base/solve.h"
+#include "core/landmark/meet_many.h"
 #include "core/landmark/normals.h"
 #include "core/landmark/pose_tally.h"
 
@@ -177,38 +178,55 @@ static void add_equation(struct equations *equations, const double j[PADDED], in
     }
 }
 
-/* Adds the equations of all vertices. Returns how many of them were measured. */
-static int build_equations(const struct iso_sizer *s, const struct iso_frame *frame,
-                           double cutoff_mm, int n_modes, const struct state *state,
-                           struct equations *equations)
+/* Compares the vertices from `first` on, at most ISO_MEET_MANY, with the frame. Returns how many.
+ */
+static int meet(const struct iso_sizer *s, const struct iso_frame *frame, double cutoff_mm,
+                int n_modes, const struct state *state, int first, struct iso_meet_points *points,
+                struct iso_meetings *out)
 {
-    int measured = 0;
+    const int n = s->n - first < ISO_MEET_MANY ? s->n - first : ISO_MEET_MANY;
+    for (int i = 0; i < n; i++) {
+        iso_meet_points_set(points, i, vertex_of(s, state, first + i, n_modes),
+                            s->normal[first + i]);
+    }
+    for (int i = n; i % ISO_MEET_GROUP != 0; i++) {
+        iso_meet_points_set(points, i, iso_vec3(0, 0, 0), iso_vec3(0, 0, 0));
+    }
+    iso_meet_many(frame, &state->pose, points, n, cutoff_mm, out);
+    return n;
+}
+
+/* Adds the equations of the vertices from `first` on, at most ISO_MEET_MANY. Adds to *measured how
+ * many of them were measured. */
+static void add_equations(const struct iso_sizer *s, const struct iso_frame *frame,
+                          double cutoff_mm, int n_modes, const struct state *state, int first,
+                          struct equations *equations, int *measured)
+{
+    struct iso_meet_points points;
+    struct iso_meetings m;
+    const int n = meet(s, frame, cutoff_mm, n_modes, state, first, &points, &m);
     double j[PADDED] = {0};
-    for (int i = 0; i < s->n; i++) {
-        const struct iso_vec3 normal = iso_mat3_apply(&state->pose.rotation, s->normal[i]);
-        const struct iso_vec3 arm = iso_mat3_apply(&state->pose.rotation,
-                                                   vertex_of(s, state, i, n_modes));
-        double r;
-        if (iso_meet(frame, iso_add(arm, state->pose.translation_mm), normal, &r) !=
-            ISO_MEETING_MEASURED) {
-            continue;
-        }
-        measured++;
-        const double w = n_modes > 0 && is_hair(s, i, r) ? 0.0 : iso_tukey(r, cutoff_mm);
+    for (int k = 0; k < n; k++) {
+        const int i = first + k;
+        const double w = n_modes > 0 && is_hair(s, i, m.distance_mm[k]) ? 0.0 : m.weight[k];
+        *measured += m.meeting[k] == ISO_MEETING_MEASURED;
         if (!(w > 0.0)) {
             continue;
         }
-        const struct iso_vec3 turn = iso_cross(arm, normal);
+        const struct iso_vec3 normal = {m.normal[0][k], m.normal[1][k], m.normal[2][k]};
+        const struct iso_vec3 arm = iso_mat3_apply(
+            &state->pose.rotation,
+            iso_vec3(points.point_mm[0][k], points.point_mm[1][k], points.point_mm[2][k]));
         /* The scale by its logarithm: d(s p) = s p d(ln s). */
         const double similarity[SIMILARITY] = {
-            turn.x, turn.y, turn.z, normal.x, normal.y, normal.z, iso_dot(arm, normal)};
+            m.turn_mm[0][k], m.turn_mm[1][k], m.turn_mm[2][k],     normal.x,
+            normal.y,        normal.z,        iso_dot(arm, normal)};
         memcpy(j, similarity, sizeof similarity);
-        for (int k = 0; k < n_modes; k++) {
-            j[SIMILARITY + k] = state->scale * s->along_mm[i * s->n_modes + k];
+        for (int mode = 0; mode < n_modes; mode++) {
+            j[SIMILARITY + mode] = state->scale * s->along_mm[i * s->n_modes + mode];
         }
-        add_equation(equations, j, SIMILARITY + n_modes, r, w);
+        add_equation(equations, j, SIMILARITY + n_modes, m.distance_mm[k], w);
     }
-    return measured;
 }
 
 static int take_step(const struct iso_sizer *s, const struct iso_frame *frame, double cutoff_mm,
@@ -218,7 +236,11 @@ static int take_step(const struct iso_sizer *s, const struct iso_frame *frame, d
     double h[UNKNOWNS_MAX * UNKNOWNS_MAX], *g = equations.g;
     const int n = SIMILARITY + n_modes;
     memset(&equations, 0, sizeof equations);
-    if (build_equations(s, frame, cutoff_mm, n_modes, state, &equations) < MEASURED_MIN) {
+    int measured = 0;
+    for (int first = 0; first < s->n; first += ISO_MEET_MANY) {
+        add_equations(s, frame, cutoff_mm, n_modes, state, first, &equations, &measured);
+    }
+    if (measured < MEASURED_MIN) {
         return -ENODATA;
     }
     for (int a = 0; a < n; a++) {
@@ -240,18 +262,20 @@ static int take_step(const struct iso_sizer *s, const struct iso_frame *frame, d
 static double cost_of(const struct iso_sizer *s, const struct iso_frame *frame,
                       const struct state *state, int n_modes, bool bare_only)
 {
+    const double any_mm = 1.0; /* the weights are not used */
     struct iso_pose_tally tally = {0};
     struct iso_pose_fit fit;
-    for (int i = 0; i < s->n; i++) {
-        const struct iso_vec3 place = iso_rigid_apply(&state->pose,
-                                                      vertex_of(s, state, i, n_modes));
-        double r = 0.0;
-        const enum iso_meeting meeting = iso_meet(
-            frame, place, iso_mat3_apply(&state->pose.rotation, s->normal[i]), &r);
-        if (bare_only && meeting == ISO_MEETING_MEASURED && is_hair(s, i, r)) {
-            continue;
+    struct iso_meet_points points;
+    struct iso_meetings m;
+    for (int first = 0; first < s->n; first += ISO_MEET_MANY) {
+        const int n = meet(s, frame, any_mm, n_modes, state, first, &points, &m);
+        for (int k = 0; k < n; k++) {
+            const enum iso_meeting meeting = (enum iso_meeting)m.meeting[k];
+            if (!bare_only || meeting != ISO_MEETING_MEASURED ||
+                !is_hair(s, first + k, m.distance_mm[k])) {
+                iso_pose_tally_add(&tally, meeting, m.distance_mm[k]);
+            }
         }
-        iso_pose_tally_add(&tally, meeting, r);
     }
     iso_pose_tally_finish(&tally, &fit);
     return fit.cost_mm2;

@@ -24,10 +24,10 @@ int __real_iso_pose_fit(const struct iso_pose_vertices *vertices, const struct i
 int __wrap_iso_pose_fit(const struct iso_pose_vertices *vertices, const struct iso_frame *frame,
                         const struct iso_pose_options *options, const struct iso_rigid *start,
                         struct iso_pose_fit *out);
-int __real_iso_shape_fit(struct iso_shape_fitter *fitter, const struct iso_frame *frame,
-                         const struct iso_rigid *start, struct iso_shape_fit *out);
-int __wrap_iso_shape_fit(struct iso_shape_fitter *fitter, const struct iso_frame *frame,
-                         const struct iso_rigid *start, struct iso_shape_fit *out);
+int __real_iso_shape_fit_pose(struct iso_shape_fitter *fitter, const struct iso_frame *frame,
+                              const struct iso_rigid *start, struct iso_pose_fit *out);
+int __wrap_iso_shape_fit_pose(struct iso_shape_fitter *fitter, const struct iso_frame *frame,
+                              const struct iso_rigid *start, struct iso_pose_fit *out);
 
 int __wrap_iso_pose_fit(const struct iso_pose_vertices *vertices, const struct iso_frame *frame,
                         const struct iso_pose_options *options, const struct iso_rigid *start,
@@ -37,11 +37,11 @@ int __wrap_iso_pose_fit(const struct iso_pose_vertices *vertices, const struct i
     return __real_iso_pose_fit(vertices, frame, options, start, out);
 }
 
-int __wrap_iso_shape_fit(struct iso_shape_fitter *fitter, const struct iso_frame *frame,
-                         const struct iso_rigid *start, struct iso_shape_fit *out)
+int __wrap_iso_shape_fit_pose(struct iso_shape_fitter *fitter, const struct iso_frame *frame,
+                              const struct iso_rigid *start, struct iso_pose_fit *out)
 {
     n_head_fits++;
-    return __real_iso_shape_fit(fitter, frame, start, out);
+    return __real_iso_shape_fit_pose(fitter, frame, start, out);
 }
 
 /* Searches, and counts the calls. */
