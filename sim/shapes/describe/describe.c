@@ -198,8 +198,8 @@ static int describe_mesh(struct work *work, const char *path, struct iso_fault *
     const struct sim_describe_options *options = work->options;
     const struct sim_source_options how = {.vertices = options->vertices,
                                            .mend = options->mend,
-                                           .smooth = options->smooth,
-                                           .clouds = true};
+                                           .neighbours = options->neighbours,
+                                           .smooth = options->smooth};
     char directory[PATH_MAX];
     struct iso_coloured_mesh mesh = {NULL, NULL};
     struct iso_shape *shape = NULL;
@@ -223,6 +223,7 @@ static int describe_mesh(struct work *work, const char *path, struct iso_fault *
     iso_coloured_mesh_done(&mesh); /* the shape has what is needed of it */
     if (!error) {
         subject.shape = shape;
+        sim_source_look_at_shape(&subject.look, shape);
         error = fill_arrays(work, shape, arrays, path, fault);
     }
     if (!error) {
@@ -314,17 +315,12 @@ static int find_view_score(const char *name, enum iso_view_score *out, struct is
 
 static int check_numbers(const struct sim_describe_options *options, struct iso_fault *fault)
 {
-    const int views = options->quantity.views, neighbours = options->neighbours;
+    const int views = options->quantity.views;
     if (views < 0 || views > SIM_QUANTITY_VIEWS_MAX) {
         return iso_fault_set(fault, -EINVAL, "--views: %d is not in 1..%d", views,
                              (int)SIM_QUANTITY_VIEWS_MAX);
     }
-    if (neighbours &&
-        (neighbours < ISO_CLOUD_NEIGHBOURS_MIN || neighbours > ISO_CLOUD_NEIGHBOURS_MAX)) {
-        return iso_fault_set(fault, -EINVAL, "--neighbours: %d is not in %d..%d", neighbours,
-                             (int)ISO_CLOUD_NEIGHBOURS_MIN, (int)ISO_CLOUD_NEIGHBOURS_MAX);
-    }
-    return 0;
+    return sim_neighbours_check(options->neighbours, fault);
 }
 
 static int prepare(struct work *work, struct iso_fault *fault)

@@ -130,7 +130,9 @@ static int make_shape(struct item *item, int32_t row, struct iso_shape **shape)
     int error = sim_bank_read(options, row, &mesh, item->fault);
     if (!error) {
         item->n_vertices = mesh.mesh->n_vertices;
-        const struct sim_shape_options shape_options = {.colours = need_colours(options),
+        const struct sim_shape_options shape_options = {.neighbours = options->source.neighbours,
+                                                        .colours = need_colours(options),
+                                                        .mend = options->source.mend,
                                                         .n_pairs = options->n_pairs};
         error = sim_source_shape(item->path, &mesh, &shape_options, shape, item->fault);
     }

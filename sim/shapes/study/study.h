@@ -23,6 +23,7 @@ struct sim_shapes_study_options {
     int pictures;      /* matches of a query in a picture; 0: no pictures */
     int pairs;         /* eigenpairs; 0: ISO_SHAPE_PAIRS */
     int words;         /* words of vocabularies, or principal components; 0: each method's own */
+    int neighbours;    /* of each point of a cloud; 0: ISO_CLOUD_NEIGHBOURS */
     bool mend;         /* describe meshes that lose over 1 % of their area */
     bool strict;       /* fail at the first mesh that cannot be used */
     const char *cache; /* directory of descriptions; NULL: `out`/cache; "": none */

@@ -101,8 +101,12 @@ refuse 2 '--neighbours: 5 is not in 6..200' describe "$work/ball.xyz" --out "$wo
 refuse 2 '--views: 17 is not in 1..16' describe "$mesh" --out "$work/o" --views 17
 refuse 2 "--view-score: 'best' is none of entropy, divergence" describe "$mesh" --out "$work/o" --view-score best
 refuse 2 '--source is out of range: the shape has the vertices 0 to 399' describe "$mesh" --out "$work/o" --what heat --source 400
-refuse 4 'a cloud of points, and a mesh is wanted here' match "$work/ball.xyz" "$mesh" --out "$work/o"
-refuse 4 'no triangles: a cloud of points, which is not wanted here' match "$work/ball.off" "$mesh" --out "$work/o"
+"$simulator" shapes describe "$work/apart.xyz" --out "$work/apart" --what eigen --mend --no-pictures >"$work/stdout" 2>"$work/stderr" ||
+    fail "describe --mend of a cloud: $(cat "$work/stderr")"
+grep -q 'apart.xyz: 1500 points, .* 200 points left out' "$work/stdout" || fail "no report of points left out: $(cat "$work/stdout")"
+grep -q '"points_of_cloud": 1700' "$work/apart/apart/parameters.json" && grep -q '"points_left_out": 200' "$work/apart/apart/parameters.json" ||
+    fail 'parameters.json does not say how many points are left out'
+refuse 2 '--neighbours: 201 is not in 6..200' match "$work/ball.xyz" "$mesh" --out "$work/o" --neighbours 201
 
 refuse 2 'no mesh is given' describe --out "$work/o"
 refuse 2 '--out is needed' describe "$mesh"
