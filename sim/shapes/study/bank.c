@@ -71,7 +71,8 @@ static int look_up(struct item *item, const char *file)
     item->subject = (struct sim_cache_subject){.name = file,
                                                .source = &options->source,
                                                .n_pairs = options->n_pairs,
-                                               .colours = need_colours(options)};
+                                               .colours = need_colours(options),
+                                               .times = options->times};
     int error = sim_cache_hash(item->path, item->subject.content, item->fault);
     for (int m = 0; m < options->n_methods && !error; m++) {
         sim_cache_name(&item->subject, options->methods[m], name);
@@ -95,7 +96,7 @@ static int describe_by(struct item *item, const struct iso_shape *shape, int m)
             return error;
         }
     }
-    return iso_shape_describe(methods[m], shape, &item->made[m]);
+    return iso_shape_describe_at(methods[m], shape, &item->work->options->times, &item->made[m]);
 }
 
 static int describe(struct item *item, const struct iso_shape *shape)

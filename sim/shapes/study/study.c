@@ -125,6 +125,7 @@ static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault 
                    .seed = options->seed,
                    .smooth = options->smooth},
         .n_pairs = options->pairs,
+        .times = options->times,
         .cache = given[0] ? given : NULL,
         .skip = !options->strict,
         .threads = options->threads,
@@ -153,6 +154,9 @@ static int run_study(struct sim_study *study, FILE *out, struct iso_fault *fault
     if (!error) {
         error = sim_choice_read(&study->options->methods, &study->options->classifiers,
                                 &study->choice, fault);
+    }
+    if (!error) {
+        error = sim_study_check_times(study, fault);
     }
     if (!error) {
         error = open_corpus(study, fault);

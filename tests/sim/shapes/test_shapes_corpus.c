@@ -225,11 +225,13 @@ static void keys_differ(void **state)
                                     noisy = {.distortion = &noise, .seed = 1},
                                     noisier = {.distortion = &noise, .seed = 2};
     const struct sim_cache_subject subjects[] = {
-        {{1}, "a", &plain, 0, false},   {{2}, "a", &plain, 0, false},
-        {{1}, "a", &thinned, 0, false}, {{1}, "a", &smooth, 0, false},
-        {{1}, "a", &noisy, 0, false},   {{1}, "a", &noisier, 0, false},
-        {{1}, "b", &noisy, 0, false},   {{1}, "a", &plain, 50, false},
-        {{1}, "a", &plain, 0, true},    {{1}, "a", &wide, 0, false},
+        {{1}, "a", &plain, 0, false, {0}},         {{2}, "a", &plain, 0, false, {0}},
+        {{1}, "a", &thinned, 0, false, {0}},       {{1}, "a", &smooth, 0, false, {0}},
+        {{1}, "a", &noisy, 0, false, {0}},         {{1}, "a", &noisier, 0, false, {0}},
+        {{1}, "b", &noisy, 0, false, {0}},         {{1}, "a", &plain, 50, false, {0}},
+        {{1}, "a", &plain, 0, true, {0}},          {{1}, "a", &wide, 0, false, {0}},
+        {{1}, "a", &plain, 0, false, {64, 0, 0}},  {{1}, "a", &plain, 0, false, {0, 0.1, 0}},
+        {{1}, "a", &plain, 0, false, {0, 0, 0.1}},
     };
     enum { N = sizeof subjects / sizeof *subjects };
     char name[N + 1][SIM_CACHE_NAME_SIZE], other[SIM_CACHE_NAME_SIZE];
@@ -245,7 +247,7 @@ static void keys_differ(void **state)
     }
     /* Without a distortion neither the file's name nor the seed matters. */
     const struct sim_source_options seeded = {.seed = 5};
-    const struct sim_cache_subject renamed = {{1}, "b", &seeded, 0, false};
+    const struct sim_cache_subject renamed = {{1}, "b", &seeded, 0, false, {0}};
     sim_cache_name(&renamed, iso_shape_method_find("td"), other);
     assert_string_equal(other, name[0]);
 }
