@@ -122,22 +122,41 @@ static bool is_left_out(const struct sim_describe_choice *choice, int error)
     return choice->as_colours_allow && error == -ENOTSUP;
 }
 
-static int fill_arrays(const struct work *work, const struct iso_shape *shape,
-                       struct sim_arrays *arrays, const char *path, struct iso_fault *fault)
+/* Describes by the methods that need colours, or by the others. *name receives the last one. */
+static int add_methods(const struct sim_describe_choice *choice, const struct iso_shape *shape,
+                       bool colour, struct sim_arrays *arrays, const char **name)
+{
+    int error = 0;
+    for (int m = 0; m < choice->n_methods && !error; m++) {
+        if (choice->method[m]->colour == colour &&
+            (!colour || shape->colour || !choice->as_colours_allow)) {
+            *name = choice->method[m]->name;
+            error = sim_quantity_method(shape, choice->method[m], arrays);
+        }
+    }
+    return error;
+}
+
+/* What needs colours comes first: without them and their eigenpairs there is room for the rest. */
+static int fill_arrays(const struct work *work, struct iso_shape *shape, struct sim_arrays *arrays,
+                       const char *path, struct iso_fault *fault)
 {
     const struct sim_describe_choice *choice = &work->choice;
     const char *name = "mesh";
     int error = sim_quantity_mesh(shape, arrays);
+    if (!error) {
+        error = add_methods(choice, shape, true, arrays, &name);
+    }
+    if (!error) {
+        iso_shape_drop_colours(shape);
+    }
     for (int q = 0; q < choice->n_quantities && !error; q++) {
         name = choice->quantity[q]->name;
         error = choice->quantity[q]->compute(shape, &work->quantity, arrays);
         error = is_left_out(choice, error) ? 0 : error;
     }
-    for (int m = 0; m < choice->n_methods && !error; m++) {
-        name = choice->method[m]->name;
-        if (shape->colour || !choice->method[m]->colour || !choice->as_colours_allow) {
-            error = sim_quantity_method(shape, choice->method[m], arrays);
-        }
+    if (!error) {
+        error = add_methods(choice, shape, false, arrays, &name);
     }
     return refuse_quantity(path, name, shape, error, fault);
 }

@@ -119,7 +119,8 @@ refuse 3 'nowhere.off' describe "$work/nowhere.off" --out "$work/o"
 refuse 4 'a method needs colours, and the file has none' describe "$mesh" --out "$work/o" --what w-hks1
 refuse 4 'not a directory' describe "$mesh" --out "$mesh"
 
-# Memory by vertices: what everything but views needs on 12,000 vertices more than on 400 (tests/bench/shapes/cost.sh has more sizes).
+# Memory by vertices: what everything but views needs on 12,000 vertices more than on 400, without and with colours
+# (tests/bench/shapes/cost.sh has more sizes).
 # Sanitizers keep memory of their own.
 if ! nm "$simulator" | grep -q ' __\(asan\|tsan\|msan\)_init'; then
     "$simulator" shapes generate --classes 1 --shapes 1 --vertices 12000 --out "$work/large" >/dev/null 2>&1 || fail 'generate a large shape'
@@ -127,16 +128,29 @@ if ! nm "$simulator" | grep -q ' __\(asan\|tsan\|msan\)_init'; then
 import os
 import subprocess
 import sys
-what = 'eigen,mass,stiffness,hks,si-hks,wks,hms,segments,heat,critical,shape-dna,td,cp-td,srcp-td,srcp-td-one,cp-hk,cp-hk-plain,shape-google'
-def most(mesh):
+plain = 'eigen,mass,stiffness,hks,si-hks,wks,hms,segments,heat,critical,shape-dna,td,cp-td,srcp-td,srcp-td-one,cp-hk,cp-hk-plain,shape-google'
+def paint(mesh, painted):
+    lines = open(mesh).read().split('\n')
+    n = int(lines[1].split()[0])
+    with open(painted, 'w') as out:
+        out.write('\n'.join(['COFF', lines[1]] + [v + ' %d %d %d 255' % tuple(int(float(x)**2) % 256 for x in v.split())
+                                                 for v in lines[2:2 + n]] + lines[2 + n:]))
+    return painted
+def most(mesh, what):
     child = subprocess.Popen([sys.argv[1], 'shapes', 'describe', mesh, '--what', what, '--threads', '1', '--no-pictures', '--out', sys.argv[4]],
                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(child.pid, 0)
     assert status == 0, status
     return 1.024 * usage.ru_maxrss
-needed = (most(sys.argv[3]) - most(sys.argv[2])) / (12000 - 400)
-print('%.2f kB a vertex' % needed)
-sys.exit(needed > 5.0)
+def needed(name, small, large, what):
+    kilobytes = (most(large, what) - most(small, what)) / (12000 - 400)
+    print('%s: %.2f kB a vertex' % (name, kilobytes))
+    return kilobytes
+small, large = sys.argv[2:4]
+without = needed('without colours', small, large, plain)
+coloured = needed('with colours', paint(small, sys.argv[4] + '-400.off'), paint(large, sys.argv[4] + '-12000.off'),
+                  plain + ',w-hks1,w-hks2,si-hk-colour')
+sys.exit(max(without, coloured) > 5.0)
 PYTHON
 fi
 
