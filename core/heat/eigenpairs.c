@@ -13,12 +13,17 @@
 enum {
     BLOCK = 8, /* the first size of blocks; each further attempt doubles it */
     BLOCK_MAX = 32,
+    /* From so many vertices on the basis is restarted. Smaller ones need little memory, and a basis
+     * that only grows needs fewer solutions. */
+    RESTART_FROM = 10000,
+    RESTARTS_MAX = 30,
 };
 
 /* The least relative residual that rounding allows. */
 static const double least_tolerance = 1e-13;
 
-/* One attempt, with one size of blocks. */
+/* One attempt, with one size of blocks. Its largest memory is that of V with the factor; the
+ * eigenvectors take the place of V. */
 struct attempt {
     int32_t k;
     double shift; /* s > 0, so that L + s B is positive definite */
@@ -28,6 +33,7 @@ struct attempt {
     double *ritz;  /* [size][size]: vectors of T by columns */
 };
 
+/* Without eigenvectors. */
 static struct iso_eigenpairs *pairs_alloc(int32_t n, int32_t k)
 {
     struct iso_eigenpairs *pairs = calloc(1, sizeof *pairs);
@@ -35,9 +41,8 @@ static struct iso_eigenpairs *pairs_alloc(int32_t n, int32_t k)
         pairs->n = n;
         pairs->k = k;
         pairs->lambda = calloc((size_t)k, sizeof *pairs->lambda);
-        pairs->phi = calloc((size_t)n * (size_t)k, sizeof *pairs->phi);
     }
-    if (pairs && pairs->lambda && pairs->phi) {
+    if (pairs && pairs->lambda) {
         return pairs;
     }
     iso_eigenpairs_free(pairs);
@@ -101,12 +106,30 @@ static bool has_converged(const struct attempt *a)
     return true;
 }
 
+/* The size at which a basis is restarted; INT32_MAX: never. */
+static int32_t restart_size(int32_t n, int32_t k, int32_t block)
+{
+    return n < RESTART_FROM ? INT32_MAX : 2 * k + 6 * block;
+}
+
+/* Keeps the best approximate eigenvectors: all k, and a third of the others. */
+static int restart(struct attempt *a)
+{
+    struct iso_lanczos *l = &a->lanczos;
+    const int32_t keep = a->k + (l->size - a->k) / 3;
+    const size_t m = (size_t)l->size, first = (size_t)(l->size - keep);
+    /* The analyser forgets a->ritz, because `l` is a part of `a`. */
+    /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc) */
+    return iso_lanczos_restart(l, &a->ritz[first * m], &a->value[first], keep);
+}
+
 /* Lets the basis grow until it contains all k pairs. -EAGAIN if it may grow no further: where
  * eigenvalues are multiple, small blocks end before all copies are found. */
 static int grow_basis(struct attempt *a)
 {
     struct iso_lanczos *l = &a->lanczos;
-    int32_t check = a->k + a->k / 2 + 3 * l->block;
+    const int32_t most = restart_size(l->n, a->k, l->block);
+    int32_t check = a->k + a->k / 2 + 3 * l->block, left = RESTARTS_MAX;
     for (;;) {
         int error = iso_lanczos_step(l);
         bool whole = l->pending == 0, full = l->size + l->pending > l->capacity;
@@ -116,6 +139,11 @@ static int grow_basis(struct attempt *a)
                 return 0;
             }
             check = l->size + 2 * l->block + a->k / 8;
+            if (!error && l->size >= most && left-- > 0) {
+                error = restart(a);
+                full = false;
+                check = most;
+            }
         }
         if (!error && full) {
             error = -EAGAIN;
@@ -149,10 +177,11 @@ static int count_again(const struct attempt *a, struct iso_factor *factor,
     return below > found ? -EAGAIN : 0;
 }
 
-/* The last k vectors of T, multiplied by V, in reversed order so that lambda ascends. */
-static void extract_pairs(struct attempt *a, struct iso_eigenpairs *pairs)
+/* The last k vectors of T, multiplied by V, in reversed order so that lambda ascends. V becomes the
+ * eigenvectors, and the rest of its memory is given back. */
+static int extract_pairs(struct attempt *a, struct iso_eigenpairs *pairs)
 {
-    const struct iso_lanczos *l = &a->lanczos;
+    struct iso_lanczos *l = &a->lanczos;
     const size_t m = (size_t)l->size;
     double *first = &a->ritz[(m - (size_t)a->k) * m];
     for (int32_t i = 0; i < a->k; i++) {
@@ -161,8 +190,19 @@ static void extract_pairs(struct attempt *a, struct iso_eigenpairs *pairs)
             cblas_dswap(l->size, &first[(size_t)i * m], 1, &first[(size_t)(a->k - 1 - i) * m], 1);
         }
     }
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, l->n, a->k, l->size, 1.0, l->v, l->n,
-                first, l->size, 0.0, pairs->phi, l->n);
+    /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc): as in restart() */
+    const int error = iso_lanczos_rotate(l, first, a->k);
+    if (error) {
+        return error;
+    }
+    double *smaller = realloc(l->v, (size_t)l->n * (size_t)a->k * sizeof *smaller);
+    if (!smaller) {
+        return -ENOMEM;
+    }
+    l->v = NULL;
+    free(pairs->phi); /* of an attempt that missed an eigenvalue */
+    pairs->phi = smaller;
+    return 0;
 }
 
 static int solve_with_blocks(const struct iso_symmetric *stiffness,
@@ -172,6 +212,9 @@ static int solve_with_blocks(const struct iso_symmetric *stiffness,
     struct attempt a = {.k = pairs->k, .shift = 4.0 * M_PI / total_mass(mass)};
     a.tolerance = fmax(tolerance, least_tolerance);
     int32_t capacity = 4 * pairs->k + 16 * block;
+    if (pairs->n >= RESTART_FROM) { /* a check may come some blocks later */
+        capacity = restart_size(pairs->n, pairs->k, block) + 4 * block + pairs->k / 8;
+    }
     capacity = capacity < pairs->n ? capacity : pairs->n;
     struct iso_factor *factor = NULL;
     a.value = calloc((size_t)capacity, sizeof *a.value);
@@ -189,12 +232,12 @@ static int solve_with_blocks(const struct iso_symmetric *stiffness,
         error = grow_basis(&a);
     }
     if (!error) {
+        error = extract_pairs(&a, pairs);
+    }
+    if (!error) { /* now that V is smaller: this needs memory as well */
         error = count_again(&a, factor, stiffness, mass);
     }
-    iso_factor_free(factor); /* before the vectors are made: both are large */
-    if (!error) {
-        extract_pairs(&a, pairs);
-    }
+    iso_factor_free(factor);
     iso_lanczos_done(&a.lanczos);
     free(a.value);
     free(a.ritz);

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { ROWS = 256 }; /* of V that are rotated at once */
+
 /* Pseudo-random numbers in -1..1: Knuth's linear congruential generator (MMIX). */
 static double next_random(struct iso_lanczos *l)
 {
@@ -98,6 +100,43 @@ int iso_lanczos_init(struct iso_lanczos *l, const struct iso_symmetric *mass,
         return -ENOMEM;
     }
     return fill_up(l, l->block);
+}
+
+int iso_lanczos_rotate(struct iso_lanczos *l, const double *vectors, int32_t columns)
+{
+    double *rows = malloc(ROWS * (size_t)columns * sizeof *rows);
+    if (!rows) {
+        return -ENOMEM;
+    }
+    for (int32_t from = 0; from < l->n; from += ROWS) {
+        const int32_t count = l->n - from < ROWS ? l->n - from : ROWS;
+        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, count, columns, l->size, 1.0,
+                    &l->v[from], l->n, vectors, l->size, 0.0, rows, ROWS);
+        for (int32_t i = 0; i < columns; i++) {
+            memcpy(vector(l->v, l, i) + from, &rows[(size_t)i * ROWS],
+                   (size_t)count * sizeof *rows);
+        }
+    }
+    free(rows);
+    return 0;
+}
+
+int iso_lanczos_restart(struct iso_lanczos *l, const double *vectors, const double *values,
+                        int32_t keep)
+{
+    const size_t capacity = (size_t)l->capacity;
+    const int error = iso_lanczos_rotate(l, vectors, keep);
+    if (error) {
+        return error;
+    }
+    memmove(vector(l->v, l, keep), vector(l->v, l, l->size),
+            (size_t)l->pending * (size_t)l->n * sizeof *l->v);
+    memset(l->t, 0, capacity * capacity * sizeof *l->t);
+    for (int32_t i = 0; i < keep; i++) {
+        l->t[(size_t)i * capacity + (size_t)i] = values[i];
+    }
+    l->size = keep;
+    return 0;
 }
 
 void iso_lanczos_done(struct iso_lanczos *l)

@@ -1,7 +1,6 @@
 /* isotherm-sim shapes: makes corpora of non-rigid shapes and measures their retrieval by
  * descriptors of heat diffusion. */
 #include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -52,7 +51,7 @@ static const struct sim_option generate_options[] = {
 
 static const struct sim_option eval_options[] = {
     {"corpus", "DIR",
-     "meshes: with manifest.csv (file,class), or each class in a folder of its own",
+     "meshes or clouds: with manifest.csv (file,class), or each class in a folder of its own",
      sim_option_text, FIELD(study.corpus)},
     {"out", "DIR", "where the results go (made if it is missing)", sim_option_text,
      FIELD(study.out)},
@@ -63,6 +62,14 @@ static const struct sim_option eval_options[] = {
     {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(study.pairs)},
     {"words", "N", "words of vocabularies, or principal components (the method's own, 64)",
      sim_option_int, FIELD(study.words)},
+    {"times", "N", "times of heat of the methods but shape-dna and td, 40..1000 (the method's own)",
+     sim_option_int, FIELD(study.times.n)},
+    {"time-first", "A", "the first of them, in areas of the shape (the method's own)",
+     sim_option_number, FIELD(study.times.first)},
+    {"time-last", "A", "the last of them (the method's own)", sim_option_number,
+     FIELD(study.times.last)},
+    {"neighbours", "N", "clouds: neighbours of a point from which its triangles are made (30)",
+     sim_option_int, FIELD(study.neighbours)},
     {"distort", "KIND:LEVEL",
      "distort the queries: white, shot, scale, missing, stretch or bulge, 1..3",
      sim_distortion_parse, FIELD(study.distortion)},
@@ -158,12 +165,14 @@ static const struct sim_option describe_options[] = {
 };
 
 static const struct sim_option index_options[] = {
-    {"", "DIR", "a directory of meshes, with or without manifest.csv", sim_option_text,
+    {"", "DIR", "a directory of meshes or clouds, with or without manifest.csv", sim_option_text,
      FIELD(index.corpus)},
     {"out", "DIR", "where the index goes (DIR.index)", sim_option_text, FIELD(index.out)},
     {"method", "NAME", "how shapes are compared, see below (cp-hk)", sim_option_text,
      FIELD(index.method)},
     {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(index.pairs)},
+    {"neighbours", "N", "clouds: neighbours of a point from which its triangles are made (30)",
+     sim_option_int, FIELD(index.neighbours)},
     {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
      FIELD(index.vertices)},
     {"smooth", "N", "double steps of Taubin's filter before all else (0)", sim_option_int,
@@ -176,7 +185,7 @@ static const struct sim_option index_options[] = {
 };
 
 static const struct sim_option query_options[] = {
-    {"", "MESH...", "files to look for", sim_option_list, FIELD(query.meshes)},
+    {"", "MESH...", "files of meshes or clouds to look for", sim_option_list, FIELD(query.meshes)},
     {"index", "DIR", "the index, made by shapes index", sim_option_text, FIELD(query.index)},
     {"out", "DIR", "where rankings and pictures go (none are written)", sim_option_text,
      FIELD(query.out)},
@@ -185,7 +194,7 @@ static const struct sim_option query_options[] = {
 };
 
 static const struct sim_option match_options[] = {
-    {"", "FROM TO", "two mesh files", sim_option_list, FIELD(match.meshes)},
+    {"", "FROM TO", "two files of meshes or clouds", sim_option_list, FIELD(match.meshes)},
     {"out", "DIR", "where the results go (made if it is missing)", sim_option_text,
      FIELD(match.out)},
     {"pairs", "N", "eigenpairs to which the map is refined (100)", sim_option_int,
@@ -198,6 +207,8 @@ static const struct sim_option match_options[] = {
      FIELD(match.weight)},
     {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
      FIELD(match.vertices)},
+    {"neighbours", "N", "clouds: neighbours of a point from which its triangles are made (30)",
+     sim_option_int, FIELD(match.neighbours)},
     {"mend", NULL, "use meshes even if over 1 % of the area is outside of the largest part",
      sim_option_flag, FIELD(match.mend)},
 };
@@ -280,21 +291,8 @@ static int run_describe(void *target, struct iso_fault *fault)
 static int run_index(void *target, struct iso_fault *fault)
 {
     struct arguments *arguments = target;
-    char beside[PATH_MAX];
     if (!arguments->index.corpus) {
         return iso_fault_set(fault, -EINVAL, "no directory is given");
-    }
-    if (!arguments->index.out) {
-        const char *corpus = arguments->index.corpus;
-        size_t length = strlen(corpus);
-        while (length > 1 && corpus[length - 1] == '/') {
-            length--;
-        }
-        const int n = snprintf(beside, sizeof beside, "%.*s.index", (int)length, corpus);
-        if (n < 0 || n >= (int)sizeof beside) {
-            return iso_fault_set(fault, -ENAMETOOLONG, "%s: name too long", corpus);
-        }
-        arguments->index.out = beside;
     }
     quieten_blas();
     arguments->index.threads = arguments->threads;
@@ -329,7 +327,8 @@ static const struct sim_subcommand targets[] = {
      match_options,
      sizeof match_options / sizeof *match_options},
     {{"shapes index", "DIR",
-      "Describes a folder of meshes once, so that `shapes query` can look for meshes in it.",
+      "Describes a folder of meshes or clouds once, so that `shapes query` can look for others in "
+      "it.",
       run_index, sim_choice_names},
      index_options,
      sizeof index_options / sizeof *index_options},
@@ -354,7 +353,7 @@ static const struct sim_subcommand targets[] = {
      generate_options,
      sizeof generate_options / sizeof *generate_options},
     {{"shapes eval", "--corpus DIR --out DIR",
-      "Measures how well methods and classifiers retrieve the shapes of a corpus. Every mesh is\n"
+      "Measures how well methods and classifiers retrieve the shapes of a corpus. Every file is\n"
       "looked at before the work begins; one that cannot be used is named and left out.",
       run_eval, sim_choice_names},
      eval_options,

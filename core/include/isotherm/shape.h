@@ -103,6 +103,12 @@ int iso_shape_new_cloud(const struct iso_vec3 *point, const struct iso_colour *c
                         int32_t neighbours, int32_t n_pairs, struct iso_shape **out)
     __attribute__((warn_unused_result));
 
+/** Frees the colours of a shape and the pairs of its channels, which are most of the memory of a
+ * shape with colours. Afterwards it is a shape without colours.
+ *
+ * @param shape  The shape; nobody else may use it meanwhile. */
+void iso_shape_drop_colours(struct iso_shape *shape);
+
 /** Frees a shape.
  *
  * @param shape  The shape, or NULL. */

@@ -46,6 +46,18 @@ enum iso_norm {
     ISO_NORM_L2, /**< Euclidean length. */
 };
 
+enum {
+    ISO_DESCRIBE_TIMES_MIN = 40,   /**< Fewest times of heat of a description. */
+    ISO_DESCRIBE_TIMES_MAX = 1000, /**< Most times of heat of a description. */
+};
+
+/** The times at which a description looks at heat, evenly spaced on a logarithmic scale. */
+struct iso_describe_times {
+    int32_t n;    /**< How many; 0: as many as the method has. */
+    double first; /**< The first one, in areas of the shape; 0: that of the method. */
+    double last;  /**< The last one, above the first; 0: that of the method. */
+};
+
 /** A method of describing shapes. */
 struct iso_shape_method {
     const char *name;             /**< As on a command line: "cp-hk". */
@@ -59,8 +71,12 @@ struct iso_shape_method {
     /** Leading parts that a description keeps of what `describe` makes; 0: all. Methods with the
      * same `describe` share its result. */
     int32_t kept_parts;
+    /** The method's own times; all 0 if it has none that can be chosen. The heat mean signature of
+     * td and srcp-td-one always has the time 1 / 64. */
+    struct iso_describe_times times;
     /** Describes a shape; call iso_shape_describe() instead. */
-    int (*describe)(const struct iso_shape *shape, struct iso_shape_description *out);
+    int (*describe)(const struct iso_shape *shape, const struct iso_describe_times *times,
+                    struct iso_shape_description *out);
 };
 
 /** All methods; the table ends with NULL:
@@ -95,6 +111,29 @@ const struct iso_shape_method *iso_shape_method_find(const char *name);
  * @return 0; -ENODATA if the method needs colours and there are none; -ENOMEM. */
 int iso_shape_describe(const struct iso_shape_method *method, const struct iso_shape *shape,
                        struct iso_shape_description **out) __attribute__((warn_unused_result));
+
+/** The times that a method uses if some are chosen.
+ *
+ * @param method  The method.
+ * @param chosen  What is chosen; each 0 is replaced by the method's own value. NULL: nothing.
+ * @param times   Receives the times; all 0 for a method without times that can be chosen.
+ * @return 0; -EINVAL if the number is outside ISO_DESCRIBE_TIMES_MIN..ISO_DESCRIBE_TIMES_MAX, if a
+ *         time is not above 0 or not finite, or if the last one is not above the first one. */
+int iso_shape_method_times(const struct iso_shape_method *method,
+                           const struct iso_describe_times *chosen,
+                           struct iso_describe_times *times) __attribute__((warn_unused_result));
+
+/** Describes a shape, as iso_shape_describe(), by heat at other times. Descriptions of different
+ * times cannot be compared, even where their sizes are the same.
+ *
+ * @param method  The method.
+ * @param shape   The shape.
+ * @param chosen  As for iso_shape_method_times().
+ * @param out     Receives the description; free it with iso_shape_description_free().
+ * @return As iso_shape_describe(); -EINVAL from iso_shape_method_times(). */
+int iso_shape_describe_at(const struct iso_shape_method *method, const struct iso_shape *shape,
+                          const struct iso_describe_times *chosen,
+                          struct iso_shape_description **out) __attribute__((warn_unused_result));
 
 /** Frees a description.
  *

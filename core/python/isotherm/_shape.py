@@ -69,7 +69,8 @@ class Shape:
         points: (n, 3) float64, in any unit. pairs: as for Shape(). colours: (n, 3) float32 of 0..1, or
         None. neighbours: of each point, 6..200; 0: 30. area_left_out is the share of the points that
         are not joined to the largest part, or at the place of another one.
-        Raises Error as Shape(). Warns if over 1 % of the points are left out.
+        Raises Error as Shape(). Warns if over 1 % of the points are left out, for each of the two
+        reasons.
         """
         points = array_in(points, np.float64, (None, 3), 'points')
         pairs = number_in(pairs, 0, 2**31 - 1, 'pairs')
@@ -90,9 +91,9 @@ class Shape:
         shape._owner = Owner(pointer, lib.iso_shape_free)
         shape._see(pointer.contents)
         shape.area_left_out = 1.0 - shape.n / len(points)
-        if shape.area_left_out > _LEFT_OUT_MOST:
-            warnings.warn('%.1f %% of the points are not in the largest part, and are left out' %
-                          (100 * shape.area_left_out), stacklevel=2)
+        for share, reason in _points_left_out(points, shape.n):
+            if share > _LEFT_OUT_MOST:
+                warnings.warn('%.1f %% of the points are %s, and are left out' % (100 * share, reason), stacklevel=2)
         return shape
 
     def _see(self, shape):
@@ -226,6 +227,15 @@ class Shape:
     def __repr__(self):
         return '<isotherm.Shape: %d vertices, %d triangles, %d eigenpairs>' % (
             self.n, len(self.triangles), len(self.eigenvalues))
+
+
+def _points_left_out(points, n_used):
+    """Which shares of the points are not used, each with its reason."""
+    if n_used == len(points):
+        return []
+    n_places = len(np.unique(points, axis=0))
+    return [((len(points) - n_places) / len(points), 'at the place of another one'),
+            ((n_places - n_used) / len(points), 'not joined to the largest part')]
 
 
 def _points(points):

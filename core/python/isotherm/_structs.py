@@ -91,10 +91,14 @@ class ShapeDescription(Structure):  # shape_method.h
                 ('part_size', c_int32 * PARTS_MAX), ('whole', c_void_p)]
 
 
+class DescribeTimes(Structure):  # shape_method.h
+    _fields_ = [('n', c_int32), ('first', c_double), ('last', c_double)]
+
+
 class ShapeMethod(Structure):  # shape_method.h
     _fields_ = [('name', c_char_p), ('title', c_char_p), ('source', c_char_p), ('colour', c_bool),
                 ('coding', c_int), ('size', c_int32), ('norm', c_int), ('classifier', c_char_p),
-                ('kept_parts', c_int32), ('describe', c_void_p)]
+                ('kept_parts', c_int32), ('times', DescribeTimes), ('describe', c_void_p)]
 
 
 class FeatureLayout(Structure):  # shape_method.h
@@ -231,6 +235,7 @@ ALL = {
     'iso_shared_functions': SharedFunctions,
     'iso_match_options': MatchOptions,
     'iso_shape_description': ShapeDescription,
+    'iso_describe_times': DescribeTimes,
     'iso_shape_method': ShapeMethod,
     'iso_feature_layout': FeatureLayout,
     'iso_labelled': Labelled,

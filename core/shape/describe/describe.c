@@ -54,14 +54,44 @@ static void keep_parts(const struct iso_shape_method *method, struct iso_shape_d
     }
 }
 
+int iso_shape_method_times(const struct iso_shape_method *method,
+                           const struct iso_describe_times *chosen,
+                           struct iso_describe_times *times)
+{
+    struct iso_describe_times found = method->times;
+    if (found.n > 0 && chosen) {
+        found.n = chosen->n ? chosen->n : found.n;
+        found.first = chosen->first != 0.0 ? chosen->first : found.first;
+        found.last = chosen->last != 0.0 ? chosen->last : found.last;
+        if (found.n < ISO_DESCRIBE_TIMES_MIN || found.n > ISO_DESCRIBE_TIMES_MAX ||
+            !(found.first > 0.0 && found.last > found.first && isfinite(found.last))) {
+            return -EINVAL;
+        }
+    }
+    *times = found;
+    return 0;
+}
+
 int iso_shape_describe(const struct iso_shape_method *method, const struct iso_shape *shape,
                        struct iso_shape_description **out)
 {
+    return iso_shape_describe_at(method, shape, NULL, out);
+}
+
+int iso_shape_describe_at(const struct iso_shape_method *method, const struct iso_shape *shape,
+                          const struct iso_describe_times *chosen,
+                          struct iso_shape_description **out)
+{
+    struct iso_describe_times times;
+    int error = iso_shape_method_times(method, chosen, &times);
+    if (error) {
+        return error;
+    }
     if (method->colour && !shape->colour) {
         return -ENODATA;
     }
     struct iso_shape_description *d = calloc(1, sizeof *d);
-    const int error = d ? method->describe(shape, d) : -ENOMEM;
+    error = d ? method->describe(shape, &times, d) : -ENOMEM;
     if (error) {
         iso_shape_description_free(d);
         return error;

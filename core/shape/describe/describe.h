@@ -1,20 +1,30 @@
 /* How each method of isotherm/shape_method.h describes a shape, and what the methods share. The
- * functions iso_describe_ with the name of a method fill in a description that is all zero. They
- * return 0 or -ENOMEM. iso_shape_describe frees the description after an error. */
+ * functions iso_describe_ with the name of a method fill in a description that is all zero. `times`
+ * are those of iso_shape_method_times(). They return 0 or -ENOMEM. iso_shape_describe frees the
+ * description after an error. */
 #ifndef ISO_CORE_SHAPE_DESCRIBE_DESCRIBE_H
 #define ISO_CORE_SHAPE_DESCRIBE_DESCRIBE_H
 
 #include "isotherm/shape_method.h"
 
-int iso_describe_shape_dna(const struct iso_shape *shape, struct iso_shape_description *out);
-int iso_describe_td(const struct iso_shape *shape, struct iso_shape_description *out);
-int iso_describe_cp_td(const struct iso_shape *shape, struct iso_shape_description *out);
-int iso_describe_cp_td_one(const struct iso_shape *shape, struct iso_shape_description *out);
-int iso_describe_cp_hk(const struct iso_shape *shape, struct iso_shape_description *out);
-int iso_describe_shape_google(const struct iso_shape *shape, struct iso_shape_description *out);
-int iso_describe_si_hk_colour(const struct iso_shape *shape, struct iso_shape_description *out);
-int iso_describe_w_hks1(const struct iso_shape *shape, struct iso_shape_description *out);
-int iso_describe_w_hks2(const struct iso_shape *shape, struct iso_shape_description *out);
+int iso_describe_shape_dna(const struct iso_shape *shape, const struct iso_describe_times *times,
+                           struct iso_shape_description *out);
+int iso_describe_td(const struct iso_shape *shape, const struct iso_describe_times *times,
+                    struct iso_shape_description *out);
+int iso_describe_cp_td(const struct iso_shape *shape, const struct iso_describe_times *times,
+                       struct iso_shape_description *out);
+int iso_describe_cp_td_one(const struct iso_shape *shape, const struct iso_describe_times *times,
+                           struct iso_shape_description *out);
+int iso_describe_cp_hk(const struct iso_shape *shape, const struct iso_describe_times *times,
+                       struct iso_shape_description *out);
+int iso_describe_shape_google(const struct iso_shape *shape, const struct iso_describe_times *times,
+                              struct iso_shape_description *out);
+int iso_describe_si_hk_colour(const struct iso_shape *shape, const struct iso_describe_times *times,
+                              struct iso_shape_description *out);
+int iso_describe_w_hks1(const struct iso_shape *shape, const struct iso_describe_times *times,
+                        struct iso_shape_description *out);
+int iso_describe_w_hks2(const struct iso_shape *shape, const struct iso_describe_times *times,
+                        struct iso_shape_description *out);
 
 /* The parts of CP-HK before the eigenvalues. */
 enum { ISO_DESCRIBE_CP_HK_PLAIN_PARTS = 7 };

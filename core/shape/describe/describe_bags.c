@@ -9,16 +9,10 @@
 #include "isotherm/signature.h"
 
 enum {
-    GOOGLE_TIMES = 193, /* tau over 12 octaves in steps of 1/16 */
     GOOGLE_AMPLITUDES = 6,
-    W_TIMES = 128, /* tau 0.01 .. 8 in steps of 1/16 (5.3) */
     W_AMPLITUDES = 20,
     LEVELS = 4, /* of each channel in a histogram of colours */
 };
-
-/* The time at tau = 0, in areas of the shape: the shortest that the eigenpairs resolve. */
-static const double google_unit = 1.0 / 1024.0;
-static const double w_unit = 1.0 / 200.0;
 
 static int make_bags(const struct iso_shape *shape, int32_t n_bags, int32_t n_values,
                      struct iso_shape_description *out)
@@ -36,6 +30,14 @@ static int make_bags(const struct iso_shape *shape, int32_t n_bags, int32_t n_va
         out->weight[v] = (float)(shape->area[v] / shape->total_area);
     }
     return 0;
+}
+
+/* t = first 2^tau, tau from 0 in equal steps. */
+static void fill_times(const struct iso_shape *shape, const struct iso_describe_times *times,
+                       double t[ISO_DESCRIBE_TIMES_MAX])
+{
+    const double step = log2(times->last / times->first) / (times->n - 1);
+    iso_heat_times_alpha(times->first * shape->total_area, 2.0, 0.0, step, times->n, t);
 }
 
 /* A way from courses of heat to scale-invariant amplitudes (scale_invariant.h). */
@@ -63,47 +65,50 @@ static int fill_amplitudes(const struct iso_eigenpairs *pairs, const double *t, 
 
 /* Shape Google (Bronstein, Bronstein, Guibas and Ovsjanikov, ACM TOG 30, 2011): SI-HKS everywhere,
  * alpha = 2, the first 6 frequencies. */
-int iso_describe_shape_google(const struct iso_shape *shape, struct iso_shape_description *out)
+int iso_describe_shape_google(const struct iso_shape *shape, const struct iso_describe_times *times,
+                              struct iso_shape_description *out)
 {
-    double t[GOOGLE_TIMES];
+    double t[ISO_DESCRIBE_TIMES_MAX];
     struct iso_fourier *fourier = NULL;
-    iso_heat_times_alpha(google_unit * shape->total_area, 2.0, 0.0, 1.0 / 16.0, GOOGLE_TIMES, t);
+    fill_times(shape, times, t);
     int error = make_bags(shape, 1, GOOGLE_AMPLITUDES, out);
     if (!error) {
         error = iso_describe_parts(out, 0, NULL);
     }
     if (!error) {
-        error = iso_fourier_new(GOOGLE_TIMES - 1, GOOGLE_AMPLITUDES, &fourier);
+        error = iso_fourier_new(times->n - 1, GOOGLE_AMPLITUDES, &fourier);
     }
     if (!error) {
-        error = fill_amplitudes(shape->pairs, t, GOOGLE_TIMES, fourier, GOOGLE_AMPLITUDES,
-                                iso_si_hks, out->local);
+        error = fill_amplitudes(shape->pairs, t, times->n, fourier, GOOGLE_AMPLITUDES, iso_si_hks,
+                                out->local);
     }
     iso_fourier_free(fourier);
     return error;
 }
 
 /* Scale-invariant amplitudes of K(x, x, t) for one operator, into one bag. */
-static int amplitudes_of(const struct iso_eigenpairs *pairs, double total_area, float *local)
+static int amplitudes_of(const struct iso_eigenpairs *pairs, const double *t, int n_times,
+                         float *local)
 {
-    double t[W_TIMES];
     struct iso_fourier *fourier = NULL;
-    iso_heat_times_alpha(w_unit * total_area, 2.0, 0.01, 1.0 / 16.0, W_TIMES, t);
-    int error = iso_fourier_new(W_TIMES, W_AMPLITUDES, &fourier);
+    int error = iso_fourier_new(n_times, W_AMPLITUDES, &fourier);
     if (!error) {
-        error = fill_amplitudes(pairs, t, W_TIMES, fourier, W_AMPLITUDES, iso_si_hk, local);
+        error = fill_amplitudes(pairs, t, n_times, fourier, W_AMPLITUDES, iso_si_hk, local);
     }
     iso_fourier_free(fourier);
     return error;
 }
 
 /* W-HKS of each channel (5.3), a bag for each. */
-static int describe_channels(const struct iso_shape *shape, struct iso_shape_description *out)
+static int describe_channels(const struct iso_shape *shape, const struct iso_describe_times *times,
+                             struct iso_shape_description *out)
 {
+    double t[ISO_DESCRIBE_TIMES_MAX];
     const size_t bag = (size_t)shape->mesh->n_vertices * W_AMPLITUDES;
     int error = make_bags(shape, ISO_CHANNELS, W_AMPLITUDES, out);
+    fill_times(shape, times, t);
     for (int c = 0; !error && c < ISO_CHANNELS; c++) {
-        error = amplitudes_of(shape->weighted[c], shape->total_area, &out->local[(size_t)c * bag]);
+        error = amplitudes_of(shape->weighted[c], t, times->n, &out->local[(size_t)c * bag]);
     }
     return error;
 }
@@ -140,29 +145,34 @@ static int describe_colours(const struct iso_shape *shape, struct iso_shape_desc
     return error;
 }
 
-int iso_describe_w_hks1(const struct iso_shape *shape, struct iso_shape_description *out)
+int iso_describe_w_hks1(const struct iso_shape *shape, const struct iso_describe_times *times,
+                        struct iso_shape_description *out)
 {
-    int error = describe_channels(shape, out);
+    int error = describe_channels(shape, times, out);
     if (!error) {
         error = iso_describe_parts(out, 0, NULL);
     }
     return error;
 }
 
-int iso_describe_w_hks2(const struct iso_shape *shape, struct iso_shape_description *out)
+int iso_describe_w_hks2(const struct iso_shape *shape, const struct iso_describe_times *times,
+                        struct iso_shape_description *out)
 {
-    int error = describe_channels(shape, out);
+    int error = describe_channels(shape, times, out);
     if (!error) {
         error = describe_colours(shape, out);
     }
     return error;
 }
 
-int iso_describe_si_hk_colour(const struct iso_shape *shape, struct iso_shape_description *out)
+int iso_describe_si_hk_colour(const struct iso_shape *shape, const struct iso_describe_times *times,
+                              struct iso_shape_description *out)
 {
+    double t[ISO_DESCRIBE_TIMES_MAX];
+    fill_times(shape, times, t);
     int error = make_bags(shape, 1, W_AMPLITUDES, out);
     if (!error) {
-        error = amplitudes_of(shape->pairs, shape->total_area, out->local);
+        error = amplitudes_of(shape->pairs, t, times->n, out->local);
     }
     if (!error) {
         error = describe_colours(shape, out);

@@ -9,19 +9,10 @@
 #include "isotherm/signature.h"
 
 enum {
-    TIMES = 100, /* 4.2.1, 4.3.3 */
-    BINS = 100,
+    BINS = 100, /* 4.2.1, 4.3.3 */
     EIGENVALUES = ISO_SHAPE_PAIRS - 1,
     AMPLITUDES = 6,
 };
-
-/* Times are given in units of the area of the shape, which also normalises eigenvalues and
- * eigenfunctions (4.2). The first time is the shortest that 100 pairs resolve. At the last time
- * heat has spread over the whole shape (CP-HK, because amplitudes need the whole course), or only
- * over a limb (CP-TD), so that it does not reach places where parts may be missing. */
-static const double first_time = 1.0 / 400.0;
-static const double last_time_td = 0.5;
-static const double last_time_hk = 4.0;
 
 /* The weight of the eigenvalues beside the histograms of CP-TD. */
 static const double eigenvalue_weight = 3.0;
@@ -32,24 +23,35 @@ static const double mean_time = 1.0 / 64.0;
 /* The working memory. */
 struct bench {
     const struct iso_shape *shape;
-    int32_t n;       /* vertices */
-    double t[TIMES]; /* the times of the heat */
-    double *heat;    /* [ISO_HEAT_ROWS][TIMES]: the heat of one point at some vertices */
-    double *weight;  /* [n]: share of the area, divided by the number of points */
+    int32_t n;      /* vertices */
+    int n_times;    /* of the heat */
+    double *t;      /* [n_times] */
+    double *own;    /* [n_times]: the heat of one point at the point itself */
+    double *heat;   /* [ISO_HEAT_ROWS][n_times]: the heat of one point at some vertices */
+    double *weight; /* [n]: share of the area, divided by the number of points */
 };
 
-static int bench_init(struct bench *bench, const struct iso_shape *shape, double last_time)
+static int bench_init(struct bench *bench, const struct iso_shape *shape,
+                      const struct iso_describe_times *times)
 {
-    const size_t n = (size_t)shape->mesh->n_vertices;
-    *bench = (struct bench){.shape = shape, .n = shape->mesh->n_vertices};
-    iso_heat_times(first_time * shape->total_area, last_time * shape->total_area, TIMES, bench->t);
-    bench->heat = malloc((size_t)ISO_HEAT_ROWS * TIMES * sizeof *bench->heat);
+    const size_t n = (size_t)shape->mesh->n_vertices, n_times = (size_t)times->n;
+    *bench = (struct bench){.shape = shape, .n = shape->mesh->n_vertices, .n_times = times->n};
+    bench->t = malloc(n_times * sizeof *bench->t);
+    bench->own = malloc(n_times * sizeof *bench->own);
+    bench->heat = malloc(ISO_HEAT_ROWS * n_times * sizeof *bench->heat);
     bench->weight = malloc(n * sizeof *bench->weight);
-    return bench->heat && bench->weight ? 0 : -ENOMEM;
+    if (!bench->t || !bench->own || !bench->heat || !bench->weight) {
+        return -ENOMEM;
+    }
+    iso_heat_times(times->first * shape->total_area, times->last * shape->total_area, times->n,
+                   bench->t);
+    return 0;
 }
 
 static void bench_done(struct bench *bench)
 {
+    free(bench->t);
+    free(bench->own);
     free(bench->heat);
     free(bench->weight);
 }
@@ -66,18 +68,18 @@ static void share_weight(struct bench *bench, int32_t n_points)
 static int add_temperatures(struct bench *bench, int32_t source, float *histogram)
 {
     struct iso_heat_courses courses;
-    double own[TIMES];
+    const int n_times = bench->n_times;
     const int error = iso_heat_courses_init(&courses, bench->shape->pairs, source, 0, bench->t,
-                                            TIMES);
+                                            n_times);
     if (!error) {
-        iso_heat_courses_at(&courses, source, 1, own);
+        iso_heat_courses_at(&courses, source, 1, bench->own);
     }
     for (int32_t from = 0; !error && from < bench->n; from += ISO_HEAT_ROWS) {
         const int32_t rows = iso_heat_rows_from(from, bench->n);
         iso_heat_courses_at(&courses, from, rows, bench->heat);
-        for (int j = 0; j < TIMES; j++) {
-            iso_describe_histogram(&bench->heat[j], rows, TIMES, &bench->weight[from], 0.0, own[j],
-                                   BINS, &histogram[(size_t)j * BINS]);
+        for (int j = 0; j < n_times; j++) {
+            iso_describe_histogram(&bench->heat[j], rows, n_times, &bench->weight[from], 0.0,
+                                   bench->own[j], BINS, &histogram[(size_t)j * BINS]);
         }
     }
     iso_heat_courses_done(&courses);
@@ -87,18 +89,19 @@ static int add_temperatures(struct bench *bench, int32_t source, float *histogra
 /* CP-TD. The histograms of all points are added, not concatenated: the points of two shapes have no
  * common order, and their numbers differ. */
 static int describe_temperatures(const struct iso_shape *shape,
+                                 const struct iso_describe_times *times,
                                  const struct iso_critical_points *points,
                                  struct iso_shape_description *out)
 {
-    const int32_t sizes[] = {TIMES * BINS + EIGENVALUES};
+    const int32_t bins = times->n * BINS, sizes[] = {bins + EIGENVALUES};
     struct bench bench;
-    int error = bench_init(&bench, shape, last_time_td);
+    int error = bench_init(&bench, shape, times);
     if (!error) {
         error = iso_describe_parts(out, 1, sizes);
     }
     if (!error) {
         share_weight(&bench, points->n);
-        iso_describe_eigenvalues(shape, EIGENVALUES, eigenvalue_weight, &out->whole[TIMES * BINS]);
+        iso_describe_eigenvalues(shape, EIGENVALUES, eigenvalue_weight, &out->whole[bins]);
     }
     for (int32_t i = 0; !error && i < points->n; i++) {
         error = add_temperatures(&bench, points->vertex[i], out->whole);
@@ -107,18 +110,20 @@ static int describe_temperatures(const struct iso_shape *shape,
     return error;
 }
 
-int iso_describe_cp_td(const struct iso_shape *shape, struct iso_shape_description *out)
+int iso_describe_cp_td(const struct iso_shape *shape, const struct iso_describe_times *times,
+                       struct iso_shape_description *out)
 {
     struct iso_critical_points points = {0};
     int error = iso_shape_critical_points(shape, &points);
     if (!error) {
-        error = describe_temperatures(shape, &points, out);
+        error = describe_temperatures(shape, times, &points, out);
     }
     iso_critical_points_done(&points);
     return error;
 }
 
-int iso_describe_cp_td_one(const struct iso_shape *shape, struct iso_shape_description *out)
+int iso_describe_cp_td_one(const struct iso_shape *shape, const struct iso_describe_times *times,
+                           struct iso_shape_description *out)
 {
     int32_t coldest = 0;
     double *mean = malloc((size_t)shape->mesh->n_vertices * sizeof *mean);
@@ -129,7 +134,7 @@ int iso_describe_cp_td_one(const struct iso_shape *shape, struct iso_shape_descr
     }
     struct iso_critical_points point = {1, &coldest};
     if (!error) {
-        error = describe_temperatures(shape, &point, out);
+        error = describe_temperatures(shape, times, &point, out);
     }
     free(mean);
     return error;
@@ -166,7 +171,8 @@ static int add_amplitudes(struct bench *bench, const struct iso_fourier *fourier
                           float *histogram)
 {
     struct iso_heat_courses courses;
-    int error = iso_heat_courses_init(&courses, bench->shape->pairs, source, 1, bench->t, TIMES);
+    int error = iso_heat_courses_init(&courses, bench->shape->pairs, source, 1, bench->t,
+                                      bench->n_times);
     for (int32_t from = 0; !error && from < bench->n; from += ISO_HEAT_ROWS) {
         const int32_t rows = iso_heat_rows_from(from, bench->n);
         iso_heat_courses_at(&courses, from, rows, bench->heat);
@@ -178,13 +184,14 @@ static int add_amplitudes(struct bench *bench, const struct iso_fourier *fourier
 
 /* The histograms of CP-HK. Shapes have the same weight whatever the number of their points. */
 static int describe_amplitudes(const struct iso_shape *shape,
+                               const struct iso_describe_times *times,
                                const struct iso_critical_points *points, float *histogram)
 {
     struct bench bench;
     struct iso_fourier *fourier = NULL;
-    int error = bench_init(&bench, shape, last_time_hk);
+    int error = bench_init(&bench, shape, times);
     if (!error) {
-        error = iso_fourier_new(TIMES, AMPLITUDES, &fourier);
+        error = iso_fourier_new(times->n, AMPLITUDES, &fourier);
     }
     if (!error) {
         share_weight(&bench, points->n);
@@ -201,7 +208,8 @@ static int describe_amplitudes(const struct iso_shape *shape,
  * 0.1. */
 static const float per_point = 0.1f;
 
-int iso_describe_cp_hk(const struct iso_shape *shape, struct iso_shape_description *out)
+int iso_describe_cp_hk(const struct iso_shape *shape, const struct iso_describe_times *times,
+                       struct iso_shape_description *out)
 {
     const int32_t sizes[] = {BINS, BINS, BINS, BINS, BINS, BINS, 1, EIGENVALUES};
     _Static_assert(ISO_DESCRIBE_CP_HK_PLAIN_PARTS == AMPLITUDES + 1, "the parts before the last");
@@ -211,7 +219,7 @@ int iso_describe_cp_hk(const struct iso_shape *shape, struct iso_shape_descripti
         error = iso_describe_parts(out, AMPLITUDES + 2, sizes);
     }
     if (!error) {
-        error = describe_amplitudes(shape, &points, out->whole);
+        error = describe_amplitudes(shape, times, &points, out->whole);
     }
     if (!error) {
         out->whole[AMPLITUDES * BINS] = per_point * (float)points.n;

@@ -12,8 +12,10 @@ enum {
 };
 
 /* Shape-DNA (Reuter, Wolter and Peinecke 2006): eigenvalues divided by the first one above 0. */
-int iso_describe_shape_dna(const struct iso_shape *shape, struct iso_shape_description *out)
+int iso_describe_shape_dna(const struct iso_shape *shape, const struct iso_describe_times *times,
+                           struct iso_shape_description *out)
 {
+    (void)times;
     const int32_t sizes[] = {DNA_VALUES};
     const int error = iso_describe_parts(out, 1, sizes);
     const struct iso_eigenpairs *pairs = shape->pairs;
@@ -30,8 +32,10 @@ static const double td_time = 1.0 / 64.0;
 /* Temperature distribution (Fang, Sun, Kim and Ramani 2011; 3.4.5): the histogram of the heat mean
  * signature over the surface, from its lowest to its highest value. These lie close together: on
  * evenly spread vertices the mean is 1 / area minus the heat that stays at the vertex. */
-int iso_describe_td(const struct iso_shape *shape, struct iso_shape_description *out)
+int iso_describe_td(const struct iso_shape *shape, const struct iso_describe_times *times,
+                    struct iso_shape_description *out)
 {
+    (void)times;
     const int32_t sizes[] = {TD_BINS};
     double *mean = malloc((size_t)shape->mesh->n_vertices * sizeof *mean);
     int error = mean ? iso_describe_parts(out, 1, sizes) : -ENOMEM;

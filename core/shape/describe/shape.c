@@ -344,11 +344,21 @@ int iso_shape_new_cloud(const struct iso_vec3 *point, const struct iso_colour *c
     return error;
 }
 
+void iso_shape_drop_colours(struct iso_shape *shape)
+{
+    free(shape->colour);
+    shape->colour = NULL;
+    for (int c = 0; c < ISO_CHANNELS; c++) {
+        iso_eigenpairs_free(shape->weighted[c]);
+        shape->weighted[c] = NULL;
+    }
+}
+
 void iso_shape_free(struct iso_shape *shape)
 {
     if (shape) {
+        iso_shape_drop_colours(shape);
         iso_mesh_free(shape->mesh);
-        free(shape->colour);
         free(shape->area);
         free(shape->near_boundary);
         free(shape->neighbour_start);
@@ -356,9 +366,6 @@ void iso_shape_free(struct iso_shape *shape)
         iso_symmetric_free(shape->stiffness);
         iso_symmetric_free(shape->mass);
         iso_eigenpairs_free(shape->pairs);
-        for (int c = 0; c < ISO_CHANNELS; c++) {
-            iso_eigenpairs_free(shape->weighted[c]);
-        }
         free(shape);
     }
 }

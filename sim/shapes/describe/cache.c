@@ -51,9 +51,10 @@ void sim_cache_name(const struct sim_cache_subject *subject, const struct iso_sh
     char text[512], hex[2 * KEY_BYTES + 1];
     unsigned char key[KEY_BYTES];
     const int n = snprintf(
-        text, sizeof text, "%d %s %s %d %d %d %d %d %d %llu %s", (int)SIM_CACHE_REVISION,
-        ISOTHERM_VERSION, method->name, source->vertices, source->smooth, subject->n_pairs,
-        subject->colours, distortion ? (int)distortion->kind : -1,
+        text, sizeof text, "%d %s %s %d %d %d %d %d %d %.17g %.17g %d %d %llu %s",
+        (int)SIM_CACHE_REVISION, ISOTHERM_VERSION, method->name, source->vertices, source->smooth,
+        source->neighbours, subject->n_pairs, subject->colours, subject->times.n,
+        subject->times.first, subject->times.last, distortion ? (int)distortion->kind : -1,
         distortion ? distortion->level : 0, distortion ? (unsigned long long)source->seed : 0,
         distortion ? subject->name : "");
     crypto_generichash_state state;

@@ -7,7 +7,7 @@
 #include "sim/shapes/describe/source.h"
 
 /* To be raised when a description by some method changes; other releases have other keys anyway. */
-enum { SIM_CACHE_REVISION = 1 };
+enum { SIM_CACHE_REVISION = 2 };
 
 enum { SIM_CACHE_NAME_SIZE = 64 };
 
@@ -17,7 +17,8 @@ struct sim_cache_subject {
     const char *name;    /* of the file in its corpus: distortions depend on it */
     const struct sim_source_options *source;
     int32_t n_pairs;
-    bool colours; /* whether the shape is made with its colours */
+    bool colours;                    /* whether the shape is made with its colours */
+    struct iso_describe_times times; /* of heat, as they were chosen */
 };
 
 /* The hash of a mesh's file. Errors of iso_file_read(), with a fault. */

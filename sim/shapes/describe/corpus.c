@@ -25,12 +25,14 @@ static int look_at(void *context, int worker, size_t number)
 {
     struct work *work = context;
     struct seen *seen = &work->seen[number];
+    const struct sim_source_options options = {.mend = work->how->mend,
+                                               .neighbours = work->how->neighbours};
     char path[PATH_MAX];
     (void)worker;
     seen->error = iso_path_join(work->how->directory, work->manifest->rows[number].file, path,
                                 &seen->fault);
     if (!seen->error) {
-        seen->error = sim_source_look(path, work->how->mend, &seen->look, NULL, &seen->fault);
+        seen->error = sim_source_look(path, &options, &seen->look, &seen->fault);
     }
     if (!seen->error && work->how->colours_needed && !seen->look.colours) {
         seen->error = iso_fault_set(&seen->fault, -ENODATA,
@@ -55,14 +57,15 @@ static void write_meshes(const void *context, FILE *out)
             fprintf(out, "left out,,,,,,,,,\n");
             continue;
         }
-        fprintf(out, "used,%d,%d,%d,%d,%.6g,%d,%d,%d,%d\n", part->n_vertices, part->n_triangles,
-                part->n_parts, part->vertices_left_out,
-                part->area_left_out / (part->area + part->area_left_out), mended->merged,
-                mended->repeated, mended->collapsed + part->flat_triangles, mended->unused);
+        const bool cloud = seen->look.points > 0; /* triangles of its points are none of the file */
+        fprintf(out, "used,%d,%d,%d,%d,%.6g,%d,%d,%d,%d\n", part->n_vertices,
+                cloud ? 0 : part->n_triangles, part->n_parts, part->vertices_left_out,
+                sim_source_loss(&seen->look), mended->merged, mended->repeated,
+                cloud ? 0 : mended->collapsed + part->flat_triangles, mended->unused);
     }
 }
 
-/* The meshes of which something was left out or mended, in one sentence. */
+/* The meshes and clouds of which something was left out or mended, in one sentence. */
 static void report(const struct work *work)
 {
     int32_t n = 0, worst = -1;
@@ -73,10 +76,10 @@ static void report(const struct work *work)
             continue;
         }
         sim_source_left_out(&work->seen[i].look, text, sizeof text);
-        const double area = work->seen[i].look.part.area_left_out;
+        const double loss = sim_source_loss(&work->seen[i].look);
         n += text[0] != '\0';
-        if (text[0] && area > most) {
-            most = area;
+        if (text[0] && loss > most) {
+            most = loss;
             worst = i;
         }
     }
@@ -84,8 +87,8 @@ static void report(const struct work *work)
         char text[256];
         sim_source_left_out(&work->seen[worst].look, text, sizeof text);
         fprintf(stderr, "isotherm-sim: %d %s mended (meshes.csv); %s: %s\n", n,
-                iso_plural((uint64_t)n, "mesh was", "meshes were"),
-                work->manifest->rows[worst].file, text);
+                iso_plural((uint64_t)n, "file was", "files were"), work->manifest->rows[worst].file,
+                text);
     }
 }
 

@@ -122,22 +122,41 @@ static bool is_left_out(const struct sim_describe_choice *choice, int error)
     return choice->as_colours_allow && error == -ENOTSUP;
 }
 
-static int fill_arrays(const struct work *work, const struct iso_shape *shape,
-                       struct sim_arrays *arrays, const char *path, struct iso_fault *fault)
+/* Describes by the methods that need colours, or by the others. *name receives the last one. */
+static int add_methods(const struct sim_describe_choice *choice, const struct iso_shape *shape,
+                       bool colour, struct sim_arrays *arrays, const char **name)
+{
+    int error = 0;
+    for (int m = 0; m < choice->n_methods && !error; m++) {
+        if (choice->method[m]->colour == colour &&
+            (!colour || shape->colour || !choice->as_colours_allow)) {
+            *name = choice->method[m]->name;
+            error = sim_quantity_method(shape, choice->method[m], arrays);
+        }
+    }
+    return error;
+}
+
+/* What needs colours comes first: without them and their eigenpairs there is room for the rest. */
+static int fill_arrays(const struct work *work, struct iso_shape *shape, struct sim_arrays *arrays,
+                       const char *path, struct iso_fault *fault)
 {
     const struct sim_describe_choice *choice = &work->choice;
     const char *name = "mesh";
     int error = sim_quantity_mesh(shape, arrays);
+    if (!error) {
+        error = add_methods(choice, shape, true, arrays, &name);
+    }
+    if (!error) {
+        iso_shape_drop_colours(shape);
+    }
     for (int q = 0; q < choice->n_quantities && !error; q++) {
         name = choice->quantity[q]->name;
         error = choice->quantity[q]->compute(shape, &work->quantity, arrays);
         error = is_left_out(choice, error) ? 0 : error;
     }
-    for (int m = 0; m < choice->n_methods && !error; m++) {
-        name = choice->method[m]->name;
-        if (shape->colour || !choice->method[m]->colour || !choice->as_colours_allow) {
-            error = sim_quantity_method(shape, choice->method[m], arrays);
-        }
+    if (!error) {
+        error = add_methods(choice, shape, false, arrays, &name);
     }
     return refuse_quantity(path, name, shape, error, fault);
 }
@@ -198,8 +217,8 @@ static int describe_mesh(struct work *work, const char *path, struct iso_fault *
     const struct sim_describe_options *options = work->options;
     const struct sim_source_options how = {.vertices = options->vertices,
                                            .mend = options->mend,
-                                           .smooth = options->smooth,
-                                           .clouds = true};
+                                           .neighbours = options->neighbours,
+                                           .smooth = options->smooth};
     char directory[PATH_MAX];
     struct iso_coloured_mesh mesh = {NULL, NULL};
     struct iso_shape *shape = NULL;
@@ -223,6 +242,7 @@ static int describe_mesh(struct work *work, const char *path, struct iso_fault *
     iso_coloured_mesh_done(&mesh); /* the shape has what is needed of it */
     if (!error) {
         subject.shape = shape;
+        sim_source_look_at_shape(&subject.look, shape);
         error = fill_arrays(work, shape, arrays, path, fault);
     }
     if (!error) {
@@ -314,17 +334,12 @@ static int find_view_score(const char *name, enum iso_view_score *out, struct is
 
 static int check_numbers(const struct sim_describe_options *options, struct iso_fault *fault)
 {
-    const int views = options->quantity.views, neighbours = options->neighbours;
+    const int views = options->quantity.views;
     if (views < 0 || views > SIM_QUANTITY_VIEWS_MAX) {
         return iso_fault_set(fault, -EINVAL, "--views: %d is not in 1..%d", views,
                              (int)SIM_QUANTITY_VIEWS_MAX);
     }
-    if (neighbours &&
-        (neighbours < ISO_CLOUD_NEIGHBOURS_MIN || neighbours > ISO_CLOUD_NEIGHBOURS_MAX)) {
-        return iso_fault_set(fault, -EINVAL, "--neighbours: %d is not in %d..%d", neighbours,
-                             (int)ISO_CLOUD_NEIGHBOURS_MIN, (int)ISO_CLOUD_NEIGHBOURS_MAX);
-    }
-    return 0;
+    return sim_neighbours_check(options->neighbours, fault);
 }
 
 static int prepare(struct work *work, struct iso_fault *fault)

@@ -19,14 +19,15 @@ static json_t *describe_file(const struct sim_describe_subject *subject)
 {
     const struct sim_source_look *look = &subject->look;
     const struct iso_part_survey *part = &look->part;
-    return json_pack(
-        "{s:s, s:i, s:b, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:f}", "file",
-        subject->path, "points_of_cloud", look->points, "colours", look->colours, "merged_vertices",
-        look->mended.merged, "collapsed_triangles", look->mended.collapsed, "repeated_triangles",
-        look->mended.repeated, "unused_vertices", look->mended.unused, "parts", part->n_parts,
-        "vertices_of_part", part->n_vertices, "triangles_of_part", part->n_triangles,
-        "vertices_left_out", part->vertices_left_out, "flat_triangles", part->flat_triangles,
-        "area_of_part", part->area, "area_left_out", part->area_left_out);
+    return json_pack("{s:s, s:i, s:i, s:b, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:f, s:f}",
+                     "file", subject->path, "points_of_cloud", look->points, "points_left_out",
+                     look->points_left_out, "colours", look->colours, "merged_vertices",
+                     look->mended.merged, "collapsed_triangles", look->mended.collapsed,
+                     "repeated_triangles", look->mended.repeated, "unused_vertices",
+                     look->mended.unused, "parts", part->n_parts, "vertices_of_part",
+                     part->n_vertices, "triangles_of_part", part->n_triangles, "vertices_left_out",
+                     part->vertices_left_out, "flat_triangles", part->flat_triangles,
+                     "area_of_part", part->area, "area_left_out", part->area_left_out);
 }
 
 static const struct sim_array *find_array(const struct sim_arrays *arrays, const char *name)

@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "isotherm/stiffness_mass.h"
+
 struct sim_view sim_shape_view(const struct iso_mesh *mesh)
 {
     struct iso_vec3 low = mesh->vertices_mm[0], high = low;
@@ -48,6 +50,18 @@ int sim_shape_face_viewer(const struct iso_mesh *mesh, struct iso_mesh **out)
     }
     *out = copy;
     return 0;
+}
+
+int sim_shape_cloud_surface(const struct iso_mesh *points, int32_t neighbours,
+                            struct iso_mesh **out)
+{
+    struct iso_mesh *cloud = NULL;
+    int error = iso_cloud_triangulate(points->vertices_mm, points->n_vertices, neighbours, &cloud);
+    if (!error) {
+        error = sim_shape_face_viewer(cloud, out);
+    }
+    iso_mesh_free(cloud);
+    return error;
 }
 
 static void draw_dots(const struct iso_mesh *mesh, const struct sim_array *dots,

@@ -24,6 +24,12 @@ int sim_shape_picture_from(const struct iso_mesh *mesh, const struct sim_view *v
 int sim_shape_face_viewer(const struct iso_mesh *mesh, struct iso_mesh **out)
     __attribute__((warn_unused_result));
 
+/* The triangles by which a cloud of points is drawn: those of each point and its neighbours
+ * (isotherm/stiffness_mass.h; 0: ISO_CLOUD_NEIGHBOURS), turned to the viewer of the first view. The
+ * vertices are the points. Free it with iso_mesh_free(). -EINVAL for neighbours; -ENOMEM. */
+int sim_shape_cloud_surface(const struct iso_mesh *points, int32_t neighbours,
+                            struct iso_mesh **out) __attribute__((warn_unused_result));
+
 /* Draws a mesh in the first view into a square of size_px. colour [n_vertices]. The first column of
  * `dots` has the numbers of vertices that get a white dot; NULL: none. The caller destroys the
  * picture. -ENOMEM. */

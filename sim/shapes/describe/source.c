@@ -17,6 +17,16 @@ static double loss_of(const struct iso_part_survey *part)
     return part->area_left_out / (part->area + part->area_left_out);
 }
 
+double sim_source_loss(const struct sim_source_look *look)
+{
+    return look->points > 0 ? (double)look->points_left_out / look->points : loss_of(&look->part);
+}
+
+void sim_source_look_at_shape(struct sim_source_look *look, const struct iso_shape *shape)
+{
+    look->points_left_out = shape->is_cloud ? look->points - shape->mesh->n_vertices : 0;
+}
+
 static int judge(const char *path, bool mend, const struct iso_part_survey *part,
                  struct iso_fault *fault)
 {
@@ -51,24 +61,88 @@ static int look_at_mesh(const char *path, bool mend, const struct iso_coloured_m
     return judge(path, mend, &seen->part, fault);
 }
 
-int sim_source_look(const char *path, bool mend, struct sim_source_look *look,
+static int refuse_cloud(const char *path, int32_t left, int32_t points, struct iso_fault *fault)
+{
+    return iso_fault_set(fault, -EBADMSG,
+                         "%s: %d of its %d points are not joined to the largest part; --mend "
+                         "accepts this, more --neighbours may join them",
+                         path, left, points);
+}
+
+/* Finds which points would be left out, which only the triangles tell. */
+static int look_at_cloud(const char *path, const struct sim_source_options *options,
+                         const struct iso_mesh *points, struct sim_source_look *seen,
+                         struct iso_fault *fault)
+{
+    struct iso_mesh *cloud = NULL;
+    if (iso_mesh_check(points, NULL)) {
+        return iso_fault_set(fault, -EBADMSG, "%s: a coordinate is not finite", path);
+    }
+    int error = iso_cloud_triangulate(points->vertices_mm, points->n_vertices, options->neighbours,
+                                      &cloud);
+    if (!error) {
+        error = iso_part_survey(cloud, &seen->part);
+    }
+    iso_mesh_free(cloud);
+    if (error) {
+        return iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
+    }
+    seen->points_left_out = seen->part.vertices_left_out;
+    if (seen->part.n_vertices < ISO_SHAPE_VERTICES_MIN) {
+        return iso_fault_set(fault, -ENODATA, "%s: its largest part has %d points, %d are needed",
+                             path, seen->part.n_vertices, (int)ISO_SHAPE_VERTICES_MIN);
+    }
+    return !options->mend && seen->points_left_out > least_loss * seen->points
+               ? refuse_cloud(path, seen->points_left_out, seen->points, fault)
+               : 0;
+}
+
+/* Reads a mesh or a cloud, and looks at a mesh. */
+static int read_any(const char *path, bool mend, struct sim_source_look *look,
                     struct iso_coloured_mesh *out, struct iso_fault *fault)
 {
     struct iso_coloured_mesh mesh = {NULL, NULL};
-    struct sim_source_look seen = {.colours = false};
-    int error = iso_mesh_file_read_report(path, &mesh, &seen.mended, fault);
+    struct sim_source_look seen = {.points = 0};
+    int error = iso_mesh_or_cloud_file_read(path, &mesh, &seen.mended, fault);
     if (error) {
         return error;
     }
-    error = look_at_mesh(path, mend, &mesh, &seen, fault);
-    if (error || !out) {
-        iso_coloured_mesh_done(&mesh);
+    seen.colours = mesh.colour != NULL;
+    if (mesh.mesh->n_triangles > 0) {
+        error = look_at_mesh(path, mend, &mesh, &seen, fault);
+    } else {
+        seen.points = mesh.mesh->n_vertices;
     }
+    if (error) {
+        iso_coloured_mesh_done(&mesh);
+        return error;
+    }
+    *look = seen;
+    *out = mesh;
+    return 0;
+}
+
+int sim_neighbours_check(int neighbours, struct iso_fault *fault)
+{
+    const bool right = neighbours == 0 || (neighbours >= ISO_CLOUD_NEIGHBOURS_MIN &&
+                                           neighbours <= ISO_CLOUD_NEIGHBOURS_MAX);
+    return right ? 0
+                 : iso_fault_set(fault, -EINVAL, "--neighbours: %d is not in %d..%d", neighbours,
+                                 (int)ISO_CLOUD_NEIGHBOURS_MIN, (int)ISO_CLOUD_NEIGHBOURS_MAX);
+}
+
+int sim_source_look(const char *path, const struct sim_source_options *options,
+                    struct sim_source_look *look, struct iso_fault *fault)
+{
+    struct iso_coloured_mesh mesh = {NULL, NULL};
+    struct sim_source_look seen;
+    int error = read_any(path, options->mend, &seen, &mesh, fault);
+    if (!error && seen.points > 0) {
+        error = look_at_cloud(path, options, mesh.mesh, &seen, fault);
+    }
+    iso_coloured_mesh_done(&mesh);
     if (!error) {
         *look = seen;
-        if (out) {
-            *out = mesh;
-        }
     }
     return error;
 }
@@ -87,15 +161,16 @@ void sim_source_left_out(const struct sim_source_look *look, char *text, size_t 
 {
     const struct iso_part_survey *part = &look->part;
     text[0] = '\0';
+    if (look->points > 0) {
+        append(text, size, look->points_left_out, "point", "points", "left out");
+        append(text, size, look->mended.merged, "point", "points", "merged");
+        return;
+    }
     append(text, size, part->n_parts - 1, "part", "parts", "left out");
     if (part->n_parts > 1) {
         const size_t used = strlen(text);
         (void)snprintf(text + used, size - used, ": %.2g %% of the area, %d vertices",
                        100.0 * loss_of(part), part->vertices_left_out);
-    }
-    if (look->points > 0) {
-        append(text, size, look->mended.merged, "point", "points", "merged");
-        return;
     }
     append(text, size, look->mended.merged, "vertex", "vertices", "merged");
     append(text, size, look->mended.repeated, "triangle", "triangles", "repeated");
@@ -148,31 +223,6 @@ static int change(const char *path, const char *name, const struct sim_source_op
     return error ? iso_fault_set(fault, error, "%s: %s", path, strerror(-error)) : 0;
 }
 
-/* Reads a mesh or a cloud. A mesh is looked at as by sim_source_look(). */
-static int look_at_any(const char *path, bool mend, struct sim_source_look *look,
-                       struct iso_coloured_mesh *out, struct iso_fault *fault)
-{
-    struct iso_coloured_mesh mesh = {NULL, NULL};
-    struct sim_source_look seen = {.points = 0};
-    int error = iso_mesh_or_cloud_file_read(path, &mesh, &seen.mended, fault);
-    if (error) {
-        return error;
-    }
-    seen.colours = mesh.colour != NULL;
-    if (mesh.mesh->n_triangles > 0) {
-        error = look_at_mesh(path, mend, &mesh, &seen, fault);
-    } else {
-        seen.points = mesh.mesh->n_vertices;
-    }
-    if (error) {
-        iso_coloured_mesh_done(&mesh);
-        return error;
-    }
-    *look = seen;
-    *out = mesh;
-    return 0;
-}
-
 static int change_cloud(const char *path, const struct sim_source_options *options,
                         const struct sim_source_look *look, struct iso_fault *fault)
 {
@@ -191,8 +241,7 @@ int sim_source_read(const char *path, const char *name, const struct sim_source_
 {
     struct iso_coloured_mesh mesh = {NULL, NULL};
     struct sim_source_look seen;
-    int error = options->clouds ? look_at_any(path, options->mend, &seen, &mesh, fault)
-                                : sim_source_look(path, options->mend, &seen, &mesh, fault);
+    int error = read_any(path, options->mend, &seen, &mesh, fault);
     if (error) {
         return error;
     }
@@ -253,10 +302,7 @@ static int shape_of_cloud(const char *path, const struct iso_coloured_mesh *clou
     const int32_t left = points->n_vertices - shape->mesh->n_vertices;
     if (!options->mend && left > least_loss * points->n_vertices) {
         iso_shape_free(shape);
-        return iso_fault_set(fault, -EBADMSG,
-                             "%s: %d of its %d points are not joined to the largest part; --mend "
-                             "accepts this, more --neighbours may join them",
-                             path, left, points->n_vertices);
+        return refuse_cloud(path, left, points->n_vertices, fault);
     }
     *out = shape;
     return 0;

@@ -1,4 +1,4 @@
-/* A corpus without manifest.csv: every mesh file below a directory. */
+/* A corpus without manifest.csv: every file of a mesh or of points below a directory. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdbool.h>
@@ -117,9 +117,10 @@ int sim_shape_manifest_list(const char *directory, struct sim_shape_manifest **o
     struct listing listing = {.top_class = slash && slash[1] ? slash + 1 : "/", .fault = fault};
     int error = list_directory(&listing, directory, "", 0);
     if (!error && listing.n == 0) {
-        error = iso_fault_set(fault, -ENOENT,
-                              "%s: no manifest.csv and no mesh (.off, .obj, .ply, .stl, .vert)",
-                              directory);
+        error = iso_fault_set(
+            fault, -ENOENT,
+            "%s: no manifest.csv, and no mesh or cloud (.off, .obj, .ply, .stl, .vert, .xyz)",
+            directory);
     }
     if (!error) {
         error = sim_shape_manifest_of(listing.rows, listing.n, out);

@@ -15,6 +15,7 @@
 
 struct side {
     const char *path;
+    struct sim_source_look look;
     struct iso_shape *shape;
     float *rest; /* [n_vertices][3], or NULL */
 };
@@ -32,15 +33,18 @@ struct work {
 static int open_side(const struct sim_match_options *options, struct side *side,
                      struct iso_fault *fault)
 {
-    const struct sim_source_options how = {.vertices = options->vertices, .mend = options->mend};
+    const struct sim_source_options how = {
+        .vertices = options->vertices, .mend = options->mend, .neighbours = options->neighbours};
     struct iso_coloured_mesh mesh = {NULL, NULL};
-    int error = sim_source_read(side->path, side->path, &how, NULL, &mesh, fault);
+    int error = sim_source_read(side->path, side->path, &how, &side->look, &mesh, fault);
     if (!error) {
-        const struct sim_shape_options shape_options = {.n_pairs = options->pairs};
+        const struct sim_shape_options shape_options = {
+            .neighbours = options->neighbours, .mend = options->mend, .n_pairs = options->pairs};
         error = sim_source_shape(side->path, &mesh, &shape_options, &side->shape, fault);
     }
     iso_coloured_mesh_done(&mesh);
     if (!error) {
+        sim_source_look_at_shape(&side->look, side->shape);
         error = sim_rest_read(side->path, side->shape->mesh->n_vertices, &side->rest, fault);
     }
     return error;
@@ -125,6 +129,16 @@ static json_t *error_json(bool known, const struct sim_match_error *e)
                               "within_0.25", e->within[2]);
 }
 
+/* What a cloud is made of; null for a mesh. */
+static json_t *cloud_json(const struct sim_match_options *options, const struct side *side)
+{
+    const int neighbours = options->neighbours ? options->neighbours : ISO_CLOUD_NEIGHBOURS;
+    return !side->shape->is_cloud
+               ? json_null()
+               : json_pack("{s:i, s:i, s:i}", "points", side->look.points, "points_left_out",
+                           side->look.points_left_out, "neighbours", neighbours);
+}
+
 static int write_files(const struct work *work, struct iso_fault *fault)
 {
     const struct sim_match_options *o = work->options;
@@ -140,24 +154,36 @@ static int write_files(const struct work *work, struct iso_fault *fault)
         error = iso_path_join(o->out, "match.png", png, fault);
     }
     if (!error) {
-        error = sim_json_file(json_pack("{s:s, s:s, s:s, s:i, s:i, s:i, s:f, s:i, s:o, s:o}",
-                                        "version", ISOTHERM_VERSION, "from", work->from.path, "to",
-                                        work->to.path, "first_pairs", work->k_first, "pairs",
-                                        work->k_last, "step", o->step, "weight", o->weight,
-                                        "functions", (int)ISO_MATCH_FUNCTIONS, "error",
-                                        error_json(work->known, &work->error), "error_mirrored",
-                                        error_json(work->known, &work->mirrored)),
-                              json, fault);
+        error = sim_json_file(
+            json_pack("{s:s, s:s, s:s, s:o, s:o, s:i, s:i, s:i, s:f, s:i, s:o, s:o}", "version",
+                      ISOTHERM_VERSION, "from", work->from.path, "to", work->to.path, "from_cloud",
+                      cloud_json(o, &work->from), "to_cloud", cloud_json(o, &work->to),
+                      "first_pairs", work->k_first, "pairs", work->k_last, "step", o->step,
+                      "weight", o->weight, "functions", (int)ISO_MATCH_FUNCTIONS, "error",
+                      error_json(work->known, &work->error), "error_mirrored",
+                      error_json(work->known, &work->mirrored)),
+            json, fault);
     }
     return error ? error
-                 : sim_match_picture(work->from.shape->mesh, work->to.shape->mesh, work->point, png,
-                                     fault);
+                 : sim_match_picture(work->from.shape, work->to.shape, work->point, png, fault);
+}
+
+static void report_side(const struct side *side, FILE *out)
+{
+    char left_out[256];
+    sim_source_left_out(&side->look, left_out, sizeof left_out);
+    if (left_out[0]) {
+        fprintf(out, "%s: %s\n", side->path, left_out);
+    }
 }
 
 static void report(const struct work *work, FILE *out)
 {
-    fprintf(out, "%s to %s: %d vertices, %d pairs\n", work->from.path, work->to.path,
-            work->to.shape->mesh->n_vertices, work->k_last);
+    report_side(&work->from, out);
+    report_side(&work->to, out);
+    fprintf(out, "%s to %s: %d %s, %d pairs\n", work->from.path, work->to.path,
+            work->to.shape->mesh->n_vertices, work->to.shape->is_cloud ? "points" : "vertices",
+            work->k_last);
     if (work->known) {
         const bool turned = work->mirrored.mean < work->error.mean;
         const struct sim_match_error *best = turned ? &work->mirrored : &work->error;
@@ -211,6 +237,10 @@ int sim_shapes_match(const struct sim_match_options *options, FILE *out, struct 
     if (options->first_pairs < 2 || options->step < 1 || !(options->weight > 0.0)) {
         return iso_fault_set(fault, -EINVAL,
                              "--first-pairs below 2, --step below 1 or --weight not above 0");
+    }
+    const int wrong = sim_neighbours_check(options->neighbours, fault);
+    if (wrong) {
+        return wrong;
     }
     struct work work = {.options = options,
                         .from = {.path = options->meshes.text[0]},

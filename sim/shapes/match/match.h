@@ -7,13 +7,14 @@
 #include "sim/base/options.h"
 
 struct sim_match_options {
-    struct sim_option_texts meshes; /* two: from, to */
+    struct sim_option_texts meshes; /* two meshes or clouds: from, to */
     const char *out;                /* directory, created if it is missing */
     int pairs;                      /* eigenpairs to which ZoomOut goes; 0: ISO_SHAPE_PAIRS */
     int first_pairs;                /* of the first functional map */
     int step;                       /* pairs that each step of ZoomOut adds */
     double weight;                  /* of the commutator with the Laplacians */
     int vertices;                   /* larger meshes are thinned; 0: no thinning */
+    int neighbours;                 /* of each point of a cloud; 0: ISO_CLOUD_NEIGHBOURS */
     bool mend;
 };
 

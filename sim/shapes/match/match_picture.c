@@ -28,11 +28,16 @@ static void colour_places(const struct iso_mesh *mesh, struct sim_colour *colour
     }
 }
 
-static int draw_shape(cairo_t *cr, const struct iso_mesh *mesh, const struct sim_colour *colour,
+static int draw_shape(cairo_t *cr, const struct iso_shape *shape, const struct sim_colour *colour,
                       double x)
 {
     cairo_surface_t *picture = NULL;
-    const int error = sim_shape_picture(mesh, colour, NULL, CELL_PX, &picture);
+    struct iso_mesh *facing = NULL;
+    int error = shape->is_cloud ? sim_shape_face_viewer(shape->mesh, &facing) : 0;
+    if (!error) {
+        error = sim_shape_picture(facing ? facing : shape->mesh, colour, NULL, CELL_PX, &picture);
+    }
+    iso_mesh_free(facing);
     if (!error) {
         cairo_set_source_surface(cr, picture, x, 0.0);
         cairo_paint(cr);
@@ -41,15 +46,15 @@ static int draw_shape(cairo_t *cr, const struct iso_mesh *mesh, const struct sim
     return error;
 }
 
-int sim_match_picture(const struct iso_mesh *from, const struct iso_mesh *to, const int32_t *point,
-                      const char *path, struct iso_fault *fault)
+int sim_match_picture(const struct iso_shape *from, const struct iso_shape *to,
+                      const int32_t *point, const char *path, struct iso_fault *fault)
 {
-    const size_t n_from = (size_t)from->n_vertices, n_to = (size_t)to->n_vertices;
+    const size_t n_from = (size_t)from->mesh->n_vertices, n_to = (size_t)to->mesh->n_vertices;
     struct sim_colour *colour = malloc((n_from + n_to) * sizeof *colour);
     if (!colour) {
         return iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
     }
-    colour_places(from, colour);
+    colour_places(from->mesh, colour);
     for (size_t v = 0; v < n_to; v++) {
         colour[n_from + v] = colour[point[v]];
     }

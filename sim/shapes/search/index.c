@@ -39,11 +39,12 @@ static int write_list(const struct sim_index_options *options, const struct sim_
         (void)json_array_append_new(
             shapes, json_pack("{s:s, s:s}", "file", row->file, "class", row->class_name));
     }
-    json_t *document = json_pack("{s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:b, s:o}", "format", format,
-                                 "version", ISOTHERM_VERSION, "corpus", real, "method",
+    json_t *document = json_pack("{s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:i, s:b, s:o}", "format",
+                                 format, "version", ISOTHERM_VERSION, "corpus", real, "method",
                                  options->method, "pairs", options->pairs, "vertices",
-                                 options->vertices, "smooth", options->smooth, "mend",
-                                 options->mend, "shapes", shapes);
+                                 options->vertices, "smooth", options->smooth, "neighbours",
+                                 options->neighbours ? options->neighbours : ISO_CLOUD_NEIGHBOURS,
+                                 "mend", options->mend, "shapes", shapes);
     const int error = iso_path_join(options->out, "index.json", path, fault);
     if (error) {
         json_decref(document);
@@ -74,6 +75,7 @@ static int make_index(const struct sim_index_options *options,
                       FILE *out, struct iso_fault *fault)
 {
     const struct sim_corpus_look look = {.directory = options->corpus,
+                                         .neighbours = options->neighbours,
                                          .mend = options->mend,
                                          .strict = options->strict,
                                          .colours_needed = method->colour,
@@ -83,7 +85,10 @@ static int make_index(const struct sim_index_options *options,
         .manifest = manifest,
         .methods = &method,
         .n_methods = 1,
-        .source = {.vertices = options->vertices, .mend = options->mend, .smooth = options->smooth},
+        .source = {.vertices = options->vertices,
+                   .mend = options->mend,
+                   .neighbours = options->neighbours,
+                   .smooth = options->smooth},
         .n_pairs = options->pairs,
         .skip = !options->strict,
         .threads = options->threads,
@@ -105,11 +110,25 @@ static int make_index(const struct sim_index_options *options,
     return error;
 }
 
-int sim_shapes_index(const struct sim_index_options *options, FILE *out, struct iso_fault *fault)
+/* The name of an index beside its folder; free() it. NULL: no memory. */
+static char *name_beside(const char *corpus)
+{
+    char *name = NULL;
+    size_t length = strlen(corpus);
+    while (length > 1 && corpus[length - 1] == '/') {
+        length--;
+    }
+    return asprintf(&name, "%.*s.index", (int)length, corpus) < 0 ? NULL : name;
+}
+
+static int index_into(const struct sim_index_options *options, FILE *out, struct iso_fault *fault)
 {
     const struct iso_shape_method *method = NULL;
     struct sim_shape_manifest *manifest = NULL;
-    int error = sim_choice_method(options->method, &method, fault);
+    int error = sim_neighbours_check(options->neighbours, fault);
+    if (!error) {
+        error = sim_choice_method(options->method, &method, fault);
+    }
     if (!error) {
         error = sim_shape_manifest_read(options->corpus, &manifest, fault);
     }
@@ -123,6 +142,17 @@ int sim_shapes_index(const struct sim_index_options *options, FILE *out, struct 
     return error;
 }
 
+int sim_shapes_index(const struct sim_index_options *options, FILE *out, struct iso_fault *fault)
+{
+    struct sim_index_options named = *options;
+    char *name = options->out ? NULL : name_beside(options->corpus);
+    named.out = options->out ? options->out : name;
+    const int error = named.out ? index_into(&named, out, fault)
+                                : iso_fault_set(fault, -ENOMEM, "out of memory");
+    free(name);
+    return error;
+}
+
 /* ---- reading -------------------------------------------------------------------------------- */
 
 static int take_list(json_t *document, struct sim_index *index)
@@ -130,16 +160,18 @@ static int take_list(json_t *document, struct sim_index *index)
     const char *name = NULL, *corpus = NULL, *method = NULL;
     json_t *shapes = NULL;
     int mend = 0, pairs = 0, vertices = 0, smooth = 0;
-    if (json_unpack(document, "{s:s, s:s, s:s, s:i, s:i, s:i, s:b, s:o}", "format", &name, "corpus",
-                    &corpus, "method", &method, "pairs", &pairs, "vertices", &vertices, "smooth",
-                    &smooth, "mend", &mend, "shapes", &shapes) != 0 ||
+    int neighbours = 0; /* an index without clouds of an earlier version does not have it */
+    if (json_unpack(document, "{s:s, s:s, s:s, s:i, s:i, s:i, s?i, s:b, s:o}", "format", &name,
+                    "corpus", &corpus, "method", &method, "pairs", &pairs, "vertices", &vertices,
+                    "smooth", &smooth, "neighbours", &neighbours, "mend", &mend, "shapes",
+                    &shapes) != 0 ||
         strcmp(name, format) != 0 || json_array_size(shapes) == 0 ||
-        json_array_size(shapes) > SHAPES_MAX) {
+        json_array_size(shapes) > SHAPES_MAX || sim_neighbours_check(neighbours, NULL)) {
         return -EBADMSG;
     }
     const size_t n = json_array_size(shapes);
     index->source = (struct sim_source_options){
-        .vertices = vertices, .mend = mend != 0, .smooth = smooth};
+        .vertices = vertices, .mend = mend != 0, .neighbours = neighbours, .smooth = smooth};
     index->n_pairs = pairs;
     index->method = iso_shape_method_find(method);
     index->corpus = strdup(corpus);

@@ -1,5 +1,5 @@
-/* isotherm-sim shapes index: describes a folder of meshes once, so that meshes can be looked for in
- * it later. An index is a directory:
+/* isotherm-sim shapes index: describes a folder of meshes and clouds once, so that others can be
+ * looked for in it later. An index is a directory:
  *
  *   index.json        the folder, the method, how files become meshes, the files and their classes
  *   N.description     the description of file N, from 0
@@ -17,15 +17,15 @@
 #include "sim/shapes/describe/source.h"
 
 struct sim_index_options {
-    const char *corpus, *out;
+    const char *corpus, *out; /* out NULL: CORPUS.index */
     const char *method;
-    int pairs, vertices, smooth;
+    int pairs, vertices, smooth, neighbours;
     bool mend, strict;
     int threads;
 };
 
 /* Makes or replaces an index. Prints one line. Errors of the manifest, of looking, of describing
- * and of writing; -EINVAL for an unknown method; each with a fault. */
+ * and of writing; -EINVAL for an unknown method and for neighbours; each with a fault. */
 int sim_shapes_index(const struct sim_index_options *options, FILE *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -37,18 +37,21 @@ static double distance_of(enum iso_norm norm, const float *a, const float *b, in
     return norm == ISO_NORM_L1 ? sum : sqrt(sum);
 }
 
-static int describe(const struct sim_index *index, const char *path,
+static int describe(const struct sim_index *index, const char *path, struct sim_source_look *look,
                     struct iso_shape_description **out, struct iso_fault *fault)
 {
     struct iso_coloured_mesh mesh = {NULL, NULL};
     struct iso_shape *shape = NULL;
-    int error = sim_source_read(path, path, &index->source, NULL, &mesh, fault);
+    int error = sim_source_read(path, path, &index->source, look, &mesh, fault);
     if (!error) {
-        const struct sim_shape_options shape_options = {.colours = index->method->colour,
+        const struct sim_shape_options shape_options = {.neighbours = index->source.neighbours,
+                                                        .colours = index->method->colour,
+                                                        .mend = index->source.mend,
                                                         .n_pairs = index->n_pairs};
         error = sim_source_shape(path, &mesh, &shape_options, &shape, fault);
     }
     if (!error) {
+        sim_source_look_at_shape(look, shape);
         error = iso_shape_describe(index->method, shape, out);
         if (error) {
             (void)iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
@@ -59,14 +62,14 @@ static int describe(const struct sim_index *index, const char *path,
     return error;
 }
 
-/* match [index->n] by rising distance. */
-static int rank(const struct sim_index *index, const char *path, struct match *match,
-                struct iso_fault *fault)
+/* match [index->n] by rising distance. `look` receives what was found in the file. */
+static int rank(const struct sim_index *index, const char *path, struct sim_source_look *look,
+                struct match *match, struct iso_fault *fault)
 {
     const int32_t size = iso_shape_coder_layout(index->coder)->size;
     struct iso_shape_description *description = NULL;
     float *feature = calloc((size_t)size, sizeof *feature);
-    int error = feature ? describe(index, path, &description, fault)
+    int error = feature ? describe(index, path, look, &description, fault)
                         : iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
     if (!error) {
         error = iso_shape_code(index->coder, description, feature);
@@ -120,7 +123,7 @@ static int draw(const struct sim_query_options *options, const struct ranking *r
         struct sim_source_look look;
         struct iso_fault ignored;
         if (iso_path_join(index->corpus, index->file[item], name[i], &ignored) == 0 &&
-            sim_source_look(name[i], index->source.mend, &look, NULL, &ignored) == 0) {
+            sim_source_look(name[i], &index->source, &look, &ignored) == 0) {
             file[n++] = (struct sim_sheet_file){name[i], index->class_name[item], false};
         }
     }
@@ -156,10 +159,14 @@ static int answer(const struct sim_query_options *options, const struct sim_inde
 {
     struct match *match = calloc((size_t)index->n, sizeof *match);
     const struct ranking ranking = {index, match};
-    int error = match ? rank(index, mesh, match, fault)
+    struct sim_source_look look = {.points = 0};
+    char left_out[256];
+    int error = match ? rank(index, mesh, &look, match, fault)
                       : iso_fault_set(fault, -ENOMEM, "%s: out of memory", mesh);
     if (!error) {
-        fprintf(out, "%s, by %s:\n", mesh, index->method->name);
+        sim_source_left_out(&look, left_out, sizeof left_out);
+        fprintf(out, "%s, by %s%s%s:\n", mesh, index->method->name, left_out[0] ? "; " : "",
+                left_out);
     }
     for (int i = 0; !error && i < options->matches && i < index->n; i++) {
         fprintf(out, "%4d  %-9.4g %s (%s)\n", i + 1, match[i].distance, index->file[match[i].item],

@@ -71,7 +71,8 @@ static int look_up(struct item *item, const char *file)
     item->subject = (struct sim_cache_subject){.name = file,
                                                .source = &options->source,
                                                .n_pairs = options->n_pairs,
-                                               .colours = need_colours(options)};
+                                               .colours = need_colours(options),
+                                               .times = options->times};
     int error = sim_cache_hash(item->path, item->subject.content, item->fault);
     for (int m = 0; m < options->n_methods && !error; m++) {
         sim_cache_name(&item->subject, options->methods[m], name);
@@ -95,7 +96,7 @@ static int describe_by(struct item *item, const struct iso_shape *shape, int m)
             return error;
         }
     }
-    return iso_shape_describe(methods[m], shape, &item->made[m]);
+    return iso_shape_describe_at(methods[m], shape, &item->work->options->times, &item->made[m]);
 }
 
 static int describe(struct item *item, const struct iso_shape *shape)
@@ -130,7 +131,9 @@ static int make_shape(struct item *item, int32_t row, struct iso_shape **shape)
     int error = sim_bank_read(options, row, &mesh, item->fault);
     if (!error) {
         item->n_vertices = mesh.mesh->n_vertices;
-        const struct sim_shape_options shape_options = {.colours = need_colours(options),
+        const struct sim_shape_options shape_options = {.neighbours = options->source.neighbours,
+                                                        .colours = need_colours(options),
+                                                        .mend = options->source.mend,
                                                         .n_pairs = options->n_pairs};
         error = sim_source_shape(item->path, &mesh, &shape_options, shape, item->fault);
     }

@@ -15,6 +15,7 @@ struct sim_bank_options {
     int32_t n_rows;
     struct sim_source_options source; /* how a file becomes a mesh */
     int32_t n_pairs;                  /* eigenpairs; 0: ISO_SHAPE_PAIRS */
+    struct iso_describe_times times;  /* of heat; 0: each method's own */
     const char *cache; /* directory of earlier descriptions (describe/cache.h); NULL: none */
     bool skip;         /* leave out shapes that cannot be described, and name them */
     int threads;

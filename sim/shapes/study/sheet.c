@@ -74,6 +74,21 @@ static int read_cell(const struct sheet *sheet, const struct cell *cell,
                       : sim_bank_read(&how, cell->row, mesh, fault);
 }
 
+/* Gives a cloud triangles that can be drawn. */
+static int cover_cloud(const struct sheet *sheet, struct iso_coloured_mesh *mesh)
+{
+    struct iso_mesh *surface = NULL;
+    if (mesh->mesh->n_triangles > 0) {
+        return 0;
+    }
+    const int error = sim_shape_cloud_surface(mesh->mesh, sheet->how->source.neighbours, &surface);
+    if (!error) {
+        iso_mesh_free(mesh->mesh);
+        mesh->mesh = surface;
+    }
+    return error;
+}
+
 static int draw_cell(cairo_t *cr, const struct sheet *sheet, int row, int column,
                      struct iso_fault *fault)
 {
@@ -85,7 +100,10 @@ static int draw_cell(cairo_t *cr, const struct sheet *sheet, int row, int column
     if (error) {
         return error;
     }
-    error = draw_mesh(&mesh, cell, &picture);
+    error = cover_cloud(sheet, &mesh);
+    if (!error) {
+        error = draw_mesh(&mesh, cell, &picture);
+    }
     iso_coloured_mesh_done(&mesh);
     if (error) {
         return iso_fault_set(fault, error, "%s: cannot be drawn: %s", name, strerror(-error));

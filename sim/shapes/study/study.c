@@ -46,6 +46,7 @@ static int open_corpus(struct sim_study *study, struct iso_fault *fault)
 {
     const struct sim_shapes_study_options *options = study->options;
     const struct sim_corpus_look how = {.directory = options->corpus,
+                                        .neighbours = options->neighbours,
                                         .mend = options->mend,
                                         .strict = options->strict,
                                         .colours_needed = need_colours(&study->choice),
@@ -120,9 +121,11 @@ static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault 
         .n_methods = study->choice.n_methods,
         .source = {.vertices = options->vertices,
                    .mend = options->mend,
+                   .neighbours = options->neighbours,
                    .seed = options->seed,
                    .smooth = options->smooth},
         .n_pairs = options->pairs,
+        .times = options->times,
         .cache = given[0] ? given : NULL,
         .skip = !options->strict,
         .threads = options->threads,
@@ -147,8 +150,14 @@ static int describe_shapes(struct sim_study *study, FILE *out, struct iso_fault 
 
 static int run_study(struct sim_study *study, FILE *out, struct iso_fault *fault)
 {
-    int error = sim_choice_read(&study->options->methods, &study->options->classifiers,
+    int error = sim_neighbours_check(study->options->neighbours, fault);
+    if (!error) {
+        error = sim_choice_read(&study->options->methods, &study->options->classifiers,
                                 &study->choice, fault);
+    }
+    if (!error) {
+        error = sim_study_check_times(study, fault);
+    }
     if (!error) {
         error = open_corpus(study, fault);
     }

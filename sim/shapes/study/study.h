@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "core/base/fault.h"
+#include "isotherm/shape_method.h"
 #include "sim/base/options.h"
 #include "sim/shapes/make/distort.h"
 
@@ -18,14 +19,16 @@ struct sim_shapes_study_options {
     struct sim_distortion distortion;    /* level 0: none */
     size_t queries;                      /* the first shapes of every class in turn; 0: all */
     size_t seed;
-    int smooth;        /* see sim_smooth */
-    int vertices;      /* meshes with more vertices are thinned; 0: no thinning */
-    int pictures;      /* matches of a query in a picture; 0: no pictures */
-    int pairs;         /* eigenpairs; 0: ISO_SHAPE_PAIRS */
-    int words;         /* words of vocabularies, or principal components; 0: each method's own */
-    bool mend;         /* describe meshes that lose over 1 % of their area */
-    bool strict;       /* fail at the first mesh that cannot be used */
-    const char *cache; /* directory of descriptions; NULL: `out`/cache; "": none */
+    int smooth;   /* see sim_smooth */
+    int vertices; /* meshes with more vertices are thinned; 0: no thinning */
+    int pictures; /* matches of a query in a picture; 0: no pictures */
+    int pairs;    /* eigenpairs; 0: ISO_SHAPE_PAIRS */
+    int words;    /* words of vocabularies, or principal components; 0: each method's own */
+    struct iso_describe_times times; /* of heat; 0: each method's own */
+    int neighbours;                  /* of each point of a cloud; 0: ISO_CLOUD_NEIGHBOURS */
+    bool mend;                       /* describe meshes that lose over 1 % of their area */
+    bool strict;                     /* fail at the first mesh that cannot be used */
+    const char *cache;               /* directory of descriptions; NULL: `out`/cache; "": none */
     int threads;
 };
 
@@ -36,6 +39,7 @@ struct sim_shapes_study_options {
  * and classifier, and writes below `out`:
  *
  *   measures.csv                       all measures, and times
+ *   parameters.json                    every option, and the times and words of each method
  *   meshes.csv                         what was found in each mesh (describe/corpus.h)
  *   cache/                             descriptions for the next run (describe/cache.h)
  *   precision-recall.png               of methods and classifiers that rank; more than twelve are
@@ -48,8 +52,9 @@ struct sim_shapes_study_options {
  *   METHOD-CLASSIFIER/matches.png      first matches of a query of each class; only with `pictures`
  *                                      and if the classifier ranks
  *
- * -EINVAL for an unknown name; -ENODATA for a corpus of one shape or one class; -ENOTSUP if the
- * build lacks a method's own classifier; errors of the banks and of writing; each with a fault. */
+ * -EINVAL for an unknown name, and for times that a method cannot have; -ENODATA for a corpus of
+ * one shape or one class; -ENOTSUP if the build lacks a method's own classifier; errors of the
+ * banks and of writing; each with a fault. */
 int sim_shapes_study(const struct sim_shapes_study_options *options, FILE *out,
                      struct iso_fault *fault) __attribute__((warn_unused_result));
 

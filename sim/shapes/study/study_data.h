@@ -33,6 +33,15 @@ struct sim_study {
     struct sim_study_result result[SIM_STUDY_RESULTS_MAX];
 };
 
+/* Refuses times of heat that a method of the study cannot have. -EINVAL with a fault. */
+int sim_study_check_times(const struct sim_study *study, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
+/* Writes parameters.json. No classifier stands for each method's own. -ENOMEM, -EIO, with a fault.
+ */
+int sim_study_save_parameters(const struct sim_study *study, struct iso_fault *fault)
+    __attribute__((warn_unused_result));
+
 /* Measures the study's method number m with each classifier, or with its own classifier. Adds
  * the results, prints a line for each and writes the files of its directory. Errors of the
  * features and of the classifier, each with a fault. */

@@ -86,6 +86,9 @@ int sim_study_save(const struct sim_study *study, struct iso_fault *fault)
     char path[PATH_MAX];
     int error = sim_result_file(study->options->out, "measures.csv", write_measures, study, fault);
     if (!error) {
+        error = sim_study_save_parameters(study, fault);
+    }
+    if (!error) {
         error = plot_curves(study, fault);
     }
     if (!error && study->options->pictures > 0) {

@@ -205,18 +205,16 @@ static void eigenvalues_converge_with_order_two(void **state)
     expect_order_two("disc, j'_01", disc, SIZES);
 }
 
-static void pairs_are_orthonormal_and_solve_the_problem(void **state)
+/* Solves, and checks that the pairs are ascending, orthonormal, and solve the problem. */
+static struct iso_eigenpairs *solve_and_check(const struct iso_mesh *mesh, int k)
 {
-    (void)state;
-    enum { K = 20 };
-    struct iso_mesh *mesh = shape_sheet(31, 23, 1.5);
     struct matrices m = matrices_of(mesh, ISO_MASS_CONSISTENT);
     struct iso_eigenpairs *pairs = NULL;
-    assert_int_equal(iso_eigenpairs_new(m.stiffness, m.mass, K, tight, &pairs), 0);
+    assert_int_equal(iso_eigenpairs_new(m.stiffness, m.mass, k, tight, &pairs), 0);
     size_t n = (size_t)pairs->n;
     double *left = calloc(n, sizeof *left), *right = calloc(n, sizeof *right);
     assert_true(left && right);
-    for (int i = 0; i < K; i++) {
+    for (int i = 0; i < k; i++) {
         const double *phi = &pairs->phi[(size_t)i * n];
         assert_true(i == 0 || pairs->lambda[i] >= pairs->lambda[i - 1]);
         for (int j = 0; j <= i; j++) {
@@ -231,8 +229,36 @@ static void pairs_are_orthonormal_and_solve_the_problem(void **state)
     }
     free(left);
     free(right);
-    iso_eigenpairs_free(pairs);
     matrices_free(&m);
+    return pairs;
+}
+
+static void pairs_are_orthonormal_and_solve_the_problem(void **state)
+{
+    struct iso_mesh *mesh = shape_sheet(31, 23, 1.5);
+    (void)state;
+    iso_eigenpairs_free(solve_and_check(mesh, 20));
+    iso_mesh_free(mesh);
+}
+
+/* From 10,000 vertices on the basis is restarted. The sphere has 1 + 3 + ... + 19 = 100 pairs with
+ * l < 10. */
+static void a_large_sphere_has_its_harmonics(void **state)
+{
+    enum { K = 100 };
+    const double radius = 20.0;
+    struct iso_mesh *mesh = shape_sphere(5, radius);
+    double expected[K];
+    (void)state;
+    assert_true(mesh->n_vertices > 10000);
+    for (int l = 0, i = 0; l < 10; l++) {
+        for (int m = -l; m <= l; m++, i++) {
+            expected[i] = l * (l + 1) / (radius * radius);
+        }
+    }
+    struct iso_eigenpairs *pairs = solve_and_check(mesh, K);
+    expect_values(pairs, expected, K, 0.01);
+    iso_eigenpairs_free(pairs);
     iso_mesh_free(mesh);
 }
 
@@ -309,6 +335,7 @@ int main(void)
         cmocka_unit_test(a_disc_has_its_bessel_zeros),
         cmocka_unit_test(eigenvalues_converge_with_order_two),
         cmocka_unit_test(pairs_are_orthonormal_and_solve_the_problem),
+        cmocka_unit_test(a_large_sphere_has_its_harmonics),
         cmocka_unit_test(every_copy_is_found),
         cmocka_unit_test(impossible_requests_are_refused),
     };

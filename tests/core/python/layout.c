@@ -272,6 +272,10 @@ static void print_methods(void)
     MEMBER(iso_shape_description, n_parts);
     MEMBER(iso_shape_description, part_size);
     MEMBER(iso_shape_description, whole);
+    WHOLE(iso_describe_times);
+    MEMBER(iso_describe_times, n);
+    MEMBER(iso_describe_times, first);
+    MEMBER(iso_describe_times, last);
     WHOLE(iso_shape_method);
     MEMBER(iso_shape_method, name);
     MEMBER(iso_shape_method, title);
@@ -282,6 +286,7 @@ static void print_methods(void)
     MEMBER(iso_shape_method, norm);
     MEMBER(iso_shape_method, classifier);
     MEMBER(iso_shape_method, kept_parts);
+    MEMBER(iso_shape_method, times);
     MEMBER(iso_shape_method, describe);
 }
 

@@ -61,12 +61,21 @@ class Clouds(TestCase):
         self.refuses('points: a number is not finite', make, points)
 
     def test_points_that_are_left_out_are_told(self):
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter('always')
-            shape = isotherm.Shape.of_points(np.vstack([ball(400), 0.2 * ball(100) + 50]), pairs=10)
-        self.assertEqual(shape.n, 400)
-        self.assertAlmostEqual(shape.area_left_out, 0.2)
-        self.assertIn('20.0 % of the points', str(caught[0].message))
+        far, same = '20.0 % of the points are not joined to the largest part, and are left out', \
+            '10.0 % of the points are at the place of another one, and are left out'
+        some, apart = ball(400), 0.2 * ball(100) + 50
+        some[0, 2] = -0.0
+        again = some[:40].copy()
+        again[0, 2] = 0.0  # the same place as -0
+        for n_again, parts, said in ((0, (some, apart), [far]), (40, (some[:360], again), [same]),
+                                     (40, (some[:310], again, apart[:50]), [same, far.replace('20.0', '12.5')]),
+                                     (3, (some, again[:3]), []), (0, (some, ), [])):
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter('always')
+                shape = isotherm.Shape.of_points(np.vstack(parts), pairs=10)
+            self.assertEqual([str(warning.message) for warning in caught], said)
+            self.assertEqual(shape.n, len(parts[0]))
+            self.assertAlmostEqual(shape.area_left_out, 1 - len(parts[0]) / sum(map(len, parts)))
 
 
 class Views(TestCase):

@@ -101,8 +101,12 @@ refuse 2 '--neighbours: 5 is not in 6..200' describe "$work/ball.xyz" --out "$wo
 refuse 2 '--views: 17 is not in 1..16' describe "$mesh" --out "$work/o" --views 17
 refuse 2 "--view-score: 'best' is none of entropy, divergence" describe "$mesh" --out "$work/o" --view-score best
 refuse 2 '--source is out of range: the shape has the vertices 0 to 399' describe "$mesh" --out "$work/o" --what heat --source 400
-refuse 4 'a cloud of points, and a mesh is wanted here' match "$work/ball.xyz" "$mesh" --out "$work/o"
-refuse 4 'no triangles: a cloud of points, which is not wanted here' match "$work/ball.off" "$mesh" --out "$work/o"
+"$simulator" shapes describe "$work/apart.xyz" --out "$work/apart" --what eigen --mend --no-pictures >"$work/stdout" 2>"$work/stderr" ||
+    fail "describe --mend of a cloud: $(cat "$work/stderr")"
+grep -q 'apart.xyz: 1500 points, .* 200 points left out' "$work/stdout" || fail "no report of points left out: $(cat "$work/stdout")"
+grep -q '"points_of_cloud": 1700' "$work/apart/apart/parameters.json" && grep -q '"points_left_out": 200' "$work/apart/apart/parameters.json" ||
+    fail 'parameters.json does not say how many points are left out'
+refuse 2 '--neighbours: 201 is not in 6..200' match "$work/ball.xyz" "$mesh" --out "$work/o" --neighbours 201
 
 refuse 2 'no mesh is given' describe --out "$work/o"
 refuse 2 '--out is needed' describe "$mesh"
@@ -115,7 +119,8 @@ refuse 3 'nowhere.off' describe "$work/nowhere.off" --out "$work/o"
 refuse 4 'a method needs colours, and the file has none' describe "$mesh" --out "$work/o" --what w-hks1
 refuse 4 'not a directory' describe "$mesh" --out "$mesh"
 
-# Memory by vertices: what everything but views needs on 12,000 vertices more than on 400 (tests/bench/shapes/cost.sh has more sizes).
+# Memory by vertices: what everything but views needs on 12,000 vertices more than on 400, without and with colours
+# (tests/bench/shapes/cost.sh has more sizes).
 # Sanitizers keep memory of their own.
 if ! nm "$simulator" | grep -q ' __\(asan\|tsan\|msan\)_init'; then
     "$simulator" shapes generate --classes 1 --shapes 1 --vertices 12000 --out "$work/large" >/dev/null 2>&1 || fail 'generate a large shape'
@@ -123,16 +128,29 @@ if ! nm "$simulator" | grep -q ' __\(asan\|tsan\|msan\)_init'; then
 import os
 import subprocess
 import sys
-what = 'eigen,mass,stiffness,hks,si-hks,wks,hms,segments,heat,critical,shape-dna,td,cp-td,srcp-td,srcp-td-one,cp-hk,cp-hk-plain,shape-google'
-def most(mesh):
+plain = 'eigen,mass,stiffness,hks,si-hks,wks,hms,segments,heat,critical,shape-dna,td,cp-td,srcp-td,srcp-td-one,cp-hk,cp-hk-plain,shape-google'
+def paint(mesh, painted):
+    lines = open(mesh).read().split('\n')
+    n = int(lines[1].split()[0])
+    with open(painted, 'w') as out:
+        out.write('\n'.join(['COFF', lines[1]] + [v + ' %d %d %d 255' % tuple(int(float(x)**2) % 256 for x in v.split())
+                                                 for v in lines[2:2 + n]] + lines[2 + n:]))
+    return painted
+def most(mesh, what):
     child = subprocess.Popen([sys.argv[1], 'shapes', 'describe', mesh, '--what', what, '--threads', '1', '--no-pictures', '--out', sys.argv[4]],
                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(child.pid, 0)
     assert status == 0, status
     return 1.024 * usage.ru_maxrss
-needed = (most(sys.argv[3]) - most(sys.argv[2])) / (12000 - 400)
-print('%.2f kB a vertex' % needed)
-sys.exit(needed > 5.0)
+def needed(name, small, large, what):
+    kilobytes = (most(large, what) - most(small, what)) / (12000 - 400)
+    print('%s: %.2f kB a vertex' % (name, kilobytes))
+    return kilobytes
+small, large = sys.argv[2:4]
+without = needed('without colours', small, large, plain)
+coloured = needed('with colours', paint(small, sys.argv[4] + '-400.off'), paint(large, sys.argv[4] + '-12000.off'),
+                  plain + ',w-hks1,w-hks2,si-hk-colour')
+sys.exit(max(without, coloured) > 5.0)
 PYTHON
 fi
 

@@ -56,7 +56,7 @@ static void folders_are_classes(void **state)
 {
     struct sim_shape_manifest *manifest = NULL;
     struct iso_fault fault = {.text = ""};
-    static const char *const files[] = {"a.OFF",         "b/x.ply",       "b/c/y.stl",
+    static const char *const files[] = {"a.OFF",         "b/x.XYZ",       "b/c/y.stl",
                                         "b/c/notes.txt", "b/.hidden.off", "z.obj"};
     const char *top = scratch_path(*state, "top");
     scratch_mkdir(top);
@@ -86,7 +86,7 @@ static void folders_are_classes(void **state)
     manifest = NULL;
     assert_int_equal(sim_shape_manifest_read(scratch_path(top, "empty"), &manifest, &fault),
                      -ENOENT);
-    assert_non_null(strstr(fault.text, "no manifest.csv and no mesh"));
+    assert_non_null(strstr(fault.text, "no manifest.csv, and no mesh or cloud"));
     assert_int_equal(sim_shape_manifest_read(scratch_path(top, "none"), &manifest, &fault),
                      -ENOENT);
     assert_null(manifest);
@@ -221,15 +221,17 @@ static void keys_differ(void **state)
 {
     const struct sim_distortion noise = {SIM_DISTORTION_WHITE, 2};
     const struct sim_source_options plain = {.seed = 1}, thinned = {.vertices = 9},
-                                    smooth = {.smooth = 2},
+                                    smooth = {.smooth = 2}, wide = {.neighbours = 40},
                                     noisy = {.distortion = &noise, .seed = 1},
                                     noisier = {.distortion = &noise, .seed = 2};
     const struct sim_cache_subject subjects[] = {
-        {{1}, "a", &plain, 0, false},   {{2}, "a", &plain, 0, false},
-        {{1}, "a", &thinned, 0, false}, {{1}, "a", &smooth, 0, false},
-        {{1}, "a", &noisy, 0, false},   {{1}, "a", &noisier, 0, false},
-        {{1}, "b", &noisy, 0, false},   {{1}, "a", &plain, 50, false},
-        {{1}, "a", &plain, 0, true},
+        {{1}, "a", &plain, 0, false, {0}},         {{2}, "a", &plain, 0, false, {0}},
+        {{1}, "a", &thinned, 0, false, {0}},       {{1}, "a", &smooth, 0, false, {0}},
+        {{1}, "a", &noisy, 0, false, {0}},         {{1}, "a", &noisier, 0, false, {0}},
+        {{1}, "b", &noisy, 0, false, {0}},         {{1}, "a", &plain, 50, false, {0}},
+        {{1}, "a", &plain, 0, true, {0}},          {{1}, "a", &wide, 0, false, {0}},
+        {{1}, "a", &plain, 0, false, {64, 0, 0}},  {{1}, "a", &plain, 0, false, {0, 0.1, 0}},
+        {{1}, "a", &plain, 0, false, {0, 0, 0.1}},
     };
     enum { N = sizeof subjects / sizeof *subjects };
     char name[N + 1][SIM_CACHE_NAME_SIZE], other[SIM_CACHE_NAME_SIZE];
@@ -245,7 +247,7 @@ static void keys_differ(void **state)
     }
     /* Without a distortion neither the file's name nor the seed matters. */
     const struct sim_source_options seeded = {.seed = 5};
-    const struct sim_cache_subject renamed = {{1}, "b", &seeded, 0, false};
+    const struct sim_cache_subject renamed = {{1}, "b", &seeded, 0, false, {0}};
     sim_cache_name(&renamed, iso_shape_method_find("td"), other);
     assert_string_equal(other, name[0]);
 }
