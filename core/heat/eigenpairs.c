@@ -11,7 +11,7 @@
 #include "core/heat/lanczos.h"
 
 enum {
-    BLOCK = 8, /* the first size of blocks; each further attempt doubles it */
+    BLOCK = ISO_PANEL, /* the first size of blocks; each further attempt doubles it */
     BLOCK_MAX = 32,
 };
 
@@ -150,19 +150,18 @@ static int count_again(const struct attempt *a, struct iso_factor *factor,
 }
 
 /* The last k vectors of T, multiplied by V, in reversed order so that lambda ascends. */
-static void extract_pairs(struct attempt *a, struct iso_eigenpairs *pairs)
+static int extract_pairs(struct attempt *a, struct iso_eigenpairs *pairs)
 {
-    const struct iso_lanczos *l = &a->lanczos;
-    const size_t m = (size_t)l->size;
+    const size_t m = (size_t)a->lanczos.size;
     double *first = &a->ritz[(m - (size_t)a->k) * m];
     for (int32_t i = 0; i < a->k; i++) {
         pairs->lambda[i] = lambda_of(a, i);
         if (2 * i + 1 < a->k) {
-            cblas_dswap(l->size, &first[(size_t)i * m], 1, &first[(size_t)(a->k - 1 - i) * m], 1);
+            cblas_dswap(a->lanczos.size, &first[(size_t)i * m], 1,
+                        &first[(size_t)(a->k - 1 - i) * m], 1);
         }
     }
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, l->n, a->k, l->size, 1.0, l->v, l->n,
-                first, l->size, 0.0, pairs->phi, l->n);
+    return iso_lanczos_combine(&a->lanczos, first, a->k, pairs->phi);
 }
 
 static int solve_with_blocks(const struct iso_symmetric *stiffness,
@@ -193,7 +192,7 @@ static int solve_with_blocks(const struct iso_symmetric *stiffness,
     }
     iso_factor_free(factor); /* before the vectors are made: both are large */
     if (!error) {
-        extract_pairs(&a, pairs);
+        error = extract_pairs(&a, pairs);
     }
     iso_lanczos_done(&a.lanczos);
     free(a.value);
