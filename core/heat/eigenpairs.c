@@ -11,7 +11,7 @@
 #include "core/heat/lanczos.h"
 
 enum {
-    BLOCK = 8, /* the first size of blocks; each further attempt doubles it */
+    BLOCK = ISO_PANEL, /* the first size of blocks; each further attempt doubles it */
     BLOCK_MAX = 32,
     /* From so many vertices on the basis is restarted. Smaller ones need little memory, and a basis
      * that only grows needs fewer solutions. */
@@ -22,8 +22,7 @@ enum {
 /* The least relative residual that rounding allows. */
 static const double least_tolerance = 1e-13;
 
-/* One attempt, with one size of blocks. Its largest memory is that of V with the factor; the
- * eigenvectors take the place of V. */
+/* One attempt, with one size of blocks. Its largest memory is that of V with the factor. */
 struct attempt {
     int32_t k;
     double shift; /* s > 0, so that L + s B is positive definite */
@@ -83,11 +82,12 @@ static int diagonalise_basis(struct attempt *a)
     return info == LAPACK_WORK_MEMORY_ERROR ? -ENOMEM : -ENOTRECOVERABLE;
 }
 
-/* Whether A times each of the k approximate eigenvectors with the largest eigenvalues lies in V,
- * except for a small remainder. */
-static bool has_converged(const struct attempt *a)
+/* How many of the k approximate eigenvectors with the largest eigenvalues are good: A times the
+ * vector lies in V, except for a small remainder. */
+static int32_t count_converged(const struct attempt *a)
 {
     const struct iso_lanczos *l = &a->lanczos;
+    int32_t good = 0;
     for (int32_t i = 0; i < a->k; i++) {
         const int32_t at = l->size - 1 - i;
         const double *tail = &a->ritz[(size_t)at * (size_t)l->size + (size_t)(l->size - l->last)];
@@ -99,11 +99,9 @@ static bool has_converged(const struct attempt *a)
             }
             square += sum * sum;
         }
-        if (!(sqrt(square) <= a->tolerance * a->value[at])) {
-            return false;
-        }
+        good += sqrt(square) <= a->tolerance * a->value[at];
     }
-    return true;
+    return good;
 }
 
 /* The size at which a basis is restarted; INT32_MAX: never. */
@@ -112,15 +110,31 @@ static int32_t restart_size(int32_t n, int32_t k, int32_t block)
     return n < RESTART_FROM ? INT32_MAX : 2 * k + 6 * block;
 }
 
-/* Keeps the best approximate eigenvectors: all k, and a third of the others. */
+/* Keeps the best approximate eigenvectors: all k, and a third of the others, in whole panels. */
 static int restart(struct attempt *a)
 {
     struct iso_lanczos *l = &a->lanczos;
-    const int32_t keep = a->k + (l->size - a->k) / 3;
+    const int32_t best = a->k + (l->size - a->k) / 3;
+    const int32_t keep = (best + ISO_PANEL - 1) / ISO_PANEL * ISO_PANEL;
     const size_t m = (size_t)l->size, first = (size_t)(l->size - keep);
-    /* The analyser forgets a->ritz, because `l` is a part of `a`. */
-    /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc) */
     return iso_lanczos_restart(l, &a->ritz[first * m], &a->value[first], keep);
+}
+
+/* At which size of the basis to look again. The number of good pairs grows nearly in proportion to
+ * the vectors beyond the first of them, by 0.3 to 0.5 a vector: the guess is 0.5, and afterwards
+ * what was seen between two looks. Diagonalising T at every size would take as long as the basis.
+ */
+static int32_t next_look(const struct attempt *a, int32_t good, int32_t size_before,
+                         int32_t good_before)
+{
+    const struct iso_lanczos *l = &a->lanczos;
+    int32_t more = 2 * (a->k - good);
+    if (size_before > 0 && good > good_before) {
+        more = (int32_t)((int64_t)(a->k - good) * (l->size - size_before) / (good - good_before));
+    }
+    const int32_t most = 2 * l->block + a->k;
+    more = more < most ? more : most;
+    return l->size + (more > l->block ? more : l->block);
 }
 
 /* Lets the basis grow until it contains all k pairs. -EAGAIN if it may grow no further: where
@@ -129,20 +143,27 @@ static int grow_basis(struct attempt *a)
 {
     struct iso_lanczos *l = &a->lanczos;
     const int32_t most = restart_size(l->n, a->k, l->block);
-    int32_t check = a->k + a->k / 2 + 3 * l->block, left = RESTARTS_MAX;
+    int32_t look = a->k + a->k / 2 + 3 * l->block, size_before = 0, good_before = 0;
+    int32_t left = RESTARTS_MAX;
     for (;;) {
         int error = iso_lanczos_step(l);
         bool whole = l->pending == 0, full = l->size + l->pending > l->capacity;
-        if (!error && (l->size >= check || whole || full)) {
+        if (!error && (l->size >= look || whole || full)) {
             error = diagonalise_basis(a);
-            if (!error && (whole || has_converged(a))) {
+            const int32_t good = error ? 0 : count_converged(a);
+            if (!error && (whole || good == a->k)) {
                 return 0;
             }
-            check = l->size + 2 * l->block + a->k / 8;
-            if (!error && l->size >= most && left-- > 0) {
+            look = next_look(a, good, size_before, good_before);
+            size_before = l->size;
+            good_before = good;
+            if (l->size < most) {
+                look = look < most ? look : most;
+            } else if (!error && left-- > 0) {
                 error = restart(a);
                 full = false;
-                check = most;
+                look = most;
+                size_before = 0;
             }
         }
         if (!error && full) {
@@ -178,30 +199,28 @@ static int count_again(const struct attempt *a, struct iso_factor *factor,
 }
 
 /* The last k vectors of T, multiplied by V, in reversed order so that lambda ascends. V becomes the
- * eigenvectors, and the rest of its memory is given back. */
+ * eigenvectors. */
 static int extract_pairs(struct attempt *a, struct iso_eigenpairs *pairs)
 {
-    struct iso_lanczos *l = &a->lanczos;
-    const size_t m = (size_t)l->size;
+    const size_t m = (size_t)a->lanczos.size;
     double *first = &a->ritz[(m - (size_t)a->k) * m];
     for (int32_t i = 0; i < a->k; i++) {
         pairs->lambda[i] = lambda_of(a, i);
         if (2 * i + 1 < a->k) {
-            cblas_dswap(l->size, &first[(size_t)i * m], 1, &first[(size_t)(a->k - 1 - i) * m], 1);
+            cblas_dswap(a->lanczos.size, &first[(size_t)i * m], 1,
+                        &first[(size_t)(a->k - 1 - i) * m], 1);
         }
     }
-    /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc): as in restart() */
-    const int error = iso_lanczos_rotate(l, first, a->k);
-    if (error) {
-        return error;
-    }
-    double *smaller = realloc(l->v, (size_t)l->n * (size_t)a->k * sizeof *smaller);
-    if (!smaller) {
+    return iso_lanczos_end(&a->lanczos, first, a->k);
+}
+
+static int write_vectors(const struct attempt *a, struct iso_eigenpairs *pairs)
+{
+    pairs->phi = calloc((size_t)pairs->n * (size_t)pairs->k, sizeof *pairs->phi);
+    if (!pairs->phi) {
         return -ENOMEM;
     }
-    l->v = NULL;
-    free(pairs->phi); /* of an attempt that missed an eigenvalue */
-    pairs->phi = smaller;
+    iso_lanczos_write(&a->lanczos, a->k, pairs->phi);
     return 0;
 }
 
@@ -212,7 +231,7 @@ static int solve_with_blocks(const struct iso_symmetric *stiffness,
     struct attempt a = {.k = pairs->k, .shift = 4.0 * M_PI / total_mass(mass)};
     a.tolerance = fmax(tolerance, least_tolerance);
     int32_t capacity = 4 * pairs->k + 16 * block;
-    if (pairs->n >= RESTART_FROM) { /* a check may come some blocks later */
+    if (pairs->n >= RESTART_FROM) { /* a look may come some blocks later */
         capacity = restart_size(pairs->n, pairs->k, block) + 4 * block + pairs->k / 8;
     }
     capacity = capacity < pairs->n ? capacity : pairs->n;
@@ -238,6 +257,9 @@ static int solve_with_blocks(const struct iso_symmetric *stiffness,
         error = count_again(&a, factor, stiffness, mass);
     }
     iso_factor_free(factor);
+    if (!error) {
+        error = write_vectors(&a, pairs);
+    }
     iso_lanczos_done(&a.lanczos);
     free(a.value);
     free(a.ritz);

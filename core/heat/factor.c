@@ -105,19 +105,20 @@ static void copy_pattern(struct iso_symmetric *sum, const struct iso_symmetric *
     memcpy(sum->row, pattern->row, (size_t)pattern->nnz * sizeof *pattern->row);
 }
 
-/* A pattern that comes back once is expected to come back often. */
-static int prepare_analysis(struct iso_factor *f, const struct iso_symmetric *pattern)
+/* A pattern that comes back once is expected to come back often, except to be counted. */
+static int prepare_analysis(struct iso_factor *f, const struct iso_symmetric *pattern,
+                            bool to_count)
 {
     if (!f->l || !same_pattern(f->sum, pattern)) {
         copy_pattern(f->sum, pattern);
         return analyse_sum(f, false);
     }
-    return f->dissected ? 0 : analyse_sum(f, true);
+    return f->dissected || to_count ? 0 : analyse_sum(f, true);
 }
 
 /* LDL' of a * stiffness + b * mass, whatever the signs of D. */
 static int factorise_matrix(struct iso_factor *f, double a, const struct iso_symmetric *stiffness,
-                            double b, const struct iso_symmetric *mass)
+                            double b, const struct iso_symmetric *mass, bool to_count)
 {
     if (stiffness->n != mass->n || stiffness->nnz != mass->nnz) {
         return -EINVAL;
@@ -125,7 +126,7 @@ static int factorise_matrix(struct iso_factor *f, double a, const struct iso_sym
     if (stiffness->n > f->sum->n_capacity || stiffness->nnz > f->sum->nnz_capacity) {
         return -ENOSPC;
     }
-    const int error = prepare_analysis(f, stiffness);
+    const int error = prepare_analysis(f, stiffness, to_count);
     if (error) {
         return error;
     }
@@ -161,7 +162,7 @@ static int32_t pivots_not_positive(const struct iso_factor *f)
 int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetric *stiffness,
                        double b, const struct iso_symmetric *mass)
 {
-    int error = factorise_matrix(f, a, stiffness, b, mass);
+    int error = factorise_matrix(f, a, stiffness, b, mass, false);
     if (!error && pivots_not_positive(f) > 0) { /* LDL' also exists for indefinite matrices */
         error = -EDOM;
         cholmod_free_factor(&f->l, &f->common);
@@ -172,7 +173,7 @@ int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetri
 int iso_factor_count_below(struct iso_factor *f, const struct iso_symmetric *stiffness,
                            double limit, const struct iso_symmetric *mass, int32_t *count)
 {
-    const int error = factorise_matrix(f, 1.0, stiffness, -limit, mass);
+    const int error = factorise_matrix(f, 1.0, stiffness, -limit, mass, true);
     if (error) {
         return error;
     }

@@ -5,7 +5,8 @@
  * each time, because CHOLMOD gives wrong results without an error if it changes. A new pattern is
  * ordered by minimum degree (AMD), which is fast. When it comes back the first time, it is ordered
  * by nested dissection (CHOLMOD's own, with METIS), and from then on each factor is smaller. The
- * last digits of results change once by that. Only one thread at a time may use a factor.
+ * last digits of results change once by that. Counting eigenvalues keeps the ordering. Only one
+ * thread at a time may use a factor.
  *
  * CHOLMOD solves for few columns. For many at once, such as all sources of heat, block.h uses the
  * factor directly. */

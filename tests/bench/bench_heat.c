@@ -19,9 +19,9 @@
 #include "tests/bench/peers/heat_method.h"
 #include "tests/core/surfaces/reference_heat.h"
 
-enum { SIZES = 5, METHODS_MAX = 8, RADII = 4, REPEATS_MAX = 400 };
+enum { SIZES = 7, METHODS_MAX = 8, RADII = 4, REPEATS_MAX = 400 };
 
-static const double sizes[SIZES] = {2000, 5000, 10000, 20000, 40000};
+static const double sizes[SIZES] = {2000, 5000, 10000, 20000, 40000, 80000, 230000};
 static const double radii_mm[RADII] = {10, 18, 30, 40};
 enum { SIZE_OF_TABLE = 2, RADIUS_OF_PRODUCT = 1, RADIUS_MOST = 3 };
 
@@ -52,6 +52,12 @@ static struct timing time_method(const struct heat_method *method, const struct 
     void *state = method->open(c);
     if (!state) {
         quit(method->name, -ENOMEM);
+    }
+    for (int i = 0; i < method->n_before; i++) {
+        const int error = method->heat(state, c);
+        if (error) {
+            quit(method->name, error);
+        }
     }
     size_t n = 0;
     int64_t begin_ns = sim_thread_cpu_ns(NULL);
@@ -221,6 +227,44 @@ static void print_bound(const struct heat_case *c, int seconds)
     }
 }
 
+/* Sizes at which a method was run: the first ones. */
+static int sizes_run(const double of_method_ms[SIZES])
+{
+    int n = 0;
+    while (n < SIZES && !isnan(of_method_ms[n])) {
+        n++;
+    }
+    return n;
+}
+
+/* Prints the times by size, and at the end of each row the power of the vertices as which the time
+ * grows, from the first size to the last one of the method. */
+static void print_powers(const struct options *options, const double n_vertices[SIZES],
+                         double total_ms[METHODS_MAX][SIZES])
+{
+    printf("\n%-28s", "ms by vertices");
+    for (int s = 0; s < SIZES; s++) {
+        printf(" %9.0f", n_vertices[s]);
+    }
+    printf("     power");
+    for (int i = 0; i < options->methods; i++) {
+        const int last = sizes_run(total_ms[i]) - 1;
+        printf("\n%-28s", heat_methods[i].name);
+        for (int s = 0; s < SIZES; s++) {
+            if (s <= last) {
+                printf(" %9.2f", total_ms[i][s]);
+            } else {
+                printf(" %9s", "-");
+            }
+        }
+        if (last > 0) {
+            printf(" %9.2f",
+                   log(total_ms[i][last] / total_ms[i][0]) / log(n_vertices[last] / n_vertices[0]));
+        }
+    }
+    printf("\n");
+}
+
 /* Prints the times of all methods at all sizes, the table of one size, and the growth. */
 static void print_growth(const struct options *options, double n_vertices[SIZES],
                          double total_ms[METHODS_MAX][SIZES])
@@ -236,6 +280,10 @@ static void print_growth(const struct options *options, double n_vertices[SIZES]
         }
         for (int i = 0; i < options->methods; i++) {
             const struct heat_method *method = &heat_methods[i];
+            if (n_vertices[s] > method->n_max) {
+                total_ms[i][s] = NAN;
+                continue;
+            }
             struct timing t = time_method(method, &c, options->seconds);
             total_ms[i][s] = t.heat_ms + t.isotherms_ms;
             if (s == SIZE_OF_TABLE) {
@@ -251,17 +299,7 @@ static void print_growth(const struct options *options, double n_vertices[SIZES]
         }
         heat_case_done(&c);
     }
-    printf("\n%-28s", "ms by vertices");
-    for (int s = 0; s < SIZES; s++) {
-        printf(" %9.0f", n_vertices[s]);
-    }
-    for (int i = 0; i < options->methods; i++) {
-        printf("\n%-28s", heat_methods[i].name);
-        for (int s = 0; s < SIZES; s++) {
-            printf(" %9.2f", total_ms[i][s]);
-        }
-    }
-    printf("\n");
+    print_powers(options, n_vertices, total_ms);
 }
 
 static int plot_growth(const struct options *options, const double n_vertices[SIZES],
@@ -270,10 +308,11 @@ static int plot_growth(const struct options *options, const double n_vertices[SI
     struct sim_series series[METHODS_MAX];
     double low = INFINITY, high = 0.0;
     for (int i = 0; i < options->methods; i++) {
-        series[i] = (struct sim_series){heat_methods[i].name, SIM_SERIES_MARKED, SIZES, n_vertices,
-                                        total_ms[i]};
+        const int n = sizes_run(total_ms[i]);
+        series[i] = (struct sim_series){heat_methods[i].name, SIM_SERIES_MARKED, (size_t)n,
+                                        n_vertices, total_ms[i]};
         low = fmin(low, total_ms[i][0]);
-        high = fmax(high, total_ms[i][SIZES - 1]);
+        high = fmax(high, total_ms[i][n - 1]);
     }
     const struct sim_plot plot = {
         .title = "Heat of 12 landmarks and their isotherms",

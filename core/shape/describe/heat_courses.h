@@ -14,12 +14,13 @@ struct iso_heat_courses {
     const struct iso_eigenpairs *pairs;
     int32_t vertex, first;
     int n_times;
-    double *decay;  /* [pairs from the first][n_times] */
-    double *factor; /* [pairs from the first][ISO_HEAT_ROWS]: working memory */
+    const double *t; /* [n_times] */
+    double *decay;   /* [pairs from the first][n_times] */
+    double *factor;  /* [pairs from the first][ISO_HEAT_ROWS]: working memory */
 };
 
 /* Prepares sum_i exp(-lambda_i t) phi_i(x) phi_i(vertex) over the pairs from `first` on, as in
- * iso_heat_from_vertex() and iso_heat_signature(). The pairs must outlive it. -ENOMEM;
+ * iso_heat_from_vertex() and iso_heat_signature(). The pairs and t must outlive it. -ENOMEM;
  * iso_heat_courses_done is needed after an error as well. */
 int iso_heat_courses_init(struct iso_heat_courses *courses, const struct iso_eigenpairs *pairs,
                           int32_t vertex, int32_t first, const double *t, int n_times)

@@ -7,6 +7,8 @@
 
 #include "core/shape/describe/heat_courses.h"
 
+enum { TIMES_AT_ONCE = 20 };
+
 static void fill_decay(const struct iso_eigenpairs *pairs, int32_t first, const double *t,
                        int n_times, double *decay)
 {
@@ -22,7 +24,7 @@ int iso_heat_courses_init(struct iso_heat_courses *courses, const struct iso_eig
 {
     const size_t k = (size_t)(pairs->k > first ? pairs->k - first : 0);
     *courses = (struct iso_heat_courses){
-        .pairs = pairs, .vertex = vertex, .first = first, .n_times = n_times};
+        .pairs = pairs, .vertex = vertex, .first = first, .n_times = n_times, .t = t};
     courses->decay = malloc((k * (size_t)n_times + 1) * sizeof *courses->decay);
     courses->factor = malloc((k * ISO_HEAT_ROWS + 1) * sizeof *courses->factor);
     if (!courses->decay || !courses->factor) {
@@ -30,6 +32,19 @@ int iso_heat_courses_init(struct iso_heat_courses *courses, const struct iso_eig
     }
     fill_decay(pairs, first, t, n_times, courses->decay);
     return 0;
+}
+
+/* How many pairs matter at times from `t` on: the others have decayed to less than 2e-22 of the
+ * first one, which no digit of a sum shows. */
+static int pairs_left(const struct iso_heat_courses *courses, double t)
+{
+    const struct iso_eigenpairs *pairs = courses->pairs;
+    int32_t end = pairs->k;
+    while (end > courses->first + 1 &&
+           (pairs->lambda[end - 1] - pairs->lambda[courses->first]) * t > 50.0) {
+        end--;
+    }
+    return end > courses->first ? end - courses->first : 0;
 }
 
 void iso_heat_courses_at(const struct iso_heat_courses *courses, int32_t from, int32_t rows,
@@ -45,9 +60,16 @@ void iso_heat_courses_at(const struct iso_heat_courses *courses, int32_t from, i
             factor[r] = phi[from + r] * phi[vertex < 0 ? from + r : vertex];
         }
     }
-    cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, rows, courses->n_times, (int)k, 1.0,
-                courses->factor, ISO_HEAT_ROWS, courses->decay, courses->n_times, 0.0, out,
-                courses->n_times);
+    for (int j = 0; j < courses->n_times; j += TIMES_AT_ONCE) {
+        const int left = courses->n_times - j, times = left < TIMES_AT_ONCE ? left : TIMES_AT_ONCE;
+        double first_t = courses->t[j];
+        for (int i = 1; i < times; i++) {
+            first_t = fmin(first_t, courses->t[j + i]);
+        }
+        cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, rows, times,
+                    pairs_left(courses, first_t), 1.0, courses->factor, ISO_HEAT_ROWS,
+                    &courses->decay[j], courses->n_times, 0.0, &out[j], courses->n_times);
+    }
 }
 
 void iso_heat_courses_done(struct iso_heat_courses *courses)

@@ -313,17 +313,18 @@ static int heat_by_distance(void *state, const struct heat_case *c)
 #define ON_MESH(heat) open_mesh, heat, isotherms_on_mesh, close_mesh
 
 const struct heat_method heat_methods[] = {
-    {"grid, Chebyshev", ISO_MASS_LUMPED, true, 1000000, open_grid, heat_on_grid, isotherms_on_grid,
+    {"grid, Chebyshev", ISO_MASS_LUMPED, true, 50000, 0, open_grid, heat_on_grid, isotherms_on_grid,
      close_grid},
-    {"mesh, LDL' and Lanczos", ISO_MASS_CONSISTENT, true, 1000000, ON_MESH(heat_directly)},
-    {"100 eigenpairs, own Lanczos", ISO_MASS_CONSISTENT, true, 100000, ON_MESH(heat_by_eigenpairs)},
+    {"mesh, LDL' and Lanczos", ISO_MASS_CONSISTENT, true, 1000000, 2, ON_MESH(heat_directly)},
+    {"100 eigenpairs, own Lanczos", ISO_MASS_CONSISTENT, true, 50000, 0,
+     ON_MESH(heat_by_eigenpairs)},
 #ifdef HAVE_ARPACK
-    {"100 eigenpairs, ARPACK", ISO_MASS_CONSISTENT, true, 100000, ON_MESH(heat_by_arpack)},
+    {"100 eigenpairs, ARPACK", ISO_MASS_CONSISTENT, true, 50000, 0, ON_MESH(heat_by_arpack)},
 #endif
 #ifdef HAVE_HEAT_PEERS
-    {"100 eigenpairs, Spectra", ISO_MASS_CONSISTENT, true, 100000, ON_MESH(heat_by_spectra)},
-    {"backward Euler, Eigen", ISO_MASS_CONSISTENT, true, 1000000, ON_MESH(heat_by_euler)},
-    {"heat method, Eigen", ISO_MASS_CONSISTENT, false, 1000000, ON_MESH(heat_by_distance)},
+    {"100 eigenpairs, Spectra", ISO_MASS_CONSISTENT, true, 50000, 0, ON_MESH(heat_by_spectra)},
+    {"backward Euler, Eigen", ISO_MASS_CONSISTENT, true, 50000, 0, ON_MESH(heat_by_euler)},
+    {"heat method, Eigen", ISO_MASS_CONSISTENT, false, 50000, 0, ON_MESH(heat_by_distance)},
 #endif
 };
 const int n_heat_methods = sizeof heat_methods / sizeof heat_methods[0];

@@ -29,7 +29,9 @@ struct heat_method {
     const char *name;
     enum iso_mass mass; /* the mass matrix of its columns */
     bool exact;         /* its columns are heat and can be compared with the reference */
-    int n_max; /* with more vertices the method takes too long; bench_heat does not check this */
+    int n_max;    /* vertices; with more the method takes too long, and bench_heat leaves it out */
+    int n_before; /* calls before those that are timed: the direct solver orders a pattern in its
+                     first two calls */
     /* NULL if there is no memory. */
     void *(*open)(const struct heat_case *c);
     /* The work of a frame: matrices, columns; then isotherms. 0 or a negative errno. */

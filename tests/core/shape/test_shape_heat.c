@@ -115,6 +115,48 @@ static void the_mean_signature_is_a_mean(void **state)
     iso_mesh_free(mesh);
 }
 
+/* Compares the heat from a vertex with its sums over all pairs. The times go from those at which
+ * nothing has decayed to those at which all but the first pair has; `stride` gives their order. */
+static void check_courses(const struct iso_shape *shape, int32_t first, int stride)
+{
+    enum { TIMES = 47, SOURCE = 5 };
+    const struct iso_eigenpairs *pairs = shape->pairs;
+    const size_t n = (size_t)pairs->n;
+    double t[TIMES], *heat = calloc(n * TIMES, sizeof *heat);
+    assert_non_null(heat);
+    for (int j = 0; j < TIMES; j++) {
+        t[j] = 1e-3 * shape->total_area * pow(1.3, j * stride % TIMES);
+    }
+    assert_int_equal(iso_heat_from_vertex(pairs, SOURCE, first, t, TIMES, heat), 0);
+    for (size_t v = 0; v < n; v += 13) {
+        for (int j = 0; j < TIMES; j++) {
+            double sum = 0.0, size = 0.0;
+            for (int32_t i = first; i < pairs->k; i++) {
+                const double *phi = &pairs->phi[(size_t)i * n];
+                const double term = exp(-pairs->lambda[i] * t[j]) * phi[v] * phi[SOURCE];
+                sum += term;
+                size += fabs(term);
+            }
+            assert_true(fabs(heat[v * TIMES + (size_t)j] - sum) <= 1e-14 * size);
+        }
+    }
+    free(heat);
+}
+
+/* Pairs that have decayed are left out of the sums. */
+static void courses_are_the_sums_of_all_pairs(void **state)
+{
+    (void)state;
+    struct iso_mesh *mesh = shape_relief(12.0);
+    struct iso_shape *shape = prepare(mesh, 40);
+    for (int32_t first = 0; first < 2; first++) {
+        check_courses(shape, first, 1);
+        check_courses(shape, first, 29);
+    }
+    iso_shape_free(shape);
+    iso_mesh_free(mesh);
+}
+
 static void times_are_geometric(void **state)
 {
     (void)state;
@@ -314,6 +356,7 @@ int main(void)
         cmocka_unit_test(the_signature_of_a_sphere_is_constant),
         cmocka_unit_test(a_bent_sheet_keeps_its_signature),
         cmocka_unit_test(the_mean_signature_is_a_mean),
+        cmocka_unit_test(courses_are_the_sums_of_all_pairs),
         cmocka_unit_test(times_are_geometric),
         cmocka_unit_test(tips_are_critical_points),
         cmocka_unit_test(amplitudes_hardly_change_with_scale),
