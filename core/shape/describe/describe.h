@@ -12,6 +12,7 @@ int iso_describe_cp_td(const struct iso_shape *shape, struct iso_shape_descripti
 int iso_describe_cp_td_one(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_cp_hk(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_shape_google(const struct iso_shape *shape, struct iso_shape_description *out);
+int iso_describe_local_heat(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_si_hk_colour(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_w_hks1(const struct iso_shape *shape, struct iso_shape_description *out);
 int iso_describe_w_hks2(const struct iso_shape *shape, struct iso_shape_description *out);
