@@ -74,6 +74,17 @@ static double sphere_log_heat(double t)
     return log(sum);
 }
 
+/* How far the heat at all points of a sphere is from the closed form. */
+static double worst_on_sphere(const struct iso_shape_description *d)
+{
+    double worst = 0.0;
+    for (int i = 0; i < POINTS * TIMES; i++) {
+        const double t = 4.0 * M_PI * exp2(ISO_LOCAL_FIRST + i % TIMES * ISO_LOCAL_STEP);
+        worst = fmax(worst, fabs((double)d->whole[2 * COARSE + i] - sphere_log_heat(t)));
+    }
+    return worst;
+}
+
 static void heat_on_a_sphere_is_the_closed_form(void **state)
 {
     (void)state;
@@ -85,12 +96,8 @@ static void heat_on_a_sphere_is_the_closed_form(void **state)
         assert_true(d->whole[p] > 0.0f);
         assert_near(d->whole[COARSE + p], ISO_LOCAL_FAR, 1e-3);
     }
-    for (int p = 0; p < POINTS; p++) {
-        for (int j = 0; j < TIMES; j++) {
-            const double t = 4.0 * M_PI * exp2(ISO_LOCAL_FIRST + j * ISO_LOCAL_STEP);
-            assert_near((double)d->whole[2 * COARSE + TIMES * p + j], sphere_log_heat(t), 0.01);
-        }
-    }
+    print_message("off by %.4f\n", worst_on_sphere(d));
+    assert_true(worst_on_sphere(d) < 0.01);
     assert_near(share, 1.0, 1e-5);
     iso_shape_description_free(d);
     iso_shape_free(shape);
