@@ -62,7 +62,7 @@ static const struct sim_option eval_options[] = {
     {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(study.pairs)},
     {"words", "N", "words of vocabularies, or principal components (the method's own, 64)",
      sim_option_int, FIELD(study.words)},
-    {"times", "N", "times of heat of the methods but shape-dna and td, 40..1000 (the method's own)",
+    {"times", "N", "times of heat, 40..1000; not of shape-dna, td, local-heat (the method's own)",
      sim_option_int, FIELD(study.times.n)},
     {"time-first", "A", "the first of them, in areas of the shape (the method's own)",
      sim_option_number, FIELD(study.times.first)},

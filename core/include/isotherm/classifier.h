@@ -52,6 +52,7 @@ struct iso_classifier_ops {
  *                    and how they compress parts without negative values: by the square root, by
  *                    the logarithm, or not at all)
  *     naive-bayes    independent normal densities
+ *     nn             nearest neighbour by the norm of the layout, which is that of the method
  */
 extern const struct iso_classifier_ops *const iso_classifiers[];
 

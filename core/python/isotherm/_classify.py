@@ -4,6 +4,7 @@ from ctypes import POINTER, c_void_p
 
 import numpy as np
 
+from ._describe import NORMS
 from ._library import Error, Owner, address, array_in, byref, check, lib, number_in, structs
 
 _FAULTS = {
@@ -11,6 +12,7 @@ _FAULTS = {
     errno.EDOM: 'its system of equations is singular',
     errno.ENOSYS: 'it cannot rank',
 }
+_COMPARE_FAULTS = {**_FAULTS, errno.EINVAL: 'the norm partial is only for features of local-heat'}
 
 
 def _table():
@@ -25,16 +27,17 @@ def _table():
 
 
 def classifiers():
-    """The names of the classifiers: nn-l1, nn-l2, crc-rls, rcr, naive-bayes."""
+    """The names of the classifiers: nn-l1, nn-l2, crc-rls, rcr, naive-bayes, nn."""
     return tuple(_table())
 
 
 class Classifier:
     """A classifier that has learned from labelled features (isotherm/classifier.h)."""
 
-    def __init__(self, name, features, labels, part_sizes=None):
+    def __init__(self, name, features, labels, part_sizes=None, norm='l1'):
         """name: one of classifiers(). features: (n, size) float32. labels: (n,) int32, from 0.
-        part_sizes: as Coder.part_sizes, what `rcr` codes apart; None: one part."""
+        part_sizes: as Coder.part_sizes, what `rcr` codes apart; None: one part.
+        norm: what `nn` compares by, the norm of the method: 'l1', 'l2' or 'partial'."""
         ops = _table().get(name)
         if ops is None:
             raise Error('classifier: %r is unknown; there are %s' % (name, ', '.join(classifiers())), errno.ENOENT)
@@ -47,7 +50,10 @@ class Classifier:
             raise Error('labels: they count from 0, and two classes are needed')
         self.n_classes = int(labels.max()) + 1
         self.name = name
+        if norm not in NORMS:
+            raise Error('norm: %r is unknown; there are %s' % (norm, ', '.join(NORMS)))
         layout = _layout(part_sizes or (self.size, ), self.size)
+        layout.norm = NORMS.index(norm)
         training = structs.Labelled(POINTER(structs.FeatureLayout)(layout), self.n, self.n_classes, address(features),
                                     address(labels))
         model = c_void_p()
@@ -59,7 +65,8 @@ class Classifier:
         more likely; -inf for a class that nothing was learned of."""
         feature = array_in(feature, np.float32, (self.size, ), 'feature')
         out = np.empty(self.n_classes, np.float64)
-        check(lib.iso_classifier_score(self._owner.pointer, address(feature), address(out)), self.name, _FAULTS)
+        check(lib.iso_classifier_score(self._owner.pointer, address(feature), address(out)), self.name,
+              _COMPARE_FAULTS)
         return out
 
     def rank(self, feature, left=-1):
@@ -69,7 +76,8 @@ class Classifier:
         feature = array_in(feature, np.float32, (self.size, ), 'feature')
         left = number_in(left, -1, self.n - 1, 'left')
         out = np.empty(self.n, np.float64)
-        check(lib.iso_classifier_rank(self._owner.pointer, address(feature), left, address(out)), self.name, _FAULTS)
+        check(lib.iso_classifier_rank(self._owner.pointer, address(feature), left, address(out)), self.name,
+              _COMPARE_FAULTS)
         return out
 
 

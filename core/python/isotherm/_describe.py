@@ -8,7 +8,7 @@ import numpy as np
 from ._library import Error, Owner, address, byref, check, lib, number_in, structs, view
 
 _CODINGS = ('plain', 'reduced', 'bags')  # enum iso_shape_coding
-_NORMS = ('l1', 'l2')  # enum iso_norm
+NORMS = ('l1', 'l2', 'partial')  # enum iso_norm
 
 
 class Method(NamedTuple):
@@ -19,7 +19,7 @@ class Method(NamedTuple):
     colour: bool  # it needs a shape with colours
     coding: str  # how a description becomes a feature: 'plain', 'reduced' or 'bags'
     size: int  # default: principal components, or words of each vocabulary; or 0
-    norm: str  # by which nearest neighbours are best looked for: 'l1' or 'l2'
+    norm: str  # by which nearest neighbours are best looked for: 'l1', 'l2' or 'partial'
     classifier: str  # what the dissertation classifies it by
 
 
@@ -32,7 +32,7 @@ def methods():
             break
         m = pointer.contents
         found[m.name.decode()] = Method(m.name.decode(), m.title.decode(), m.source.decode(), m.colour,
-                                        _CODINGS[m.coding], m.size, _NORMS[m.norm], m.classifier.decode())
+                                        _CODINGS[m.coding], m.size, NORMS[m.norm], m.classifier.decode())
     return found
 
 

@@ -102,7 +102,8 @@ class ShapeMethod(Structure):  # shape_method.h
 
 
 class FeatureLayout(Structure):  # shape_method.h
-    _fields_ = [('size', c_int32), ('n_parts', c_int32), ('part_size', c_int32 * PARTS_MAX)]
+    _fields_ = [('size', c_int32), ('n_parts', c_int32), ('part_size', c_int32 * PARTS_MAX),
+                ('norm', c_int)]
 
 
 class Labelled(Structure):  # classifier.h

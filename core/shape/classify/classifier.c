@@ -8,8 +8,13 @@
 #include "core/shape/classify/training_set.h"
 
 const struct iso_classifier_ops *const iso_classifiers[] = {
-    &iso_classifier_nn_l1, &iso_classifier_nn_l2,       &iso_classifier_crc_rls,
-    &iso_classifier_rcr,   &iso_classifier_naive_bayes, NULL,
+    &iso_classifier_nn_l1,
+    &iso_classifier_nn_l2,
+    &iso_classifier_crc_rls,
+    &iso_classifier_rcr,
+    &iso_classifier_naive_bayes,
+    &iso_classifier_nn,
+    NULL,
 };
 
 struct iso_classifier {

@@ -12,7 +12,8 @@
 static struct iso_feature_layout parts_of(const struct iso_collaborative_kind *kind,
                                           const struct iso_feature_layout *layout)
 {
-    return kind->joined ? (struct iso_feature_layout){layout->size, 1, {layout->size}} : *layout;
+    return kind->joined ? (struct iso_feature_layout){layout->size, 1, {layout->size}, layout->norm}
+                        : *layout;
 }
 
 static void drop_dictionaries(struct iso_collaborative *m)

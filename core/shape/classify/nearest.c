@@ -1,8 +1,8 @@
 /* Nearest neighbour (Cover and Hart 1967): the class of the closest feature. */
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 
+#include "core/shape/classify/feature_distance.h"
 #include "core/shape/classify/training_set.h"
 
 static int train(const struct iso_labelled *training, void **model)
@@ -23,42 +23,26 @@ static void release(void *model)
     free(model);
 }
 
-static double l1(const float *a, const float *b, int32_t n)
+static int rank_by(const struct iso_training_set *g, enum iso_norm norm, const float *feature,
+                   int32_t left, double *distance)
 {
-    double sum = 0.0;
-    for (int32_t i = 0; i < n; i++) {
-        sum += fabs((double)a[i] - (double)b[i]);
-    }
-    return sum;
-}
-
-static double l2(const float *a, const float *b, int32_t n)
-{
-    double sum = 0.0;
-    for (int32_t i = 0; i < n; i++) {
-        sum += ((double)a[i] - (double)b[i]) * ((double)a[i] - (double)b[i]);
-    }
-    return sqrt(sum);
-}
-
-static int rank_by(const struct iso_training_set *g, const float *feature, int32_t left,
-                   double (*norm)(const float *, const float *, int32_t), double *distance)
-{
-    for (int32_t i = 0; i < g->n; i++) {
-        const float *other = &g->feature[(size_t)i * (size_t)g->layout.size];
-        distance[i] = i == left ? 0.0 : norm(feature, other, g->layout.size);
-    }
-    return 0;
+    return iso_feature_distances(&g->layout, norm, feature, g->feature, g->n, left, distance);
 }
 
 static int rank_l1(const void *model, const float *feature, int32_t left, double *distance)
 {
-    return rank_by(model, feature, left, l1, distance);
+    return rank_by(model, ISO_NORM_L1, feature, left, distance);
 }
 
 static int rank_l2(const void *model, const float *feature, int32_t left, double *distance)
 {
-    return rank_by(model, feature, left, l2, distance);
+    return rank_by(model, ISO_NORM_L2, feature, left, distance);
+}
+
+static int rank_own(const void *model, const float *feature, int32_t left, double *distance)
+{
+    const struct iso_training_set *g = model;
+    return rank_by(g, g->layout.norm, feature, left, distance);
 }
 
 static int score_by(const struct iso_training_set *g, const float *feature,
@@ -83,6 +67,11 @@ static int score_l2(const void *model, const float *feature, double *score)
     return score_by(model, feature, rank_l2, score);
 }
 
+static int score_own(const void *model, const float *feature, double *score)
+{
+    return score_by(model, feature, rank_own, score);
+}
+
 const struct iso_classifier_ops iso_classifier_nn_l1 = {
     .name = "nn-l1",
     .title = "NN, L1",
@@ -101,4 +90,14 @@ const struct iso_classifier_ops iso_classifier_nn_l2 = {
     .free = release,
     .score = score_l2,
     .rank = rank_l2,
+};
+
+const struct iso_classifier_ops iso_classifier_nn = {
+    .name = "nn",
+    .title = "NN, the method's norm",
+    .source = "Cover and Hart 1967",
+    .train = train,
+    .free = release,
+    .score = score_own,
+    .rank = rank_own,
 };

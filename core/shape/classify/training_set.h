@@ -25,6 +25,6 @@ void iso_training_set_score(const struct iso_training_set *gallery, const double
 
 /* The operations of isotherm/classifier.h that this library has. */
 extern const struct iso_classifier_ops iso_classifier_nn_l1, iso_classifier_nn_l2,
-    iso_classifier_crc_rls, iso_classifier_rcr, iso_classifier_naive_bayes;
+    iso_classifier_crc_rls, iso_classifier_rcr, iso_classifier_naive_bayes, iso_classifier_nn;
 
 #endif

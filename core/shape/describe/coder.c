@@ -82,6 +82,7 @@ static int learn_vocabularies(struct iso_shape_coder *c,
 static void lay_out(struct iso_shape_coder *c)
 {
     struct iso_feature_layout *layout = &c->layout;
+    layout->norm = c->method->norm;
     for (int32_t b = 0; b < c->n_bags; b++) {
         layout->part_size[layout->n_parts++] = c->vocabulary[b].n_words;
     }

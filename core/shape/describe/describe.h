@@ -19,6 +19,8 @@ int iso_describe_cp_hk(const struct iso_shape *shape, const struct iso_describe_
                        struct iso_shape_description *out);
 int iso_describe_shape_google(const struct iso_shape *shape, const struct iso_describe_times *times,
                               struct iso_shape_description *out);
+int iso_describe_local_heat(const struct iso_shape *shape, const struct iso_describe_times *times,
+                            struct iso_shape_description *out);
 int iso_describe_si_hk_colour(const struct iso_shape *shape, const struct iso_describe_times *times,
                               struct iso_shape_description *out);
 int iso_describe_w_hks1(const struct iso_shape *shape, const struct iso_describe_times *times,

@@ -117,6 +117,16 @@ static const struct iso_shape_method shape_google = {
     .describe = iso_describe_shape_google,
 };
 
+static const struct iso_shape_method local_heat = {
+    .name = "local-heat",
+    .title = "Local heat",
+    .source = "heat at short times, nearest points; for shapes with missing parts",
+    .coding = ISO_CODING_PLAIN,
+    .norm = ISO_NORM_PARTIAL,
+    .classifier = "nn",
+    .describe = iso_describe_local_heat,
+};
+
 static const struct iso_shape_method w_hks1 = {
     .name = "w-hks1",
     .title = "W-HKS1",
@@ -157,8 +167,8 @@ static const struct iso_shape_method si_hk_colour = {
 };
 
 const struct iso_shape_method *const iso_shape_methods[] = {
-    &shape_dna,   &td,           &cp_td,  &srcp_td, &srcp_td_one,  &cp_hk,
-    &cp_hk_plain, &shape_google, &w_hks1, &w_hks2,  &si_hk_colour, NULL,
+    &shape_dna,    &td,         &cp_td,  &srcp_td, &srcp_td_one,  &cp_hk, &cp_hk_plain,
+    &shape_google, &local_heat, &w_hks1, &w_hks2,  &si_hk_colour, NULL,
 };
 
 const struct iso_shape_method *iso_shape_method_find(const char *name)

@@ -1,10 +1,10 @@
 #include "sim/shapes/search/query.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/shape/classify/feature_distance.h"
 #include "drivers/base/path.h"
 #include "sim/base/make_directory.h"
 #include "sim/base/result_file.h"
@@ -25,16 +25,6 @@ static int compare(const void *a, const void *b)
         return p->distance < q->distance ? -1 : 1;
     }
     return (p->item > q->item) - (p->item < q->item);
-}
-
-static double distance_of(enum iso_norm norm, const float *a, const float *b, int32_t n)
-{
-    double sum = 0.0;
-    for (int32_t i = 0; i < n; i++) {
-        const double d = (double)a[i] - (double)b[i];
-        sum += norm == ISO_NORM_L1 ? fabs(d) : d * d;
-    }
-    return norm == ISO_NORM_L1 ? sum : sqrt(sum);
 }
 
 static int describe(const struct sim_index *index, const char *path, struct sim_source_look *look,
@@ -66,26 +56,31 @@ static int describe(const struct sim_index *index, const char *path, struct sim_
 static int rank(const struct sim_index *index, const char *path, struct sim_source_look *look,
                 struct match *match, struct iso_fault *fault)
 {
-    const int32_t size = iso_shape_coder_layout(index->coder)->size;
+    const struct iso_feature_layout *layout = iso_shape_coder_layout(index->coder);
     struct iso_shape_description *description = NULL;
-    float *feature = calloc((size_t)size, sizeof *feature);
-    int error = feature ? describe(index, path, look, &description, fault)
-                        : iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
+    float *feature = calloc((size_t)layout->size, sizeof *feature);
+    double *distance = calloc((size_t)index->n, sizeof *distance);
+    int error = feature && distance ? describe(index, path, look, &description, fault)
+                                    : iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
     if (!error) {
         error = iso_shape_code(index->coder, description, feature);
+        if (!error) {
+            error = iso_feature_distances(layout, layout->norm, feature, index->feature, index->n,
+                                          -1, distance);
+        }
         if (error) {
             (void)iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
         }
     }
     for (int32_t i = 0; i < index->n && !error; i++) {
-        match[i] = (struct match){i, distance_of(index->method->norm, feature,
-                                                 &index->feature[(size_t)i * (size_t)size], size)};
+        match[i] = (struct match){i, distance[i]};
     }
     if (!error) {
         qsort(match, (size_t)index->n, sizeof *match, compare);
     }
     iso_shape_description_free(description);
     free(feature);
+    free(distance);
     return error;
 }
 

@@ -296,6 +296,7 @@ static void print_classifiers(void)
     MEMBER(iso_feature_layout, size);
     MEMBER(iso_feature_layout, n_parts);
     MEMBER(iso_feature_layout, part_size);
+    MEMBER(iso_feature_layout, norm);
     WHOLE(iso_labelled);
     MEMBER(iso_labelled, layout);
     MEMBER(iso_labelled, n);

@@ -32,6 +32,18 @@ class Features(TestCase):
                 model = isotherm.Classifier(classifier, features, labels, coder.part_sizes)
                 self.assertEqual(model.score(features[0]).shape, (labels.max() + 1, ))
 
+    def test_local_heat_is_compared_by_its_norm(self):
+        descriptions = [isotherm.describe(shape_of(path), 'local-heat') for path in (DOG, OTHER_DOG)]
+        coder = isotherm.Coder(descriptions)
+        features = np.array([coder.code(d) for d in descriptions])
+        model = isotherm.Classifier('nn', features, [0, 1], coder.part_sizes, isotherm.methods()['local-heat'].norm)
+        own, other = model.rank(features[0])
+        self.assertLess(own, 2e-3)
+        self.assertGreater(other, 5e-3)
+        model = isotherm.Classifier('nn', features[:, :4].copy(), [0, 1], norm='partial')
+        self.refuses('only for features of local-heat', model.rank, features[0, :4].copy())
+        self.refuses("norm: 'hat' is unknown", isotherm.Classifier, 'nn', features, [0, 1], norm='hat')
+
     def test_refusals(self):
         shape, other = shape_of(DOG, pairs=20), shape_of(OTHER_DOG, pairs=20)
         dna, td = isotherm.describe(shape, 'shape-dna'), isotherm.describe(other, 'td')

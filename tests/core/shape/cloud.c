@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const struct iso_feature_layout layout = {SIZE, 2, {8, 4}};
+static const struct iso_feature_layout layout = {SIZE, 2, {8, 4}, ISO_NORM_L1};
 
 void label_cloud(struct cloud *c)
 {

@@ -156,7 +156,7 @@ static void nothing_leaks_when_memory_runs_out(void **state)
                       scarce_memory_exhaust(code, &c, 100));
         iso_shape_description_free(made);
     }
-    const struct iso_feature_layout layout = {4, 2, {3, 1}};
+    const struct iso_feature_layout layout = {4, 2, {3, 1}, ISO_NORM_L1};
     const float feature[SHAPES][4] = {{1, 2, 3, 4}, {2, 1, 3, 5}, {-1, 0, 4, 1}};
     const int32_t label[SHAPES] = {0, 0, 1};
     c.labelled = (struct iso_labelled){&layout, SHAPES, CLASSES, feature[0], label};

@@ -14,7 +14,7 @@
 
 enum { CLASSES = 4, EACH = 6, N = CLASSES * EACH, SIZE = 5 };
 
-static const struct iso_feature_layout layout = {SIZE, 1, {SIZE}};
+static const struct iso_feature_layout layout = {SIZE, 1, {SIZE}, ISO_NORM_L1};
 
 struct cloud {
     float feature[N][SIZE];

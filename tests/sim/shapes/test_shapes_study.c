@@ -292,6 +292,40 @@ static void some_shapes_are_looked_for_among_all(void **state)
     free(all);
 }
 
+/* A fifth of every query is cut away. Local heat still finds its like; the descriptors of the shape
+ * as a whole do not. */
+static void parts_are_found_by_local_heat(void **state)
+{
+    const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
+    const struct sim_shapes_options creatures = {.preset = "plain",
+                                                 .out = corpus,
+                                                 .seed = 3,
+                                                 .classes = 6,
+                                                 .shapes = 18,
+                                                 .vertices = 500,
+                                                 .threads = 2};
+    const struct sim_shapes_study_options options = {.corpus = corpus,
+                                                     .out = out,
+                                                     .threads = 2,
+                                                     .methods = {2, {"local-heat", "cp-hk"}},
+                                                     .seed = 1,
+                                                     .distortion = {SIM_DISTORTION_MISSING, 3}};
+    struct iso_fault fault = {.text = ""};
+    char *printed = NULL;
+    int32_t n = 0;
+    double local = 0.0, whole = 1.0;
+    assert_int_equal(sim_shapes_generate(&creatures, &n, &fault), 0);
+    assert_int_equal(run_study(&options, &printed, &fault), 0);
+    free(printed);
+    char *measures = scratch_read_text(scratch_path(out, "measures.csv"));
+    assert_int_equal(sscanf(strstr(measures, "\nlocal-heat,"), "\nlocal-heat,nn,18,%lf", &local),
+                     1);
+    assert_int_equal(sscanf(strstr(measures, "\ncp-hk,"), "\ncp-hk,rcr,18,%lf", &whole), 1);
+    assert_true(local > 0.8);
+    assert_true(local > whole + 0.3);
+    free(measures);
+}
+
 static void the_reason_of_a_failed_study_is_named(void **state)
 {
     const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
@@ -389,6 +423,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(distances_leave_nothing_out, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(some_shapes_are_looked_for_among_all, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(parts_are_found_by_local_heat, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(the_reason_of_a_failed_study_is_named, scratch_setup,
                                         scratch_teardown),
