@@ -29,3 +29,13 @@ void make_creatures(const char *out, const char *preset, const char *format, siz
     }
     assert_int_equal(n, strcmp(preset, "plain") == 0 ? 9 : 24 * (int)classes);
 }
+
+int run_study(const struct sim_shapes_study_options *options, char **printed,
+              struct iso_fault *fault)
+{
+    size_t size;
+    FILE *out = open_memstream(printed, &size);
+    int error = sim_shapes_study(options, out, fault);
+    (void)fclose(out);
+    return error;
+}

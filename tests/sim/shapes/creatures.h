@@ -4,9 +4,15 @@
 
 #include <stddef.h>
 
+#include "sim/shapes/study/study.h"
+
 /* Generates creatures of 400 vertices in a directory: 9 of a preset `plain`, 24 of each class of
  * `textured`. format: NULL for that of the preset. A failure ends the test. */
 void make_creatures(const char *out, const char *preset, const char *format, size_t classes,
                     int threads);
+
+/* Runs a study. *printed receives what it prints; free() it. */
+int run_study(const struct sim_shapes_study_options *options, char **printed,
+              struct iso_fault *fault);
 
 #endif
