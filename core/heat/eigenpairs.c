@@ -27,7 +27,7 @@ struct attempt {
     int32_t k;
     double shift; /* s > 0, so that L + s B is positive definite */
     double tolerance;
-    struct iso_lanczos lanczos;
+    struct iso_lanczos *lanczos;
     double *value; /* [size]: eigenvalues of T, ascending: 1 / (lambda + s) */
     double *ritz;  /* [size][size]: vectors of T by columns */
 };
@@ -64,7 +64,7 @@ static double total_mass(const struct iso_symmetric *mass)
 /* Diagonalises T. */
 static int diagonalise_basis(struct attempt *a)
 {
-    const struct iso_lanczos *l = &a->lanczos;
+    const struct iso_lanczos *l = a->lanczos;
     const size_t m = (size_t)l->size;
     free(a->ritz);
     a->ritz = malloc(m * m * sizeof(double));
@@ -86,7 +86,7 @@ static int diagonalise_basis(struct attempt *a)
  * vector lies in V, except for a small remainder. */
 static int32_t count_converged(const struct attempt *a)
 {
-    const struct iso_lanczos *l = &a->lanczos;
+    const struct iso_lanczos *l = a->lanczos;
     int32_t good = 0;
     for (int32_t i = 0; i < a->k; i++) {
         const int32_t at = l->size - 1 - i;
@@ -113,7 +113,7 @@ static int32_t restart_size(int32_t n, int32_t k, int32_t block)
 /* Keeps the best approximate eigenvectors: all k, and a third of the others, in whole panels. */
 static int restart(struct attempt *a)
 {
-    struct iso_lanczos *l = &a->lanczos;
+    struct iso_lanczos *l = a->lanczos;
     const int32_t best = a->k + (l->size - a->k) / 3;
     const int32_t keep = (best + ISO_PANEL - 1) / ISO_PANEL * ISO_PANEL;
     const size_t m = (size_t)l->size, first = (size_t)(l->size - keep);
@@ -127,7 +127,7 @@ static int restart(struct attempt *a)
 static int32_t next_look(const struct attempt *a, int32_t good, int32_t size_before,
                          int32_t good_before)
 {
-    const struct iso_lanczos *l = &a->lanczos;
+    const struct iso_lanczos *l = a->lanczos;
     int32_t more = 2 * (a->k - good);
     if (size_before > 0 && good > good_before) {
         more = (int32_t)((int64_t)(a->k - good) * (l->size - size_before) / (good - good_before));
@@ -141,7 +141,7 @@ static int32_t next_look(const struct attempt *a, int32_t good, int32_t size_bef
  * eigenvalues are multiple, small blocks end before all copies are found. */
 static int grow_basis(struct attempt *a)
 {
-    struct iso_lanczos *l = &a->lanczos;
+    struct iso_lanczos *l = a->lanczos;
     const int32_t most = restart_size(l->n, a->k, l->block);
     int32_t look = a->k + a->k / 2 + 3 * l->block, size_before = 0, good_before = 0;
     int32_t left = RESTARTS_MAX;
@@ -178,7 +178,7 @@ static int grow_basis(struct attempt *a)
 /* The eigenvalue lambda of pair i; pairs are in the order of ascending lambda. */
 static double lambda_of(const struct attempt *a, int32_t i)
 {
-    return 1.0 / a->value[a->lanczos.size - 1 - i] - a->shift;
+    return 1.0 / a->value[a->lanczos->size - 1 - i] - a->shift;
 }
 
 /* Checks that no eigenvalue below the k-th is missing: blocks can miss copies of an eigenvalue
@@ -202,16 +202,16 @@ static int count_again(const struct attempt *a, struct iso_factor *factor,
  * eigenvectors. */
 static int extract_pairs(struct attempt *a, struct iso_eigenpairs *pairs)
 {
-    const size_t m = (size_t)a->lanczos.size;
+    const size_t m = (size_t)a->lanczos->size;
     double *first = &a->ritz[(m - (size_t)a->k) * m];
     for (int32_t i = 0; i < a->k; i++) {
         pairs->lambda[i] = lambda_of(a, i);
         if (2 * i + 1 < a->k) {
-            cblas_dswap(a->lanczos.size, &first[(size_t)i * m], 1,
+            cblas_dswap(a->lanczos->size, &first[(size_t)i * m], 1,
                         &first[(size_t)(a->k - 1 - i) * m], 1);
         }
     }
-    return iso_lanczos_end(&a->lanczos, first, a->k);
+    return iso_lanczos_end(a->lanczos, first, a->k);
 }
 
 static int write_vectors(const struct attempt *a, struct iso_eigenpairs *pairs)
@@ -220,7 +220,7 @@ static int write_vectors(const struct attempt *a, struct iso_eigenpairs *pairs)
     if (!pairs->phi) {
         return -ENOMEM;
     }
-    iso_lanczos_write(&a->lanczos, a->k, pairs->phi);
+    iso_lanczos_write(a->lanczos, a->k, pairs->phi);
     return 0;
 }
 
@@ -228,7 +228,8 @@ static int solve_with_blocks(const struct iso_symmetric *stiffness,
                              const struct iso_symmetric *mass, int32_t block, double tolerance,
                              struct iso_eigenpairs *pairs)
 {
-    struct attempt a = {.k = pairs->k, .shift = 4.0 * M_PI / total_mass(mass)};
+    struct iso_lanczos lanczos = {0};
+    struct attempt a = {.k = pairs->k, .lanczos = &lanczos, .shift = 4.0 * M_PI / total_mass(mass)};
     a.tolerance = fmax(tolerance, least_tolerance);
     int32_t capacity = 4 * pairs->k + 16 * block;
     if (pairs->n >= RESTART_FROM) { /* a look may come some blocks later */
@@ -245,7 +246,7 @@ static int solve_with_blocks(const struct iso_symmetric *stiffness,
         error = iso_factor_compute(factor, 1.0, stiffness, a.shift, mass);
     }
     if (!error) {
-        error = iso_lanczos_init(&a.lanczos, mass, factor, block, capacity);
+        error = iso_lanczos_init(a.lanczos, mass, factor, block, capacity);
     }
     if (!error) {
         error = grow_basis(&a);
@@ -260,7 +261,7 @@ static int solve_with_blocks(const struct iso_symmetric *stiffness,
     if (!error) {
         error = write_vectors(&a, pairs);
     }
-    iso_lanczos_done(&a.lanczos);
+    iso_lanczos_done(a.lanczos);
     free(a.value);
     free(a.ritz);
     return error;

@@ -155,8 +155,8 @@ static void without_a_metric_they_are_not_used(void **state)
 static void a_changed_template_is_found_in_spite_of_its_vector(void **state)
 {
     static const char *const changes[] = {
-        "UPDATE template SET record = CAST(substr(record, 1, length(record) - 16) || zeroblob(16) "
-        "AS BLOB) WHERE id = 20",
+        ("UPDATE template SET record = CAST(substr(record, 1, length(record) - 16) || "
+         "zeroblob(16) AS BLOB) WHERE id = 20"),
         "UPDATE template SET record = (SELECT record FROM template WHERE id = 22) WHERE id = 20",
         "UPDATE template SET person_id = 3 WHERE id = 20",
         "UPDATE template SET algorithm = algorithm + 1 WHERE id = 20",

@@ -59,6 +59,20 @@ static void reads_manifests(void **state)
     }
 }
 
+/* Two triangles of four vertices; the colours are compared if there are any. */
+static void expect_same(const struct iso_coloured_mesh *back, const struct iso_coloured_mesh *mesh,
+                        bool coloured)
+{
+    assert_int_equal(back->mesh->n_vertices, 4);
+    assert_memory_equal(back->mesh->vertices_mm, mesh->mesh->vertices_mm,
+                        4 * sizeof(struct iso_vec3));
+    assert_memory_equal(back->mesh->triangles, mesh->mesh->triangles, 2 * sizeof(int32_t[3]));
+    assert_true((back->colour != NULL) == coloured);
+    for (int v = 0; back->colour && v < 4; v++) {
+        assert_near(back->colour[v].channel[2], mesh->colour[v].channel[2], 1e-6);
+    }
+}
+
 static void writes_what_is_read(void **state)
 {
     struct iso_fault fault = {.text = ""};
@@ -72,14 +86,7 @@ static void writes_what_is_read(void **state)
         const char *path = scratch_path(*state, names[i]);
         assert_int_equal(sim_mesh_write(path, &mesh, &fault), 0);
         assert_int_equal(iso_mesh_file_read(path, &back, &fault), 0);
-        assert_int_equal(back.mesh->n_vertices, 4);
-        assert_memory_equal(back.mesh->vertices_mm, mesh.mesh->vertices_mm,
-                            4 * sizeof(struct iso_vec3));
-        assert_memory_equal(back.mesh->triangles, mesh.mesh->triangles, 2 * sizeof(int32_t[3]));
-        assert_true((back.colour != NULL) == (i < 2));
-        for (int v = 0; back.colour && v < 4; v++) {
-            assert_near(back.colour[v].channel[2], mesh.colour[v].channel[2], 1e-6);
-        }
+        expect_same(&back, &mesh, i < 2);
         iso_coloured_mesh_done(&back);
     }
     assert_int_equal(sim_mesh_write(scratch_path(*state, "a.stl"), &mesh, &fault), -ENOTSUP);
