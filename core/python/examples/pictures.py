@@ -15,7 +15,8 @@ def draw(path, panels):
     for i, (title, vertices, triangles, function) in enumerate(panels):
         axes = figure.add_subplot(1, len(panels), i + 1, projection='3d')
         axes.set_box_aspect(vertices.max(axis=0) - vertices.min(axis=0))
-        surface = axes.plot_trisurf(*vertices.T, triangles=triangles, cmap='inferno', linewidth=0)
+        # With antialiasing the back of the surface would show through between the triangles.
+        surface = axes.plot_trisurf(*vertices.T, triangles=triangles, cmap='inferno', linewidth=0, antialiased=False)
         surface.set_array(function[triangles].mean(axis=1))  # a colour for each triangle
         surface.autoscale()
         axes.set_title(title)

@@ -10,7 +10,7 @@
     face = isotherm.Extractor().extract(frames[0])   # landmarks, heat, isotherms
     isotherm.Metric().score(template, face.template)
 
-Mesh, Shape, Geodesics, Description, Coder, Classifier and SymmetricMatrix hold memory of the library.
+Mesh, Shape, Geodesics, Heat, Description, Coder, Classifier and SymmetricMatrix hold memory of the library.
 It is freed when the object and every array that it has handed out are gone. Arrays that a function
 computes, and those of faces and templates, belong to the caller.
 
@@ -29,6 +29,7 @@ from ._describe import Coder, Description, Method, describe, methods
 from ._described import Described, read_described
 from ._face import LANDMARKS, Extractor, Face
 from ._frame import Camera, Frame
+from ._heat import Heat
 from ._library import Error
 from ._matrix import SymmetricMatrix, eigenpairs, finite_elements
 from ._mesh import Mesh, load_points
@@ -39,7 +40,7 @@ from ._views import View, best_views, view_of
 
 __all__ = [
     'Camera', 'Classifier', 'Coder', 'Described', 'Description', 'Error', 'Extractor', 'Face', 'Frame', 'Geodesics',
-    'LANDMARKS', 'Mesh', 'Method', 'Metric', 'Recording', 'Shape', 'SymmetricMatrix', 'Template', 'View', 'best_views',
+    'Heat', 'LANDMARKS', 'Mesh', 'Method', 'Metric', 'Recording', 'Shape', 'SymmetricMatrix', 'Template', 'View', 'best_views',
     'classifiers', 'describe', 'eigenpairs', 'finite_elements', 'functional_map', 'load_points', 'map_of_points',
     'match', 'methods', 'points_of_map', 'read_described', 'view_of', 'zoom_out'
 ]

@@ -81,6 +81,15 @@ class SharedFunctions(Structure):  # correspondence.h; `from` is a word of Pytho
     _fields_ = [('n', c_int), ('from_', c_void_p), ('to', c_void_p)]
 
 
+class SurfacePoint(Structure):  # mesh.h
+    _fields_ = [('triangle', c_int32), ('weight', c_double * 3)]
+
+
+class HeatDirectOptions(Structure):  # heat_kernel.h
+    _fields_ = [('n_capacity', c_int32), ('nnz_capacity', c_int32), ('krylov', c_int),
+                ('gamma_over_t', c_double)]
+
+
 class MatchOptions(Structure):  # correspondence.h
     _fields_ = [('first_pairs', c_int32), ('step', c_int32), ('weight', c_double)]
 
@@ -235,6 +244,8 @@ ALL = {
     'iso_critical_points': CriticalPoints,
     'iso_shared_functions': SharedFunctions,
     'iso_match_options': MatchOptions,
+    'iso_surface_point': SurfacePoint,
+    'iso_heat_direct_options': HeatDirectOptions,
     'iso_shape_description': ShapeDescription,
     'iso_describe_times': DescribeTimes,
     'iso_shape_method': ShapeMethod,

@@ -86,6 +86,14 @@ static void print_spectra(void)
     MEMBER(iso_shared_functions, n);
     MEMBER(iso_shared_functions, from);
     MEMBER(iso_shared_functions, to);
+    WHOLE(iso_surface_point);
+    MEMBER(iso_surface_point, triangle);
+    MEMBER(iso_surface_point, weight);
+    WHOLE(iso_heat_direct_options);
+    MEMBER(iso_heat_direct_options, n_capacity);
+    MEMBER(iso_heat_direct_options, nnz_capacity);
+    MEMBER(iso_heat_direct_options, krylov);
+    MEMBER(iso_heat_direct_options, gamma_over_t);
     WHOLE(iso_match_options);
     MEMBER(iso_match_options, first_pairs);
     MEMBER(iso_match_options, step);

@@ -35,10 +35,10 @@ python() {
 if [ "$what" = --examples ]; then
     source=$3 drawn=''
     "$python" -c 'import matplotlib' 2>/dev/null && drawn=yes
-    for example in spectrum signatures geodesics clouds matching retrieval; do
+    for example in spectrum signatures heat geodesics clouds matching retrieval; do
         echo "== $example.py"
         picture=''
-        case $example in signatures | geodesics | clouds | matching) picture=$work/$example.png ;; esac
+        case $example in signatures | heat | geodesics | clouds | matching) picture=$work/$example.png ;; esac
         # shellcheck disable=SC2086
         python "$source/core/python/examples/$example.py" $picture
         [ -z "$picture" ] || [ -z "$drawn" ] || [ -s "$picture" ] || {

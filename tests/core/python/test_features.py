@@ -64,6 +64,36 @@ class Features(TestCase):
         self.refuses('it cannot rank', new('naive-bayes', features, [0, 0, 1, 1]).rank, np.zeros(4))
 
 
+class HeatFromVertices(TestCase):
+    """Against the exponential of the dense matrices."""
+
+    def setUp(self):
+        self.shape = isotherm.Shape(isotherm.Mesh(*grid(15, 13)), pairs=4)
+        stiffness, mass = self.shape.stiffness @ np.eye(self.shape.n), self.shape.mass @ np.eye(self.shape.n)
+        whitening = np.linalg.inv(np.linalg.cholesky(mass))
+        self.values, vectors = np.linalg.eigh(whitening @ stiffness @ whitening.T)
+        self.vectors = whitening.T @ vectors
+
+    def test_columns_are_those_of_the_exponential(self):
+        times, vertices = [0.5, 4.0, 40.0], [0, 97, 194]
+        found = isotherm.Heat(self.shape).columns(vertices, times)
+        self.assertEqual(found.shape, (3, 3, self.shape.n))
+        for row, vertex in zip(found, vertices):
+            for heat, t in zip(row, times):
+                exact = self.vectors * np.exp(-self.values * t) @ self.vectors[vertex]
+                self.near(heat, exact, 1e-4)
+                self.near(isotherm.Heat(self.shape).columns([vertex], [t])[0, 0], exact, 1e-7)
+                self.assertAlmostEqual((self.shape.mass @ heat).sum(), 1.0, 9)
+
+    def test_refusals(self):
+        columns = isotherm.Heat(self.shape).columns
+        self.refuses('vertices: they have to be of 0..194', columns, [195], [1.0])
+        self.refuses('vertices: they have to be of', columns, [], [1.0])
+        self.refuses('times: they have to be above 0', columns, [0], [0.0])
+        self.refuses('times: a number is not finite', columns, [0], [1.0, np.nan])
+        self.refuses('vertices: ', columns, 3, [1.0])
+
+
 class Correspondence(TestCase):
     def test_distances_on_a_sheet_are_straight(self):
         shape = isotherm.Shape(isotherm.Mesh(*grid(31, 31)), pairs=4)
