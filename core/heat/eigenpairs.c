@@ -142,9 +142,9 @@ static int32_t next_look(const struct attempt *a, int32_t good, int32_t size_bef
 static int grow_basis(struct attempt *a)
 {
     struct iso_lanczos *l = a->lanczos;
-    const int32_t most = restart_size(l->n, a->k, l->block);
+    const int32_t restart_at = restart_size(l->n, a->k, l->block);
     int32_t look = a->k + a->k / 2 + 3 * l->block, size_before = 0, good_before = 0;
-    int32_t left = RESTARTS_MAX;
+    int32_t restarts_left = RESTARTS_MAX;
     for (;;) {
         int error = iso_lanczos_step(l);
         bool whole = l->pending == 0, full = l->size + l->pending > l->capacity;
@@ -157,12 +157,12 @@ static int grow_basis(struct attempt *a)
             look = next_look(a, good, size_before, good_before);
             size_before = l->size;
             good_before = good;
-            if (l->size < most) {
-                look = look < most ? look : most;
-            } else if (!error && left-- > 0) {
+            if (l->size < restart_at) {
+                look = look < restart_at ? look : restart_at;
+            } else if (!error && l->pending % ISO_PANEL == 0 && restarts_left-- > 0) {
                 error = restart(a);
                 full = false;
-                look = most;
+                look = restart_at;
                 size_before = 0;
             }
         }
@@ -232,8 +232,8 @@ static int solve_with_blocks(const struct iso_symmetric *stiffness,
     struct attempt a = {.k = pairs->k, .lanczos = &lanczos, .shift = 4.0 * M_PI / total_mass(mass)};
     a.tolerance = fmax(tolerance, least_tolerance);
     int32_t capacity = 4 * pairs->k + 16 * block;
-    if (pairs->n >= RESTART_FROM) { /* a look may come some blocks later */
-        capacity = restart_size(pairs->n, pairs->k, block) + 4 * block + pairs->k / 8;
+    if (pairs->n >= RESTART_FROM) { /* the step that passes that size, and the pending block */
+        capacity = restart_size(pairs->n, pairs->k, block) + 2 * block;
     }
     capacity = capacity < pairs->n ? capacity : pairs->n;
     struct iso_factor *factor = NULL;

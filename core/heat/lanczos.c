@@ -248,7 +248,7 @@ static int next_by_vectors(struct iso_lanczos *l, int32_t wanted, double scale)
 }
 
 /* w = w R^-1 for one panel, with R' R = w' B w, and bw = B w R^-1. r receives R R(before). False,
- * and nothing is changed, if a vector of w depends too much on those before it. */
+ * with w and r as they were, if a vector of w depends too much on those before it. */
 static bool orthogonalise_panel(struct iso_lanczos *l, double scale, double (*r)[ISO_PANEL])
 {
     double inverse[ISO_PANEL][ISO_PANEL];
@@ -260,8 +260,8 @@ static bool orthogonalise_panel(struct iso_lanczos *l, double scale, double (*r)
     for (int32_t row = 0; row < l->n; row += ISO_PANEL_ROWS) {
         const int32_t rows = l->n - row < ISO_PANEL_ROWS ? l->n - row : ISO_PANEL_ROWS;
         const double(*weight)[ISO_PANEL] = (const double(*)[ISO_PANEL])inverse;
-        l->panel_ops->turn(rows, weight, &l->w[(size_t)row * ISO_PANEL]);
-        l->panel_ops->turn(rows, weight, &l->bw[(size_t)row * ISO_PANEL]);
+        l->panel_ops->multiply(rows, weight, &l->w[(size_t)row * ISO_PANEL]);
+        l->panel_ops->multiply(rows, weight, &l->bw[(size_t)row * ISO_PANEL]);
     }
     return true;
 }
@@ -296,6 +296,10 @@ static int next_by_cholesky(struct iso_lanczos *l, double scale)
 static int next_block(struct iso_lanczos *l, double scale)
 {
     const int32_t left = l->n - l->size, wanted = l->last < left ? l->last : left;
+    l->pending = 0;
+    if (left == 0) { /* V is the whole space; its last panel may not be full */
+        return 0;
+    }
     const bool one_panel = l->block == ISO_PANEL && wanted == ISO_PANEL;
     const int error = one_panel ? next_by_cholesky(l, scale) : -EAGAIN;
     return error == -EAGAIN ? next_by_vectors(l, wanted, scale) : error;

@@ -38,9 +38,9 @@ struct iso_lanczos {
     double *t;        /* [capacity][capacity]: T by columns */
     double *coupling; /* [block][block]: column c has the coefficients, in the next block, of A
                          applied to vector c of the last one */
-    double (
-        *product)[ISO_PANEL]; /* eight rows for each pair of panels of V and w: working memory */
-    uint64_t random;          /* state of the generator of random numbers */
+    /* eight rows for each pair of panels of V and w: working memory */
+    double (*product)[ISO_PANEL];
+    uint64_t random; /* state of the generator of random numbers */
 };
 
 /* Begins a basis with one block of random vectors. `factor` is that of L + s B; until the last step
@@ -59,8 +59,8 @@ int iso_lanczos_step(struct iso_lanczos *l) __attribute__((warn_unused_result));
 
 /* Restarts the basis with `keep` of the eigenvectors of T, `vectors` [keep][size] with `values`
  * [keep] (thick restart: Wu and Simon, SIAM J. Matrix Anal. Appl. 22, 2000); `keep` is a multiple
- * of ISO_PANEL. The pending block stays the next one. What T has of them is diagonal; the next step
- * adds how that block is coupled to them. -ENOMEM. */
+ * of ISO_PANEL. The pending block, whole panels, stays the next one. What T has of them is
+ * diagonal; the next step adds how that block is coupled to them. -ENOMEM. */
 int iso_lanczos_restart(struct iso_lanczos *l, const double *vectors, const double *values,
                         int32_t keep) __attribute__((warn_unused_result));
 

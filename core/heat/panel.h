@@ -23,7 +23,7 @@ struct iso_panel_ops {
     /* w += u weight. */
     void (*add)(int32_t rows, const double *u, const double (*weight)[ISO_PANEL], double *w);
     /* w = w weight. */
-    void (*turn)(int32_t rows, const double (*weight)[ISO_PANEL], double *w);
+    void (*multiply)(int32_t rows, const double (*weight)[ISO_PANEL], double *w);
     const char *name;
 };
 

@@ -241,6 +241,19 @@ static void pairs_are_orthonormal_and_solve_the_problem(void **state)
     iso_mesh_free(mesh);
 }
 
+/* The basis of few vertices becomes the whole space, of which the last panel may not be full. */
+static void the_whole_space_is_a_basis(void **state)
+{
+    (void)state;
+    for (int columns = 3; columns <= 12; columns++) {
+        struct iso_mesh *mesh = shape_sheet(columns, 3, 1.0);
+        for (int k = 1; k <= mesh->n_vertices / 2; k++) {
+            iso_eigenpairs_free(solve_and_check(mesh, k));
+        }
+        iso_mesh_free(mesh);
+    }
+}
+
 /* From 10,000 vertices on the basis is restarted. The sphere has 1 + 3 + ... + 19 = 100 pairs with
  * l < 10. */
 static void a_large_sphere_has_its_harmonics(void **state)
@@ -335,6 +348,7 @@ int main(void)
         cmocka_unit_test(a_disc_has_its_bessel_zeros),
         cmocka_unit_test(eigenvalues_converge_with_order_two),
         cmocka_unit_test(pairs_are_orthonormal_and_solve_the_problem),
+        cmocka_unit_test(the_whole_space_is_a_basis),
         cmocka_unit_test(a_large_sphere_has_its_harmonics),
         cmocka_unit_test(every_copy_is_found),
         cmocka_unit_test(impossible_requests_are_refused),

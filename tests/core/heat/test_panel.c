@@ -51,7 +51,7 @@ static void check_operations(const struct iso_panel_ops *ops)
         }
     }
     ops->add(ROWS, u, (const double(*)[N])weight, w);
-    ops->turn(ROWS, (const double(*)[N])weight, turned);
+    ops->multiply(ROWS, (const double(*)[N])weight, turned);
     for (int row = 0; row < ROWS; row++) {
         for (int c = 0; c < N; c++) {
             double added = number(row * N + c, 2), sum = 0.0;
