@@ -121,6 +121,30 @@ static int each_name(const char *text, struct sim_choice *choice,
     return error;
 }
 
+bool sim_choice_fits(const struct iso_shape_method *method,
+                     const struct iso_classifier_ops *classifier)
+{
+    return method->norm != ISO_NORM_PARTIAL || strcmp(classifier->name, "nn") == 0;
+}
+
+/* Methods of "all" that no classifier fits are left out when they are measured. */
+static int check_fit(const struct sim_choice *choice, struct iso_fault *fault)
+{
+    for (int m = 0; m < choice->n_methods && !choice->all_methods; m++) {
+        bool fits = choice->n_classifiers == 0;
+        for (int c = 0; c < choice->n_classifiers; c++) {
+            fits = fits || sim_choice_fits(choice->method[m], choice->classifier[c]);
+        }
+        if (!fits) {
+            return iso_fault_set(fault, -EINVAL,
+                                 "--classifier: the features of %s are no vectors, so that only nn "
+                                 "can compare them",
+                                 choice->method[m]->name);
+        }
+    }
+    return 0;
+}
+
 int sim_choice_read(const struct sim_option_texts *methods,
                     const struct sim_option_texts *classifiers, struct sim_choice *out,
                     struct iso_fault *fault)
@@ -137,6 +161,9 @@ int sim_choice_read(const struct sim_option_texts *methods,
     }
     for (size_t i = 0; i < classifiers->n && !error; i++) {
         error = each_name(classifiers->text[i], &choice, add_classifiers, fault);
+    }
+    if (!error) {
+        error = check_fit(&choice, fault);
     }
     if (!error) {
         *out = choice;

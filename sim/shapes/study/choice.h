@@ -21,10 +21,16 @@ struct sim_choice {
 /* Reads the names: each text is a name, several with commas, or "all"; no method is "all", no
  * classifier each method's own. Twice the same name counts once. A classifier whose module is
  * missing is left out of "all" with a line on standard error. -EINVAL for an unknown name, with a
- * fault that lists the known ones; errors of iso_learn_load. */
+ * fault that lists the known ones, and for a named method that none of the chosen classifiers fits;
+ * errors of iso_learn_load. */
 int sim_choice_read(const struct sim_option_texts *methods,
                     const struct sim_option_texts *classifiers, struct sim_choice *out,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
+
+/* Whether a classifier can compare the features of a method. Those of ISO_NORM_PARTIAL are no
+ * vectors, and only `nn` compares by a method's own norm. */
+bool sim_choice_fits(const struct iso_shape_method *method,
+                     const struct iso_classifier_ops *classifier);
 
 /* Finds a method by its name. -EINVAL with a fault that lists the known ones. */
 int sim_choice_method(const char *name, const struct iso_shape_method **out,

@@ -39,7 +39,7 @@ struct sim_shapes_study_options {
  * and classifier, and writes below `out`:
  *
  *   measures.csv                       all measures, and times
- *   parameters.json                    every option, and the times and words of each method
+ *   parameters.json                    options on which figures depend, times and words
  *   meshes.csv                         what was found in each mesh (describe/corpus.h)
  *   cache/                             descriptions for the next run (describe/cache.h)
  *   precision-recall.png               of methods and classifiers that rank; more than twelve are

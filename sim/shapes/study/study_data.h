@@ -42,7 +42,7 @@ int sim_study_check_times(const struct sim_study *study, struct iso_fault *fault
 int sim_study_save_parameters(const struct sim_study *study, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
-/* Measures the study's method number m with each classifier, or with its own classifier. Adds
+/* Measures the study's method number m with each classifier that fits it, or with its own one. Adds
  * the results, prints a line for each and writes the files of its directory. Errors of the
  * features and of the classifier, each with a fault. */
 int sim_study_run_method(struct sim_study *study, int m, FILE *out, struct iso_fault *fault)

@@ -187,7 +187,10 @@ int sim_study_run_method(struct sim_study *study, int m, FILE *out, struct iso_f
         (void)iso_fault_set(fault, error, "%s: %s", method->name, strerror(-error));
     }
     for (int c = 0; !error && c < study->choice.n_classifiers; c++) {
-        error = run_classifier(study, features, method, study->choice.classifier[c], out, fault);
+        if (sim_choice_fits(method, study->choice.classifier[c])) {
+            error = run_classifier(study, features, method, study->choice.classifier[c], out,
+                                   fault);
+        }
     }
     if (!error && study->choice.n_classifiers == 0) {
         error = own ? iso_learn_load(own, fault)

@@ -49,6 +49,29 @@ static void parts_are_found_by_local_heat(void **state)
     free(measures);
 }
 
+/* Features of local heat are no vectors. */
+static void local_heat_is_compared_by_nn_only(void **state)
+{
+    const char *corpus = scratch_path(*state, "c"), *out = scratch_path(*state, "o");
+    struct sim_shapes_study_options options = {.corpus = corpus,
+                                               .out = out,
+                                               .threads = 2,
+                                               .methods = {1, {"local-heat"}},
+                                               .classifiers = {1, {"crc-rls,nn-l1"}},
+                                               .seed = 1};
+    struct iso_fault fault = {.text = ""};
+    char *printed = NULL;
+    make_creatures(corpus, "plain", NULL, 3, 2);
+    assert_int_equal(run_study(&options, &printed, &fault), -EINVAL);
+    assert_non_null(strstr(fault.text, "the features of local-heat are no vectors"));
+    free(printed);
+    options.classifiers.text[0] = "crc-rls,nn";
+    assert_int_equal(run_study(&options, &printed, &fault), 0);
+    assert_non_null(strstr(printed, "\nlocal-heat    nn "));
+    assert_null(strstr(printed, "crc-rls"));
+    free(printed);
+}
+
 /* Other times of heat are other descriptions. What a method uses is in parameters.json. */
 static void times_of_heat_are_chosen(void **state)
 {
@@ -107,6 +130,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(parts_are_found_by_local_heat, scratch_setup,
+                                        scratch_teardown),
+        cmocka_unit_test_setup_teardown(local_heat_is_compared_by_nn_only, scratch_setup,
                                         scratch_teardown),
         cmocka_unit_test_setup_teardown(times_of_heat_are_chosen, scratch_setup, scratch_teardown),
     };
