@@ -39,11 +39,12 @@ static struct steps steps_of(double radius_px)
     return (struct steps){{a, b, c, d, 0, -d, -c, -b, -a, -b, -c, -d, 0, d, c, b}};
 }
 
-/* Whether a ring of this many pixels lies within the frame. */
+/* Whether a ring of this many pixels lies within the frame. A radius that no int holds may have
+ * become negative. */
 static bool is_inside(const struct iso_frame *frame, int column, int row, int reach_px)
 {
-    return column >= reach_px && row >= reach_px && column + reach_px < frame->width_px &&
-           row + reach_px < frame->height_px;
+    return reach_px >= 0 && column >= reach_px && row >= reach_px &&
+           column + reach_px < frame->width_px && row + reach_px < frame->height_px;
 }
 
 /* Whether four points of a ring of reach_px pixels, two opposite pairs, all lie on the surface, and

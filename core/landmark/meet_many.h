@@ -29,6 +29,14 @@ static inline void iso_meet_points_set(struct iso_meet_points *points, int i, st
     points->normal[2][i] = normal.z;
 }
 
+/* Fills the last group behind n points with points that are turned away. */
+static inline void iso_meet_points_fill(struct iso_meet_points *points, int n)
+{
+    for (int i = n; i % ISO_MEET_GROUP != 0; i++) {
+        iso_meet_points_set(points, i, iso_vec3(0, 0, 0), iso_vec3(0, 0, 0));
+    }
+}
+
 /* How they compare with a frame. */
 struct iso_meetings {
     double normal[3][ISO_MEET_MANY]; /* camera frame */

@@ -95,9 +95,7 @@ int iso__shape_meet(const struct iso_shape_fitter *f, const struct iso_frame *fr
         const uint32_t vertex = f->vertex[first + i];
         iso_meet_points_set(&points, i, f->shape[vertex], f->normal[vertex]);
     }
-    for (int i = n; i % ISO_MEET_GROUP != 0; i++) {
-        iso_meet_points_set(&points, i, iso_vec3(0, 0, 0), iso_vec3(0, 0, 0));
-    }
+    iso_meet_points_fill(&points, n);
     iso_meet_many(frame, pose, &points, n, cutoff_mm, out);
     return n;
 }

@@ -189,9 +189,7 @@ static int meet(const struct iso_sizer *s, const struct iso_frame *frame, double
         iso_meet_points_set(points, i, vertex_of(s, state, first + i, n_modes),
                             s->normal[first + i]);
     }
-    for (int i = n; i % ISO_MEET_GROUP != 0; i++) {
-        iso_meet_points_set(points, i, iso_vec3(0, 0, 0), iso_vec3(0, 0, 0));
-    }
+    iso_meet_points_fill(points, n);
     iso_meet_many(frame, &state->pose, points, n, cutoff_mm, out);
     return n;
 }

@@ -40,7 +40,8 @@ typedef void iso_site_batch_made(void *context, int64_t number, bool learned, co
 /* Calls `made` from now on for each vector that is made and added. */
 void iso_site_batch_tell(struct iso_site_batch *batch, iso_site_batch_made *made, void *context);
 
-/* Whether a template that was added was learned at a visit. A vector says nothing of this. */
+/* Whether a template of iso_site_batch_add() was learned at a visit. iso_site_batch_add_vector() is
+ * not told. */
 bool iso_site_batch_learned(const struct iso_site_batch *batch);
 
 /* Adds the templates that wait. -ENOMEM, and errors of iso_site_index_add(). */

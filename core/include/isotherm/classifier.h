@@ -38,7 +38,8 @@ struct iso_classifier_ops {
     /** OPTIONAL. Sets distance[i] to the distance of the feature from training feature i; lower is
      * more alike. `left` is the index of a training feature that is left out, or -1; its distance
      * is 0, and it takes no part in the distances of others. (What a model knows of all training
-     * features together, such as their mean, may include it.) Thread-safe. -EDOM, -ENOMEM. */
+     * features together, such as their mean, may include it.) Thread-safe. -EDOM, -ENOMEM;
+     * -EINVAL for features that the norm is not for. */
     int (*rank)(const void *model, const float *feature, int32_t left, double *distance);
 };
 

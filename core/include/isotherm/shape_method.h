@@ -44,8 +44,9 @@ enum iso_shape_coding {
 enum iso_norm {
     ISO_NORM_L1, /**< Sum of magnitudes. */
     ISO_NORM_L2, /**< Euclidean length. */
-    /** Of features of local heat only: how unlike the points of a shape are to those of another one
-     * that are most like them. Parts may be missing from the first shape, not from the second. */
+    /** For features of local heat only: for each point of the first shape the least difference to a
+     * point of the second, on average. Parts may be missing from the first shape, not from the
+     * second. */
     ISO_NORM_PARTIAL,
 };
 
@@ -93,7 +94,7 @@ struct iso_shape_method {
  *                   are, normalised eigenvalues
  *     cp-hk-plain   cp-hk without the eigenvalues
  *     shape-google  bag of features over SI-HKS
- *     local-heat    heat at short times at 200 points, for shapes of which a part is missing
+ *     local-heat    heat at short times at 400 points, for shapes of which a part is missing
  *     w-hks1        bags of features over scale-invariant weighted signatures of three channels
  *     w-hks2        the same and a histogram of colours
  *     si-hk-colour  bag of features over scale-invariant signatures and a histogram of colours (A2

@@ -35,7 +35,7 @@ int iso_heat_courses_init(struct iso_heat_courses *courses, const struct iso_eig
 }
 
 /* How many pairs matter at times from `t` on: the others have decayed to less than 2e-22 of the
- * first one, which no digit of a sum shows. */
+ * first one's exp(-lambda t), which is far below rounding wherever the first ones do not vanish. */
 static int pairs_left(const struct iso_heat_courses *courses, double t)
 {
     const struct iso_eigenpairs *pairs = courses->pairs;
