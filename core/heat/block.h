@@ -19,6 +19,8 @@
 
 enum { ISO_BLOCK_WIDTH_MAX = 3, ISO_BLOCK_MAX = ISO_BLOCK_WIDTH_MAX * ISO_DOUBLES };
 
+enum { ISO_BLOCK_COLUMNS = 4 }; /* the most columns of `subtract` */
+
 /* L and D of an LDL' by columns. Column j begins at start[j] with D(j, j); then come its count[j] -
  * 1 entries of L below the diagonal, rows ascending. If p is the first of these rows, the other
  * rows of column j are also rows of column p (as in the factor of any symmetric matrix). */
@@ -50,6 +52,10 @@ struct iso_block_ops {
      * each of vectors of n values. */
     void (*combine)(int32_t n, int width, const double *block, int n_blocks,
                     const double (*weight)[ISO_BLOCK_MAX], double *sum);
+    /* Of single vectors, unlike the others: io -= sum over c of weight[c] column[c], of 1 to
+     * ISO_BLOCK_COLUMNS columns. */
+    void (*subtract)(int32_t n, int columns, const double *const *column, const double *weight,
+                     double *io);
     const char *name;
 };
 

@@ -8,13 +8,15 @@
 #include <string.h>
 
 #include "core/heat/block.h"
+#include "core/heat/supernodes.h"
 
 struct iso_factor {
     cholmod_common common;
-    cholmod_factor *l;         /* NULL until the first analysis */
-    bool dissected;            /* l has the ordering for a pattern that comes back */
-    struct iso_symmetric *sum; /* a L + b B, in the pattern that was analysed */
-    cholmod_dense *x, *y, *e;  /* the solution and two workspaces that cholmod_solve2 reuses */
+    cholmod_factor *l;            /* NULL until the first analysis */
+    bool dissected;               /* l has the ordering for a pattern that comes back */
+    struct iso_supernodes *nodes; /* of l; NULL: not known yet */
+    struct iso_symmetric *sum;    /* a L + b B, in the pattern that was analysed */
+    cholmod_dense *x, *y, *e;     /* the solution and two workspaces that cholmod_solve2 reuses */
 };
 
 int iso_factor_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_factor **out)
@@ -38,10 +40,18 @@ int iso_factor_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_factor *
     return 0;
 }
 
+/* Forgets the factor and what is known of its pattern. */
+static void drop_factor(struct iso_factor *f)
+{
+    iso_supernodes_free(f->nodes);
+    f->nodes = NULL;
+    cholmod_free_factor(&f->l, &f->common);
+}
+
 void iso_factor_free(struct iso_factor *factor)
 {
     if (factor) {
-        cholmod_free_factor(&factor->l, &factor->common);
+        drop_factor(factor);
         cholmod_free_dense(&factor->x, &factor->common);
         cholmod_free_dense(&factor->y, &factor->common);
         cholmod_free_dense(&factor->e, &factor->common);
@@ -88,7 +98,7 @@ static int error_of(const struct iso_factor *f)
  * their solves save. */
 static int analyse_sum(struct iso_factor *f, bool dissected)
 {
-    cholmod_free_factor(&f->l, &f->common);
+    drop_factor(f);
     f->common.method[0].ordering = dissected ? CHOLMOD_NESDIS : CHOLMOD_AMD;
     f->dissected = dissected;
     cholmod_sparse view = view_of(f->sum);
@@ -116,6 +126,43 @@ static int prepare_analysis(struct iso_factor *f, const struct iso_symmetric *pa
     return f->dissected || to_count ? 0 : analyse_sum(f, true);
 }
 
+static bool is_computed(const struct iso_factor *f)
+{
+    return f->l && f->l->xtype == CHOLMOD_REAL;
+}
+
+/* CHOLMOD's factor, which shows the pattern of L. */
+static int factorise_by_cholmod(struct iso_factor *f)
+{
+    cholmod_sparse view = view_of(f->sum);
+    return cholmod_factorize(&view, f->l, &f->common) && f->common.status == CHOLMOD_OK &&
+                   f->l->minor == f->l->n
+               ? 0
+               : error_of(f);
+}
+
+/* Computes the factor by supernodes into the pattern that is known. */
+static int factorise_by_supernodes(struct iso_factor *f)
+{
+    if (!f->nodes) {
+        const struct iso_ldl l = {(int32_t)f->l->n, f->l->p, f->l->nz, f->l->i, f->l->x};
+        const int error = iso_supernodes_new(&l, f->l->Perm, f->sum, &f->nodes);
+        if (error) {
+            return error;
+        }
+    }
+    return iso_supernodes_factorise(f->nodes, f->sum, f->l->x);
+}
+
+/* The first factor after an analysis has to be CHOLMOD's. If many more are expected, it is computed
+ * once more by supernodes, so that all have the same last digits. */
+static int factorise_sum(struct iso_factor *f)
+{
+    const bool first = !is_computed(f);
+    const int error = first ? factorise_by_cholmod(f) : 0;
+    return error || (first && !f->dissected) ? error : factorise_by_supernodes(f);
+}
+
 /* LDL' of a * stiffness + b * mass, whatever the signs of D. */
 static int factorise_matrix(struct iso_factor *f, double a, const struct iso_symmetric *stiffness,
                             double b, const struct iso_symmetric *mass, bool to_count)
@@ -135,14 +182,12 @@ static int factorise_matrix(struct iso_factor *f, double a, const struct iso_sym
         f->sum->value[i] = a * stiffness->value[i] + b * mass->value[i];
         finite = finite && isfinite(f->sum->value[i]);
     }
-    cholmod_sparse view = view_of(f->sum);
     /* CHOLMOD factorises NaN and indefinite matrices without an error, so that both are checked
      * here. */
-    if (!finite || !cholmod_factorize(&view, f->l, &f->common) || f->common.status != CHOLMOD_OK ||
-        f->l->minor != f->l->n) {
-        const int reason = finite ? error_of(f) : -EDOM;
-        cholmod_free_factor(&f->l, &f->common);
-        return reason;
+    const int failed = finite ? factorise_sum(f) : -EDOM;
+    if (failed) {
+        drop_factor(f);
+        return failed;
     }
     return 0;
 }
@@ -165,7 +210,7 @@ int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetri
     int error = factorise_matrix(f, a, stiffness, b, mass, false);
     if (!error && pivots_not_positive(f) > 0) { /* LDL' also exists for indefinite matrices */
         error = -EDOM;
-        cholmod_free_factor(&f->l, &f->common);
+        drop_factor(f);
     }
     return error;
 }
@@ -178,13 +223,8 @@ int iso_factor_count_below(struct iso_factor *f, const struct iso_symmetric *sti
         return error;
     }
     *count = pivots_not_positive(f);
-    cholmod_free_factor(&f->l, &f->common);
+    drop_factor(f);
     return 0;
-}
-
-static bool is_computed(const struct iso_factor *f)
-{
-    return f->l && f->l->xtype == CHOLMOD_REAL;
 }
 
 int iso_factor_solve(struct iso_factor *f, const double *right, int n_right, double *solution)

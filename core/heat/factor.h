@@ -1,12 +1,14 @@
-/* Cholesky factor of a L + b B, by CHOLMOD. Both general solvers of the heat kernel use it.
+/* Cholesky factor of a L + b B, by CHOLMOD and supernodes.h. Both general solvers of the heat
+ * kernel use it.
  *
- * Only the simplicial LDL' is used: CHOLMOD's supernodal module is under the GPL and is never
- * called. The symbolic analysis is kept while the pattern stays the same. The pattern is compared
- * each time, because CHOLMOD gives wrong results without an error if it changes. A new pattern is
- * ordered by minimum degree (AMD), which is fast. When it comes back the first time, it is ordered
- * by nested dissection (CHOLMOD's own, with METIS), and from then on each factor is smaller. The
- * last digits of results change once by that. Counting eigenvalues keeps the ordering. Only one
- * thread at a time may use a factor.
+ * Only CHOLMOD's simplicial LDL' is used: its supernodal module is under the GPL and is never
+ * called. Later factors with the same analysis are computed by supernodes.h. The symbolic analysis
+ * is kept while the pattern stays the same. The pattern is compared each time, because CHOLMOD
+ * gives wrong results without an error if it changes. A new pattern is ordered by minimum degree
+ * (AMD), which is fast. When it comes back the first time, it is ordered by nested dissection
+ * (CHOLMOD's own, with METIS), and from then on each factor is smaller. The last digits of results
+ * change once by that. Counting eigenvalues keeps the ordering. Only one thread at a time may use a
+ * factor.
  *
  * CHOLMOD solves for few columns. For many at once, such as all sources of heat, block.h uses the
  * factor directly. */
