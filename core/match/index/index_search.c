@@ -7,7 +7,7 @@
 #include "core/match/index/index_inside.h"
 
 /* Fewer people are scored without bounds: in an index, and of one step. */
-enum { PEOPLE_FOR_CODES = 512, PEOPLE_FOR_BOUNDS = 96, SAMPLE = 256 };
+enum { PEOPLE_FOR_CODES = 512, PEOPLE_FOR_BOUNDS = 96, SAMPLE = 64 };
 
 /* ---- the closed form ---- */
 
