@@ -103,7 +103,7 @@ static void changes_at_once_are_one_chain(void **state)
 }
 
 /* Two transactions that lock two zones in opposite order by hand: one is a deadlock's victim, and
- * runs again. */
+ * runs again. Each counts once. */
 struct locker {
     struct hub_store store;
     const char *first, *second;
@@ -149,7 +149,8 @@ static void a_deadlock_is_tried_again(void **state)
     assert_int_equal(pthread_join(thread, NULL), 0);
     store_rig_fine(a.error, &a.fault);
     store_rig_fine(b.error, &b.fault);
-    assert_int_equal(a.runs + b.runs, 3);
+    /* The victim can lock its first zone again before the other one wakes: one more deadlock. */
+    assert_true(a.runs + b.runs >= 3);
     assert_int_equal(store_rig_zone_now(rig, &zone).settings.lease_s,
                      ISO_FLEET_LEASE_DEFAULT_S + 2);
     hub_store_close(&a.store);
