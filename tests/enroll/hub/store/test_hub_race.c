@@ -9,14 +9,16 @@
 
 #include <errno.h>
 #include <pthread.h>
+#include <semaphore.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "enroll/hub/answer/hub_outbox.h"
 #include "tests/enroll/hub/rigs/played_door.h"
 
-enum { THREADS = 4, CHANGES = 40 };
+enum { THREADS = 4, CHANGES = 40, WAIT_S = 30 };
 
 static struct iso_fault fault;
 
@@ -103,11 +105,13 @@ static void changes_at_once_are_one_chain(void **state)
 }
 
 /* Two transactions that lock two zones in opposite order by hand: one is a deadlock's victim, and
- * runs again. Each counts once. */
+ * runs again. It waits until the other one has ended: otherwise it can lock its first zone again
+ * before the other one wakes, and there is one more deadlock. */
 struct locker {
     struct hub_store store;
     const char *first, *second;
     pthread_barrier_t *barrier;
+    sem_t *ended, *other_ended; /* posted when the own transaction, or the other one, has ended */
     int runs, error;
     struct iso_fault fault;
 };
@@ -115,6 +119,12 @@ struct locker {
 static int lock_both(void *context, struct iso_fault *why)
 {
     struct locker *l = context;
+    if (l->runs > 0) {
+        struct timespec until;
+        (void)clock_gettime(CLOCK_REALTIME, &until);
+        until.tv_sec += WAIT_S;
+        (void)sem_timedwait(l->other_ended, &until);
+    }
     int error = hub_db_script(l->store.db, l->first, why);
     if (l->runs++ == 0) {
         (void)pthread_barrier_wait(l->barrier);
@@ -127,6 +137,7 @@ static void *run_locker(void *context)
 {
     struct locker *l = context;
     l->error = hub_db_transaction(l->store.db, HUB_READ_COMMITTED, lock_both, l, &l->fault);
+    (void)sem_post(l->ended);
     return NULL;
 }
 
@@ -136,12 +147,23 @@ static void a_deadlock_is_tried_again(void **state)
     static const char office[] = "UPDATE zone SET lease_s = lease_s + 1 WHERE name = 'office'";
     static const char lab[] = "UPDATE zone SET lease_s = lease_s + 1 WHERE name = 'lab'";
     pthread_barrier_t barrier;
+    sem_t ended[2];
     pthread_t thread;
     const struct iso_fleet_id zone = store_rig_zone(rig, "office");
     (void)store_rig_zone(rig, "lab");
     assert_int_equal(pthread_barrier_init(&barrier, NULL, 2), 0);
-    struct locker a = {.first = office, .second = lab, .barrier = &barrier};
-    struct locker b = {.first = lab, .second = office, .barrier = &barrier};
+    assert_int_equal(sem_init(&ended[0], 0, 0), 0);
+    assert_int_equal(sem_init(&ended[1], 0, 0), 0);
+    struct locker a = {.first = office,
+                       .second = lab,
+                       .barrier = &barrier,
+                       .ended = &ended[0],
+                       .other_ended = &ended[1]};
+    struct locker b = {.first = lab,
+                       .second = office,
+                       .barrier = &barrier,
+                       .ended = &ended[1],
+                       .other_ended = &ended[0]};
     store_rig_open(rig, &a.store);
     store_rig_open(rig, &b.store);
     assert_int_equal(pthread_create(&thread, NULL, run_locker, &a), 0);
@@ -149,13 +171,14 @@ static void a_deadlock_is_tried_again(void **state)
     assert_int_equal(pthread_join(thread, NULL), 0);
     store_rig_fine(a.error, &a.fault);
     store_rig_fine(b.error, &b.fault);
-    /* The victim can lock its first zone again before the other one wakes: one more deadlock. */
-    assert_true(a.runs + b.runs >= 3);
+    assert_int_equal(a.runs + b.runs, 3);
     assert_int_equal(store_rig_zone_now(rig, &zone).settings.lease_s,
                      ISO_FLEET_LEASE_DEFAULT_S + 2);
     hub_store_close(&a.store);
     hub_store_close(&b.store);
     (void)pthread_barrier_destroy(&barrier);
+    (void)sem_destroy(&ended[0]);
+    (void)sem_destroy(&ended[1]);
 }
 
 /* ---- a database that goes away ---- */
