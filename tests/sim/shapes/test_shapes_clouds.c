@@ -18,6 +18,7 @@
 #include "sim/shapes/mesh/mesh_file.h"
 #include "sim/shapes/search/query.h"
 #include "sim/shapes/study/study.h"
+#include "tests/sim/shapes/creatures.h"
 #include "tests/support/scratch.h"
 
 enum { POINTS = 800, APART = 160, NEIGHBOURS = 12 };
@@ -248,25 +249,6 @@ static void clouds_are_looked_for(void **state)
     free(printed);
 }
 
-static double error_of(const struct sim_match_options *options)
-{
-    struct iso_fault fault = {.text = ""};
-    char *printed = NULL;
-    size_t size;
-    double mean = -1.0;
-    FILE *out = open_memstream(&printed, &size);
-    if (sim_shapes_match(options, out, &fault)) {
-        fail_msg("%s", fault.text);
-    }
-    (void)fclose(out);
-    const char *error = strstr(printed, "mean geodesic error ");
-    assert_non_null(error);
-    assert_int_equal(sscanf(error, "mean geodesic error %lf", &mean), 1);
-    print_message("%s", printed);
-    free(printed);
-    return mean;
-}
-
 /* The points of a cloud keep the order of the mesh that they were taken from, whose places on the
  * body at rest are the truth. */
 static void clouds_are_matched(void **state)
@@ -286,17 +268,17 @@ static void clouds_are_matched(void **state)
                                         .step = 5,
                                         .weight = 0.01,
                                         .neighbours = NEIGHBOURS};
-    assert_true(error_of(&options) < 1e-9);
+    assert_true(match_error(&options, NULL) < 1e-9);
     options.meshes.text[1] = mesh;
-    assert_true(error_of(&options) < 0.05);
+    assert_true(match_error(&options, NULL) < 0.05);
     expect_text(out, "match.json", "\"to_cloud\": null");
     options.meshes.text[0] = mesh;
     options.meshes.text[1] = cloud;
-    assert_true(error_of(&options) < 0.05);
+    assert_true(match_error(&options, NULL) < 0.05);
     expect_text(out, "match.json", "\"from_cloud\": null");
     options.meshes.text[0] = cloud;
     options.meshes.text[1] = other;
-    assert_true(error_of(&options) < 0.15);
+    assert_true(match_error(&options, NULL) < 0.15);
     assert_true(scratch_exists(scratch_path(out, "match.png")));
 
     struct iso_fault fault = {.text = ""};

@@ -12,28 +12,9 @@
 
 #include "sim/shapes/make/generate.h"
 #include "sim/shapes/match/match.h"
+#include "tests/sim/shapes/creatures.h"
 #include "tests/support/near.h"
 #include "tests/support/scratch.h"
-
-static double error_of(const struct sim_match_options *options, double *within)
-{
-    struct iso_fault fault = {.text = ""};
-    char *printed = NULL;
-    size_t size;
-    double mean = -1.0;
-    FILE *out = open_memstream(&printed, &size);
-    if (sim_shapes_match(options, out, &fault)) {
-        fail_msg("%s", fault.text);
-    }
-    (void)fclose(out);
-    const char *error = strstr(printed, "mean geodesic error ");
-    assert_non_null(error);
-    assert_int_equal(sscanf(error, "mean geodesic error %lf", &mean), 1);
-    assert_int_equal(sscanf(strstr(error, "0.25: "), "0.25: %lf", within), 1);
-    print_message("%s", error);
-    free(printed);
-    return mean;
-}
 
 /* A shape is matched with itself point by point; with another pose far better than by chance. The
  * gorilla is one of the bodies that are matched well (sim/results/shapes.md has others). */
@@ -60,10 +41,10 @@ static void poses_are_matched(void **state)
     int32_t n = 0;
     double within = 0.0;
     assert_int_equal(sim_shapes_generate(&make, &n, &fault), 0);
-    assert_true(error_of(&options, &within) < 1e-9);
+    assert_true(match_error(&options, &within) < 1e-9);
     assert_near(within, 100.0, 0.01);
     options.meshes.text[1] = second;
-    assert_true(error_of(&options, &within) < 0.1);
+    assert_true(match_error(&options, &within) < 0.1);
     assert_true(within > 80.0);
     static const char *const files[] = {"point.npy", "map.npy", "to_vertices.npy", "match.json",
                                         "match.png"};

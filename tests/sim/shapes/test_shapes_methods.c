@@ -72,7 +72,27 @@ static void local_heat_is_compared_by_nn_only(void **state)
     free(printed);
 }
 
-/* Other times of heat are other descriptions. What a method uses is in parameters.json. */
+/* parameters.json names 50 times up to 2.5 areas and 3 words, where a method has them. */
+static void expect_parameters(const char *path)
+{
+    char *told = scratch_read_text(path);
+    const char *td = strstr(told, "\"td\""), *hk = strstr(told, "\"cp-hk\""),
+               *reduced = strstr(told, "\"srcp-td\"");
+    assert_non_null(td);
+    assert_non_null(hk);
+    assert_non_null(reduced);
+    assert_memory_equal(strstr(td, "times_in_areas"), "times_in_areas\": null", 21);
+    const char *number = strstr(hk, "\"number\": ");
+    assert_memory_equal(number, "\"number\": 50", 12);
+    assert_memory_equal(strstr(hk, "\"first\""), "\"first\": 0.0025", 15);
+    assert_memory_equal(strstr(hk, "\"last\""), "\"last\": 2.5", 11);
+    assert_memory_equal(strstr(hk, "\"words\""), "\"words\": null", 13);
+    assert_memory_equal(strstr(reduced, "\"words\""), "\"words\": 3", 10);
+    assert_non_null(strstr(told, "\"eigenpairs\": 100"));
+    free(told);
+}
+
+/* A method that looks at other times of heat makes other descriptions. */
 static void times_of_heat_are_chosen(void **state)
 {
     const char *corpus = scratch_path(*state, "corpus"), *out = scratch_path(*state, "out");
@@ -91,21 +111,7 @@ static void times_of_heat_are_chosen(void **state)
         fail_msg("%s", fault.text);
     }
     free(printed);
-    char *told = scratch_read_text(scratch_path(out, "parameters.json"));
-    const char *td = strstr(told, "\"td\""), *hk = strstr(told, "\"cp-hk\""),
-               *reduced = strstr(told, "\"srcp-td\"");
-    assert_non_null(td);
-    assert_non_null(hk);
-    assert_non_null(reduced);
-    assert_memory_equal(strstr(td, "times_in_areas"), "times_in_areas\": null", 21);
-    const char *number = strstr(hk, "\"number\": ");
-    assert_memory_equal(number, "\"number\": 50", 12);
-    assert_memory_equal(strstr(hk, "\"first\""), "\"first\": 0.0025", 15);
-    assert_memory_equal(strstr(hk, "\"last\""), "\"last\": 2.5", 11);
-    assert_memory_equal(strstr(hk, "\"words\""), "\"words\": null", 13);
-    assert_memory_equal(strstr(reduced, "\"words\""), "\"words\": 3", 10);
-    assert_non_null(strstr(told, "\"eigenpairs\": 100"));
-    free(told);
+    expect_parameters(scratch_path(out, "parameters.json"));
     char *first = scratch_read_text(scratch_path(out, "cp-hk-nn-l1/distances.csv"));
     char *same = scratch_read_text(scratch_path(out, "td-nn-l1/distances.csv"));
     options.times = (struct iso_describe_times){0, 0.0, 0.0};
