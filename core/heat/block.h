@@ -12,6 +12,7 @@
 #ifndef ISO_CORE_HEAT_BLOCK_H
 #define ISO_CORE_HEAT_BLOCK_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -29,6 +30,13 @@ struct iso_ldl {
     const int32_t *start, *count, *row;
     const double *value;
 };
+
+/* Whether the rows below column j of L are j + 1 and those below column j + 1, j < n - 1: both are
+ * columns of one supernode (supernodes.h). */
+static inline bool iso_ldl_joins_next(const struct iso_ldl *l, int32_t j)
+{
+    return l->count[j] == l->count[j + 1] + 1 && l->row[l->start[j] + 1] == j + 1;
+}
 
 /* A sparse matrix by rows: row i from start[i] to start[i + 1]. */
 struct iso_rows {

@@ -55,7 +55,7 @@ static void find_pieces(struct iso_supernodes *s)
     s->count = 0;
     for (int32_t j = 0; j < l->n; j++) {
         const bool joins = j > 0 && j - s->first[s->count - 1] < WIDTH_MAX &&
-                           l->count[j - 1] == l->count[j] + 1 && l->row[l->start[j - 1] + 1] == j;
+                           iso_ldl_joins_next(l, j - 1);
         if (!joins) {
             s->first[s->count++] = j;
         }
@@ -164,7 +164,8 @@ void iso_supernodes_free(struct iso_supernodes *s)
 
 /* ---- the numbers ---- */
 
-/* Rows from..n_rows of a piece, of which the first n_columns are columns of the one computed. */
+/* What an earlier piece contributes to the piece that is computed: n_rows of its rows, from `begin`
+ * on. The first n_columns of them are columns of the piece that is computed. */
 struct contribution {
     struct piece from;
     int32_t begin, n_columns, n_rows;

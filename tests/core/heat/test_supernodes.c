@@ -53,8 +53,7 @@ static int32_t expect_cholmod(const struct iso_symmetric *matrix)
         }
     }
     for (int32_t j = 1; j < l.n; j++) {
-        const bool joins = l.count[j - 1] == l.count[j] + 1 && l.row[l.start[j - 1] + 1] == j;
-        run = joins ? run + 1 : 1;
+        run = iso_ldl_joins_next(&l, j - 1) ? run + 1 : 1;
         widest = widest > run ? widest : run;
     }
     free(value);
