@@ -29,10 +29,10 @@ double iso_ring_height(const struct iso_frame *frame, const struct iso_sight_lin
 /* The pixels that iso_rings_are_low() judges at once. */
 enum { ISO_RINGS = 4 };
 
-/* A quick judgement of the pixels from a column on, which must lie within the frame: bit k is set
- * only if the height of pixel `column` + k is certainly less than ISO_RING_HEIGHT_MIN_MM, by four
- * points of its ring. For such a pixel, iso_ring_height() is 0. z_mm are the depths of the pixels,
- * smoothed. */
+/* Judges ISO_RINGS pixels of a row, from `column` on, by four points of each one's ring. The pixels
+ * have to lie within the frame. Bit k is set only if the height of pixel `column` + k is certainly
+ * less than ISO_RING_HEIGHT_MIN_MM; then iso_ring_height() of this pixel is 0. z_mm has the depths
+ * of the pixels, smoothed. */
 unsigned iso_rings_are_low(const struct iso_frame *frame, int column, int row,
                            const double z_mm[ISO_RINGS]);
 

@@ -198,8 +198,8 @@ static int count_again(const struct attempt *a, struct iso_factor *factor,
     return below > found ? -EAGAIN : 0;
 }
 
-/* The last k vectors of T, multiplied by V, in reversed order so that lambda ascends. V becomes the
- * eigenvectors. */
+/* Makes the eigenvectors: V times the last k vectors of T. Their order is reversed, because lambda
+ * has to ascend. They take the place of V. */
 static int extract_pairs(struct attempt *a, struct iso_eigenpairs *pairs)
 {
     const size_t m = (size_t)a->lanczos->size;

@@ -1,14 +1,13 @@
 /* Cholesky factor of a L + b B, by CHOLMOD and supernodes.h. Both general solvers of the heat
  * kernel use it.
  *
- * Only CHOLMOD's simplicial LDL' is used: its supernodal module is under the GPL and is never
- * called. Later factors with the same analysis are computed by supernodes.h. The symbolic analysis
- * is kept while the pattern stays the same. The pattern is compared each time, because CHOLMOD
- * gives wrong results without an error if it changes. A new pattern is ordered by minimum degree
- * (AMD), which is fast. When it comes back the first time, it is ordered by nested dissection
- * (CHOLMOD's own, with METIS), and from then on each factor is smaller. The last digits of results
- * change once by that. Counting eigenvalues keeps the ordering. Only one thread at a time may use a
- * factor.
+ * Only CHOLMOD's simplicial LDL' is used, because its supernodal module is under the GPL. Later
+ * factors with the same analysis are computed by supernodes.h. The symbolic analysis is kept while
+ * the pattern stays the same. The pattern is compared each time: if it had changed, CHOLMOD would
+ * give wrong results and no error. A new pattern is ordered by minimum degree (AMD), which is fast.
+ * When it comes back the first time, it is ordered by nested dissection (CHOLMOD's own, with
+ * METIS), and from then on each factor is smaller. This changes the last digits of results once.
+ * Counting eigenvalues keeps the ordering. Only one thread at a time may use a factor.
  *
  * CHOLMOD solves for few columns. For many at once, such as all sources of heat, block.h uses the
  * factor directly. */

@@ -33,7 +33,7 @@ static double *panel(double *panels, const struct iso_lanczos *l, int32_t p)
     return &panels[(size_t)p * panel_values(l)];
 }
 
-/* The first value of vector i; its values are ISO_PANEL apart. */
+/* The first value of vector i. Its next value is ISO_PANEL places further. */
 static double *vector(double *panels, const struct iso_lanczos *l, int32_t i)
 {
     return panel(panels, l, i / ISO_PANEL) + i % ISO_PANEL;

@@ -69,7 +69,8 @@ int iso_lanczos_restart(struct iso_lanczos *l, const double *vectors, const doub
 int iso_lanczos_end(struct iso_lanczos *l, const double *vectors, int32_t k)
     __attribute__((warn_unused_result));
 
-/* Writes the first k vectors of V to out [k][n], in the order of the vertices. */
+/* Writes the first k vectors of V to out [k][n]. The values of each are in the order of the mesh's
+ * vertices, and not in that of the factor. */
 void iso_lanczos_write(const struct iso_lanczos *l, int32_t k, double *out);
 
 #endif

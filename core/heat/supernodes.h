@@ -8,8 +8,8 @@
  * looking"). Wide ones are cut into pieces, so that a piece stays in the cache.
  *
  * CHOLMOD's simplicial LDL' computes the same numbers entry by entry, which takes several times as
- * long; its own supernodal module is under the GPL. No pivots are exchanged, so that D may be
- * indefinite, as when eigenvalues are counted. */
+ * long. CHOLMOD also has a supernodal module, but that is under the GPL. Pivots are not exchanged,
+ * and D may have negative entries: the count of eigenvalues needs them. */
 #ifndef ISO_CORE_HEAT_SUPERNODES_H
 #define ISO_CORE_HEAT_SUPERNODES_H
 

@@ -1,9 +1,10 @@
 /* Numbers below the normal range of float count as 0 while the heat of a grid is computed.
  *
- * The steps of the recurrence carry heat one pixel further each, where it gets smaller by a factor
- * each time, so that a wide window has a rim of numbers below 1.2e-38. Processors by Intel take
- * more than a hundred cycles for an operation with one of them, which made up more than half of the
- * time of 35,000 vertices. Heat at an isotherm is larger by almost thirty orders of magnitude.
+ * Each step of the recurrence carries heat one pixel further, and the heat of each further pixel is
+ * smaller by some factor. The outer pixels of a wide window therefore have numbers below 1.2e-38.
+ * Processors by Intel take more than a hundred cycles for an operation with such a number. With
+ * 35,000 vertices this was more than half of the time. The heat at an isotherm is more than 1e-9 of
+ * the heat released, so that these numbers do not matter.
  *
  * On x86-64 a bit of the thread's control register does this. Elsewhere nothing is done: processors
  * for arm64 take hardly longer for such numbers. Internal to core/heat. */

@@ -27,8 +27,8 @@ int sim_choice_read(const struct sim_option_texts *methods,
                     const struct sim_option_texts *classifiers, struct sim_choice *out,
                     struct iso_fault *fault) __attribute__((warn_unused_result));
 
-/* Whether a classifier can compare the features of a method. Those of ISO_NORM_PARTIAL are no
- * vectors, and only `nn` compares by a method's own norm. */
+/* Whether a classifier can compare the features of a method. Features of ISO_NORM_PARTIAL are not
+ * vectors. Only the classifier `nn` can compare them, because it uses the method's own norm. */
 bool sim_choice_fits(const struct iso_shape_method *method,
                      const struct iso_classifier_ops *classifier);
 
