@@ -9,6 +9,9 @@
 /* Fewer people are scored without bounds: in an index, and of one step. */
 enum { PEOPLE_FOR_CODES = 512, PEOPLE_FOR_BOUNDS = 96, SAMPLE = 64 };
 
+/* The most people who wait for their vectors, and the bytes that the processor fetches at once. */
+enum { WAITING = 8, CACHE_LINE = 64 };
+
 /* ---- the closed form ---- */
 
 static void make_terms(const struct iso_metric *metric, const struct iso_metric_vector *probe,
@@ -118,13 +121,47 @@ static double least_of_sample(const struct iso_index *index, int capacity)
     return best.least;
 }
 
-/* Scores the people of a block whose bits are set. */
-static void scan_block(const struct iso_index *index, const struct iso_code_block *block,
-                       uint32_t bits, struct best *best)
+/* Rows that will be scored. Their memory is fetched while the codes of the next blocks are
+ * compared: rows and vectors of a large index are in no cache, and each would have to be waited
+ * for. Until a row is scored it cannot raise the least score, so a few people more are scored, but
+ * the best are the same. */
+struct waiting {
+    size_t n; /* so far */
+    size_t at[WAITING];
+};
+
+static void score_waiting(const struct iso_index *index, const struct waiting *waiting, size_t i,
+                          struct best *best)
+{
+    const size_t at = waiting->at[i % WAITING];
+    keep_candidate(best, (struct candidate){at, score_at(index, at)});
+}
+
+static void score_all_waiting(const struct iso_index *index, const struct waiting *waiting,
+                              struct best *best)
+{
+    for (size_t i = waiting->n < WAITING ? 0 : waiting->n - WAITING; i < waiting->n; i++) {
+        score_waiting(index, waiting, i, best);
+    }
+}
+
+/* The people of a block whose bits are set begin to wait. If too many wait, the first of these are
+ * scored. The fetches are not in a function of their own: gcc 12 removes calls of a function that
+ * only fetches. */
+static void wait_for_block(const struct iso_index *index, const struct iso_code_block *block,
+                           uint32_t bits, struct waiting *waiting, struct best *best)
 {
     for (; bits != 0; bits &= bits - 1) {
         const size_t at = block->row[__builtin_ctz(bits)];
-        keep_candidate(best, (struct candidate){at, score_at(index, at)});
+        if (waiting->n >= WAITING) {
+            score_waiting(index, waiting, waiting->n - WAITING, best);
+        }
+        waiting->at[waiting->n++ % WAITING] = at;
+        __builtin_prefetch(&index->row[at]);
+        for (const float *mean = iso__index_mean(index, at), *end = mean + index->stride;
+             mean < end; mean += CACHE_LINE / sizeof *mean) {
+            __builtin_prefetch(mean);
+        }
     }
 }
 
@@ -147,6 +184,9 @@ static uint32_t bits_of(const struct iso_index *index, const struct iso_code_blo
 static void scan_by_codes(const struct iso_index *index, struct best *best)
 {
     const struct iso_codes *codes = &index->codes;
+    const struct iso_code_block *before = NULL;
+    uint32_t bits_before = 0;
+    struct waiting waiting = {.n = 0};
     best->least = least_of_sample(index, best->capacity);
     for (int step = 0; step < ISO_METRIC_STEPS; step++) {
         if (index->people[step] >= PEOPLE_FOR_BOUNDS) {
@@ -155,8 +195,17 @@ static void scan_by_codes(const struct iso_index *index, struct best *best)
     }
     for (size_t b = 0; b < codes->n_blocks; b++) {
         const struct iso_code_block *block = &codes->block[b];
-        scan_block(index, block, bits_of(index, block, best->least), best);
+        const uint32_t bits = bits_of(index, block, best->least);
+        if (bits != 0) {
+            __builtin_prefetch(&block->row[0]);
+            __builtin_prefetch(&block->row[CACHE_LINE / sizeof block->row[0]]);
+        }
+        wait_for_block(index, before, bits_before, &waiting, best);
+        before = block;
+        bits_before = bits;
     }
+    wait_for_block(index, before, bits_before, &waiting, best);
+    score_all_waiting(index, &waiting, best);
     explicit_bzero(index->bounds, ISO_METRIC_STEPS * sizeof *index->bounds);
 }
 
