@@ -29,6 +29,7 @@ struct iso_ldl {
     int32_t n;
     const int32_t *start, *count, *row;
     const double *value;
+    const struct iso_ldl_nodes *nodes; /* for the solves; NULL: not known */
 };
 
 /* Whether the rows below column j of L are j + 1 and those below column j + 1, j < n - 1: both are
@@ -37,6 +38,35 @@ static inline bool iso_ldl_joins_next(const struct iso_ldl *l, int32_t j)
 {
     return l->count[j] == l->count[j + 1] + 1 && l->row[l->start[j] + 1] == j + 1;
 }
+
+/* A supernode: columns first..first + width - 1, whose rows are these columns and then n_below rows
+ * below them. */
+struct iso_ldl_node {
+    int32_t first, width, n_below;
+    const int32_t *row; /* [width + n_below] */
+};
+
+/* All supernodes of a factor, ascending. Columns of a supernode have one list of rows here, whereas
+ * L has one for each column: solves then read less memory. */
+struct iso_ldl_nodes {
+    int32_t count;
+    struct iso_ldl_node *node; /* [count] */
+    int32_t *of;               /* [n]: the supernode of each column */
+    int32_t *rows;             /* the rows of all supernodes */
+};
+
+/* Finds the supernodes of L, whose values and nodes are not read. -ENOMEM. */
+int iso_ldl_nodes_new(const struct iso_ldl *l, struct iso_ldl_nodes **out)
+    __attribute__((warn_unused_result));
+
+/* Frees it and what it holds. NULL is accepted. */
+void iso_ldl_nodes_free(struct iso_ldl_nodes *nodes);
+
+/* Marks the supernodes in which L^-1 e has entries, if e is 0 but for this row: the supernode of
+ * the row and its ancestors in the elimination tree (Gilbert and Peierls, Sparse partial pivoting
+ * in time proportional to arithmetic operations, SIAM J. Sci. Stat. Comput. 9, 1988). `reached` is
+ * [count]; marks of earlier calls may be in it and stay. */
+void iso_ldl_reach(const struct iso_ldl_nodes *nodes, int32_t row, bool *reached);
 
 /* A sparse matrix by rows: row i from start[i] to start[i + 1]. */
 struct iso_rows {
@@ -48,8 +78,14 @@ struct iso_rows {
 /* In all operations width is 1..ISO_BLOCK_WIDTH_MAX, and arrays of one number for each vector are
  * [width * ISO_DOUBLES]. */
 struct iso_block_ops {
-    /* x holds b before and (L D L')^-1 b afterwards; energy = b' x of each vector. */
-    void (*solve)(const struct iso_ldl *l, int width, double *x, double *energy);
+    /* x = L^-1 x. If `reached` is not NULL, only supernodes that it marks are visited: all others
+     * must be left 0 (iso_ldl_reach). */
+    void (*forward)(const struct iso_ldl *l, const bool *reached, int width, double *x);
+    /* x = (D L')^-1 x; energy = x' D^-1 x of each vector, with the x before: b' (L D L')^-1 b if
+     * x was L^-1 b. */
+    void (*backward)(const struct iso_ldl *l, int width, double *x, double *energy);
+    /* The energies of `backward` alone, the same to the bit. */
+    void (*measure)(const struct iso_ldl *l, int width, const double *x, double *energy);
     /* y = A x; form = x' y and total = 1' y of each vector. */
     void (*multiply)(const struct iso_rows *a, int width, const double *x, double *y, double *form,
                      double *total);
@@ -73,5 +109,13 @@ extern const struct iso_block_ops iso__block_ops_avx2; /* x86-64 only */
 
 /* The fastest that this machine can run. */
 const struct iso_block_ops *iso_block_ops(void);
+
+/* x holds b before and (L D L')^-1 b afterwards; energy = b' x of each vector. */
+static inline void iso_block_solve(const struct iso_block_ops *ops, const struct iso_ldl *l,
+                                   int width, double *x, double *energy)
+{
+    ops->forward(l, NULL, width, x);
+    ops->backward(l, width, x, energy);
+}
 
 #endif

@@ -15,6 +15,7 @@ struct iso_factor {
     cholmod_factor *l;            /* NULL until the first analysis */
     bool dissected;               /* l has the ordering for a pattern that comes back */
     struct iso_supernodes *nodes; /* of l; NULL: not known yet */
+    struct iso_ldl_nodes *solved; /* the same for solves */
     struct iso_symmetric *sum;    /* a L + b B, in the pattern that was analysed */
     cholmod_dense *x, *y, *e;     /* the solution and two workspaces that cholmod_solve2 reuses */
 };
@@ -45,6 +46,8 @@ static void drop_factor(struct iso_factor *f)
 {
     iso_supernodes_free(f->nodes);
     f->nodes = NULL;
+    iso_ldl_nodes_free(f->solved);
+    f->solved = NULL;
     cholmod_free_factor(&f->l, &f->common);
 }
 
@@ -141,11 +144,16 @@ static int factorise_by_cholmod(struct iso_factor *f)
                : error_of(f);
 }
 
+static struct iso_ldl ldl_of(const struct iso_factor *f)
+{
+    return (struct iso_ldl){(int32_t)f->l->n, f->l->p, f->l->nz, f->l->i, f->l->x, f->solved};
+}
+
 /* Computes the factor by supernodes into the pattern that is known. */
 static int factorise_by_supernodes(struct iso_factor *f)
 {
     if (!f->nodes) {
-        const struct iso_ldl l = {(int32_t)f->l->n, f->l->p, f->l->nz, f->l->i, f->l->x};
+        const struct iso_ldl l = ldl_of(f);
         const int error = iso_supernodes_new(&l, f->l->Perm, f->sum, &f->nodes);
         if (error) {
             return error;
@@ -210,6 +218,12 @@ int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetri
     int error = factorise_matrix(f, a, stiffness, b, mass, false);
     if (!error && pivots_not_positive(f) > 0) { /* LDL' also exists for indefinite matrices */
         error = -EDOM;
+    }
+    if (!error && !f->solved && !f->l->is_super && !f->l->is_ll) {
+        const struct iso_ldl l = ldl_of(f);
+        error = iso_ldl_nodes_new(&l, &f->solved);
+    }
+    if (error) {
         drop_factor(f);
     }
     return error;
@@ -254,7 +268,7 @@ int iso_factor_ldl(const struct iso_factor *f, struct iso_ldl *ldl, const int32_
     if (!is_computed(f) || f->l->is_super || f->l->is_ll) {
         return -EDOM;
     }
-    *ldl = (struct iso_ldl){(int32_t)f->l->n, f->l->p, f->l->nz, f->l->i, f->l->x};
+    *ldl = ldl_of(f);
     *order = f->l->Perm;
     return 0;
 }

@@ -51,6 +51,7 @@ struct iso_heat_direct {
     const struct iso_block_ops *ops;
     struct iso_factor *factor;
     struct iso_permuted *mass; /* in the factor's order */
+    bool *reached;             /* [n]: the supernodes that the loads reach */
     double *u;                 /* [krylov + 1] blocks: the Lanczos vectors, then working memory */
     struct spaces spaces;
 };
@@ -80,7 +81,8 @@ int iso_heat_direct_new(const struct iso_heat_direct_options *options, struct is
     h->options = o;
     h->ops = iso_block_ops();
     h->u = calloc((size_t)(o.krylov + 1) * ISO_BLOCK_MAX * (size_t)o.n_capacity, sizeof *h->u);
-    int error = h->u ? 0 : -ENOMEM;
+    h->reached = calloc((size_t)o.n_capacity, sizeof *h->reached);
+    int error = h->u && h->reached ? 0 : -ENOMEM;
     if (!error) {
         error = iso_factor_new(o.n_capacity, o.nnz_capacity, &h->factor);
     }
@@ -100,6 +102,7 @@ void iso_heat_direct_free(struct iso_heat_direct *solver)
     if (solver) {
         iso_factor_free(solver->factor);
         iso_permuted_free(solver->mass);
+        free(solver->reached);
         iso_wipe_free(solver->u);
         free(solver);
     }
@@ -117,17 +120,20 @@ static double *block_at(const struct iso_heat_direct *h, const struct work *w, i
     return &h->u[(size_t)j * (size_t)w->mass.n * (size_t)lanes_of(w)];
 }
 
-/* Writes the unit loads of the sources, one to each vector of a block. Vectors without a source are
- * 0. */
-static void put_loads(const struct iso_mesh *mesh, const struct iso_surface_point *sources,
-                      int n_sources, const int32_t *place, const struct work *w, double *load)
+/* Writes the unit loads of the sources to block 0, one to each vector, and finds the supernodes
+ * that they reach. Vectors without a source are 0. */
+static void put_loads(struct iso_heat_direct *h, const struct iso_mesh *mesh,
+                      const struct iso_surface_point *sources, int n_sources, const struct work *w)
 {
     const size_t lanes = (size_t)lanes_of(w);
+    double *load = block_at(h, w, 0);
     memset(load, 0, (size_t)w->mass.n * lanes * sizeof *load);
+    memset(h->reached, 0, (size_t)w->ldl.nodes->count * sizeof *h->reached);
     for (int s = 0; s < n_sources; s++) {
         for (int k = 0; k < 3; k++) {
-            const int32_t vertex = mesh->triangles[sources[s].triangle][k];
-            load[(size_t)place[vertex] * lanes + (size_t)s] += sources[s].weight[k];
+            const int32_t row = h->mass->place[mesh->triangles[sources[s].triangle][k]];
+            load[(size_t)row * lanes + (size_t)s] += sources[s].weight[k];
+            iso_ldl_reach(w->ldl.nodes, row, h->reached);
         }
     }
 }
@@ -145,17 +151,25 @@ static void measure_next(struct spaces *k, int j, const struct work *w, const do
     }
 }
 
-/* Builds the Krylov spaces of the loads that block 0 holds. */
+/* Builds the Krylov spaces of the loads that block 0 holds. The loads are 0 in most rows, which
+ * spares most of the first solve, and of the last one only the energy is wanted. */
 static void build_krylov(struct iso_heat_direct *h, const struct work *w)
 {
     struct spaces *k = &h->spaces;
     double energy[ISO_BLOCK_MAX], square[ISO_BLOCK_MAX], total[ISO_BLOCK_MAX];
-    h->ops->solve(&w->ldl, w->width, block_at(h, w, 0), energy);
+    h->ops->forward(&w->ldl, h->reached, w->width, block_at(h, w, 0));
+    h->ops->backward(&w->ldl, w->width, block_at(h, w, 0), energy);
     for (int j = 0;; j++) {
+        const bool last = j + 1 == h->options.krylov;
         double *u = block_at(h, w, j), *next = block_at(h, w, j + 1);
         h->ops->multiply(&w->mass, w->width, u, next, square, total);
         measure_next(k, j, w, square, total);
-        h->ops->solve(&w->ldl, w->width, next, energy);
+        h->ops->forward(&w->ldl, NULL, w->width, next);
+        if (last) {
+            h->ops->measure(&w->ldl, w->width, next, energy);
+        } else {
+            h->ops->backward(&w->ldl, w->width, next, energy);
+        }
         double weight[3][ISO_BLOCK_MAX]; /* of S u, u and the vector before u */
         for (int s = 0; s < lanes_of(w); s++) {
             const double scale = k->scale[j][s];
@@ -164,7 +178,7 @@ static void build_krylov(struct iso_heat_direct *h, const struct work *w)
             weight[1][s] = -k->alpha[j][s] * scale;
             weight[2][s] = j > 0 ? -k->beta[j][s] * k->scale[j - 1][s] : 0.0;
         }
-        if (j + 1 == h->options.krylov) {
+        if (last) {
             return;
         }
         h->ops->mix(w->mass.n, w->width, weight, u, block_at(h, w, j > 0 ? j - 1 : 0), next);
@@ -282,7 +296,7 @@ int iso_heat_direct(struct iso_heat_direct *h, const struct iso_mesh *mesh,
     for (int first = 0; first < n_sources && !error; first += ISO_BLOCK_MAX) {
         const int left = n_sources - first, n_block = left < ISO_BLOCK_MAX ? left : ISO_BLOCK_MAX;
         w.width = (n_block + ISO_DOUBLES - 1) / ISO_DOUBLES;
-        put_loads(mesh, &sources[first], n_block, h->mass->place, &w, h->u);
+        put_loads(h, mesh, &sources[first], n_block, &w);
         build_krylov(h, &w);
         for (int j = 0; j < n_times && !error; j++) {
             double *column = &out[(size_t)first * stride + (size_t)j * (size_t)mass->n];

@@ -312,7 +312,7 @@ int iso_lanczos_step(struct iso_lanczos *l)
     double *t = &l->t[(size_t)from * (size_t)l->capacity], energy[ISO_PANEL], scale = 0.0;
     memcpy(l->w, l->bv, (size_t)panels * panel_values(l) * sizeof(double));
     for (int32_t p = 0; p < panels; p++) {
-        l->block_ops->solve(&l->ldl, WIDTH, panel(l->w, l, p), energy);
+        iso_block_solve(l->block_ops, &l->ldl, WIDTH, panel(l->w, l, p), energy);
     }
     project_out(l, before, end, columns, t, l->capacity);
     project_out(l, 0, end, columns, t, l->capacity);

@@ -104,7 +104,7 @@ static void blocks_give_what_single_vectors_give(void **state)
         double form[ISO_BLOCK_MAX], total[ISO_BLOCK_MAX], energy[ISO_BLOCK_MAX];
         double *x = any_block(&s, width, 0);
         ops->multiply(&s.mass, width, x, y, form, total);
-        ops->solve(&s.ldl, width, x, energy);
+        iso_block_solve(ops, &s.ldl, width, x, energy);
         for (int k = 0; k < lanes; k++) {
             any_vector(&s, k, one);
             iso_symmetric_multiply(s.m.mass, one, expected);
@@ -169,12 +169,12 @@ static void widths_agree_to_the_bit(void **state)
     double *wide = any_block(&s, 3, 0), *wide_y = room(&s), *narrow_y = room(&s);
     double form[2][ISO_BLOCK_MAX], total[2][ISO_BLOCK_MAX], energy[2][ISO_BLOCK_MAX];
     ops->multiply(&s.mass, 3, wide, wide_y, form[0], total[0]);
-    ops->solve(&s.ldl, 3, wide, energy[0]);
+    iso_block_solve(ops, &s.ldl, 3, wide, energy[0]);
     for (int width = 1; width <= 2; width++) {
         const int first = 5, lanes = width * ISO_DOUBLES;
         double *narrow = any_block(&s, width, first);
         ops->multiply(&s.mass, width, narrow, narrow_y, form[1], total[1]);
-        ops->solve(&s.ldl, width, narrow, energy[1]);
+        iso_block_solve(ops, &s.ldl, width, narrow, energy[1]);
         for (int k = 0; k < lanes && first + k < ISO_BLOCK_MAX; k++) {
             assert_true(form[0][first + k] == form[1][k] && total[0][first + k] == total[1][k] &&
                         energy[0][first + k] == energy[1][k]);
@@ -188,6 +188,74 @@ static void widths_agree_to_the_bit(void **state)
     free(wide);
     free(wide_y);
     free(narrow_y);
+    scene_done(&s);
+}
+
+/* Loads at a few vertices need only the supernodes that they reach, and energies need no solve:
+ * with the same bits. */
+static void point_loads_reach_few_supernodes(void **state)
+{
+    (void)state;
+    struct scene s = scene_of(2.0);
+    const struct iso_block_ops *ops = iso_block_ops();
+    const size_t n_nodes = (size_t)s.ldl.nodes->count;
+    bool *reached = calloc(n_nodes, sizeof *reached);
+    assert_non_null(reached);
+    for (int width = 1; width <= ISO_BLOCK_WIDTH_MAX; width++) {
+        const int lanes = width * ISO_DOUBLES;
+        const size_t bytes = (size_t)(s.n * lanes) * sizeof(double);
+        double *all = room(&s), *some = room(&s);
+        double measured[ISO_BLOCK_MAX], energy[ISO_BLOCK_MAX];
+        memset(reached, 0, n_nodes * sizeof *reached);
+        for (int k = 0; k < lanes; k++) {
+            const int32_t row = (int32_t)((k + 0.5) / lanes * s.n);
+            all[row * lanes + k] = any(row, k);
+            iso_ldl_reach(s.ldl.nodes, row, reached);
+        }
+        memcpy(some, all, bytes);
+        ops->forward(&s.ldl, NULL, width, all);
+        ops->forward(&s.ldl, reached, width, some);
+        assert_memory_equal(all, some, bytes);
+        ops->measure(&s.ldl, width, some, measured);
+        assert_memory_equal(all, some, bytes);
+        ops->backward(&s.ldl, width, all, energy);
+        assert_memory_equal(measured, energy, (size_t)lanes * sizeof *energy);
+        assert_true(energy[0] > 0.0 && energy[lanes - 1] > 0.0);
+        size_t n = 0;
+        for (size_t k = 0; k < n_nodes; k++) {
+            n += reached[k];
+        }
+        print_message("%d loads reach %zu of %zu supernodes\n", lanes, n, n_nodes);
+        assert_true(n < n_nodes / 3);
+        free(all);
+        free(some);
+    }
+    free(reached);
+    scene_done(&s);
+}
+
+/* Each column lies in one supernode, with the rows that it has in L. */
+static void supernodes_have_the_rows_of_their_columns(void **state)
+{
+    (void)state;
+    struct scene s = scene_of(4.0);
+    const struct iso_ldl *l = &s.ldl;
+    int32_t next = 0;
+    for (int32_t k = 0; k < l->nodes->count; k++) {
+        const struct iso_ldl_node *node = &l->nodes->node[k];
+        assert_int_equal(node->first, next);
+        next += node->width;
+        for (int32_t c = 0; c < node->width; c++) {
+            const int32_t j = node->first + c;
+            assert_int_equal(l->nodes->of[j], k);
+            assert_int_equal(l->count[j], node->width - c + node->n_below);
+            assert_memory_equal(&l->row[l->start[j]], &node->row[c],
+                                (size_t)l->count[j] * sizeof *l->row);
+        }
+    }
+    assert_int_equal(next, l->n);
+    assert_true(l->nodes->count < l->n);
+    iso_ldl_nodes_free(NULL);
     scene_done(&s);
 }
 
@@ -216,7 +284,7 @@ static void processors_agree_to_the_bit(void **state)
             y[p] = room(&s);
             sum[p] = room(&s);
             ops[p]->multiply(&s.mass, width, x[p], y[p], results[p][0], results[p][1]);
-            ops[p]->solve(&s.ldl, width, x[p], results[p][2]);
+            iso_block_solve(ops[p], &s.ldl, width, x[p], results[p][2]);
             ops[p]->mix(s.n, width, weights, x[p], y[p], y[p]);
             ops[p]->combine(s.n / 2, width, x[p], 2, weights, sum[p]);
         }
@@ -267,6 +335,8 @@ int main(void)
         cmocka_unit_test(blocks_give_what_single_vectors_give),
         cmocka_unit_test(blocks_are_mixed_and_combined),
         cmocka_unit_test(widths_agree_to_the_bit),
+        cmocka_unit_test(point_loads_reach_few_supernodes),
+        cmocka_unit_test(supernodes_have_the_rows_of_their_columns),
 #if defined __x86_64__
         cmocka_unit_test(processors_agree_to_the_bit),
 #endif
