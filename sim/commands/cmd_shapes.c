@@ -171,6 +171,12 @@ static const struct sim_option index_options[] = {
     {"method", "NAME", "how shapes are compared, see below (cp-hk)", sim_option_text,
      FIELD(index.method)},
     {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(index.pairs)},
+    {"times", "N", "times of heat, 40..1000; not of shape-dna, td, local-heat (the method's own)",
+     sim_option_int, FIELD(index.times.n)},
+    {"time-first", "A", "the first of them, in areas of the shape (the method's own)",
+     sim_option_number, FIELD(index.times.first)},
+    {"time-last", "A", "the last of them (the method's own)", sim_option_number,
+     FIELD(index.times.last)},
     {"neighbours", "N", "clouds: neighbours of a point from which its triangles are made (30)",
      sim_option_int, FIELD(index.neighbours)},
     {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,
@@ -191,6 +197,8 @@ static const struct sim_option query_options[] = {
      FIELD(query.out)},
     {"matches", "N", "how many shapes are printed and drawn, 1..100 (10)", sim_option_int,
      FIELD(query.matches)},
+    {"mend", NULL, "look for the largest part even if over 1 % of the area is outside of it",
+     sim_option_flag, FIELD(query.mend)},
 };
 
 static const struct sim_option match_options[] = {
@@ -246,7 +254,6 @@ static int run_eval(void *target, struct iso_fault *fault)
     if (!arguments->study.corpus || !arguments->study.out) {
         return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
     }
-    quieten_blas();
     arguments->study.threads = arguments->threads;
     return sim_shapes_study(&arguments->study, stdout, fault);
 }
@@ -257,7 +264,6 @@ static int run_tables(void *target, struct iso_fault *fault)
     if (!arguments->tables.corpus || !arguments->tables.out) {
         return iso_fault_set(fault, -EINVAL, "--corpus and --out are needed");
     }
-    quieten_blas();
     arguments->tables.threads = arguments->threads;
     return sim_shapes_tables(&arguments->tables, stdout, fault);
 }
@@ -283,7 +289,6 @@ static int run_describe(void *target, struct iso_fault *fault)
     if (!arguments->describe.out) {
         return iso_fault_set(fault, -EINVAL, "--out is needed");
     }
-    quieten_blas();
     arguments->describe.threads = arguments->threads;
     return sim_shapes_describe(&arguments->describe, stdout, fault);
 }
@@ -294,7 +299,6 @@ static int run_index(void *target, struct iso_fault *fault)
     if (!arguments->index.corpus) {
         return iso_fault_set(fault, -EINVAL, "no directory is given");
     }
-    quieten_blas();
     arguments->index.threads = arguments->threads;
     return sim_shapes_index(&arguments->index, stdout, fault);
 }
@@ -305,7 +309,6 @@ static int run_query(void *target, struct iso_fault *fault)
     if (!arguments->query.index) {
         return iso_fault_set(fault, -EINVAL, "--index is needed");
     }
-    quieten_blas();
     return sim_shapes_query(&arguments->query, stdout, fault);
 }
 
@@ -315,7 +318,6 @@ static int run_match(void *target, struct iso_fault *fault)
     if (!arguments->match.out) {
         return iso_fault_set(fault, -EINVAL, "--out is needed");
     }
-    quieten_blas();
     return sim_shapes_match(&arguments->match, stdout, fault);
 }
 
@@ -389,6 +391,7 @@ int sim_cmd_shapes(int argc, char **argv)
                      .quantity = {.persistence = 0.1}},
     };
     arguments.threads = sim_threads_default(ISO_HEAT_DIRECT);
+    quieten_blas();
     return sim_subcommand_run("shapes", targets, sizeof targets / sizeof *targets, &arguments, argc,
                               argv);
 }

@@ -74,14 +74,24 @@ json_t *sim_json_latency(struct sim_latency latency)
                      "p95", latency.p95_ms);
 }
 
-int sim_json_file(json_t *document, const char *path, struct iso_fault *fault)
+static int write_file(json_t *document, size_t flags, const char *path, struct iso_fault *fault)
 {
     int error = 0;
     if (!document) {
         error = iso_fault_set(fault, -ENOMEM, "%s: out of memory", path);
-    } else if (json_dump_file(document, path, JSON_INDENT(2) | JSON_REAL_PRECISION(8)) != 0) {
+    } else if (json_dump_file(document, path, JSON_INDENT(2) | flags) != 0) {
         error = iso_fault_set(fault, -EIO, "%s: cannot be written", path);
     }
     json_decref(document);
     return error;
+}
+
+int sim_json_file(json_t *document, const char *path, struct iso_fault *fault)
+{
+    return write_file(document, JSON_REAL_PRECISION(8), path, fault);
+}
+
+int sim_json_file_exact(json_t *document, const char *path, struct iso_fault *fault)
+{
+    return write_file(document, JSON_REAL_PRECISION(17), path, fault);
 }

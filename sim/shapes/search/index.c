@@ -14,10 +14,14 @@
 #include "sim/shapes/describe/description_file.h"
 #include "sim/shapes/study/bank.h"
 #include "sim/shapes/study/choice.h"
+#include "sim/shapes/study/times.h"
 
 enum { SHAPES_MAX = 100000, BYTES_MAX = 64 << 20, SEED = 1 };
 
-static const char format[] = "isotherm shapes index 1";
+/* The first format had no times of heat. A program that knows only that one refuses the second one,
+ * instead of describing what it looks for at other times. */
+static const char format[] = "isotherm shapes index 2";
+static const char first_format[] = "isotherm shapes index 1";
 
 static void number_name(size_t number, char name[SIM_SHAPE_NAME_MAX])
 {
@@ -26,7 +30,8 @@ static void number_name(size_t number, char name[SIM_SHAPE_NAME_MAX])
 
 /* ---- writing -------------------------------------------------------------------------------- */
 
-static int write_list(const struct sim_index_options *options, const struct sim_bank *bank,
+static int write_list(const struct sim_index_options *options,
+                      const struct iso_shape_method *method, const struct sim_bank *bank,
                       const struct sim_shape_manifest *manifest, struct iso_fault *fault)
 {
     char path[PATH_MAX], real[PATH_MAX];
@@ -39,21 +44,23 @@ static int write_list(const struct sim_index_options *options, const struct sim_
         (void)json_array_append_new(
             shapes, json_pack("{s:s, s:s}", "file", row->file, "class", row->class_name));
     }
-    json_t *document = json_pack("{s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:i, s:b, s:o}", "format",
-                                 format, "version", ISOTHERM_VERSION, "corpus", real, "method",
-                                 options->method, "pairs", options->pairs, "vertices",
-                                 options->vertices, "smooth", options->smooth, "neighbours",
-                                 options->neighbours ? options->neighbours : ISO_CLOUD_NEIGHBOURS,
-                                 "mend", options->mend, "shapes", shapes);
+    json_t *document = json_pack(
+        "{s:s, s:s, s:s, s:s, s:o, s:i, s:i, s:i, s:i, s:b, s:o}", "format", format, "version",
+        ISOTHERM_VERSION, "corpus", real, "method", method->name, "times_in_areas",
+        sim_times_json(method, &options->times), "pairs", options->pairs, "vertices",
+        options->vertices, "smooth", options->smooth, "neighbours",
+        options->neighbours ? options->neighbours : ISO_CLOUD_NEIGHBOURS, "mend", options->mend,
+        "shapes", shapes);
     const int error = iso_path_join(options->out, "index.json", path, fault);
     if (error) {
         json_decref(document);
         return error;
     }
-    return sim_json_file(document, path, fault);
+    return sim_json_file_exact(document, path, fault);
 }
 
-static int write_index(const struct sim_index_options *options, const struct sim_bank *bank,
+static int write_index(const struct sim_index_options *options,
+                       const struct iso_shape_method *method, const struct sim_bank *bank,
                        const struct sim_shape_manifest *manifest, struct iso_fault *fault)
 {
     /* An index that is replaced has no list until its descriptions are complete. */
@@ -67,7 +74,7 @@ static int write_index(const struct sim_index_options *options, const struct sim
         number_name((size_t)i, name);
         error = sim_description_write(options->out, name, 0, bank->description[i], fault);
     }
-    return error ? error : write_list(options, bank, manifest, fault);
+    return error ? error : write_list(options, method, bank, manifest, fault);
 }
 
 static int make_index(const struct sim_index_options *options,
@@ -90,6 +97,7 @@ static int make_index(const struct sim_index_options *options,
                    .neighbours = options->neighbours,
                    .smooth = options->smooth},
         .n_pairs = options->pairs,
+        .times = options->times,
         .skip = !options->strict,
         .threads = options->threads,
     };
@@ -100,7 +108,7 @@ static int make_index(const struct sim_index_options *options,
         error = sim_bank_new(&how, &bank, fault);
     }
     if (!error) {
-        error = write_index(options, bank, manifest, fault);
+        error = write_index(options, method, bank, manifest, fault);
     }
     if (!error) {
         fprintf(out, "%d %s by %s in %s\n", bank->n,
@@ -128,6 +136,9 @@ static int index_into(const struct sim_index_options *options, FILE *out, struct
     int error = sim_neighbours_check(options->neighbours, fault);
     if (!error) {
         error = sim_choice_method(options->method, &method, fault);
+    }
+    if (!error) {
+        error = sim_times_check_own(method, &options->times, fault);
     }
     if (!error) {
         error = sim_shape_manifest_read(options->corpus, &manifest, fault);
@@ -158,15 +169,16 @@ int sim_shapes_index(const struct sim_index_options *options, FILE *out, struct 
 static int take_list(json_t *document, struct sim_index *index)
 {
     const char *name = NULL, *corpus = NULL, *method = NULL;
-    json_t *shapes = NULL;
+    json_t *shapes = NULL, *times = NULL;
     int mend = 0, pairs = 0, vertices = 0, smooth = 0;
     int neighbours = 0; /* an index without clouds of an earlier version does not have it */
-    if (json_unpack(document, "{s:s, s:s, s:s, s:i, s:i, s:i, s?i, s:b, s:o}", "format", &name,
-                    "corpus", &corpus, "method", &method, "pairs", &pairs, "vertices", &vertices,
-                    "smooth", &smooth, "neighbours", &neighbours, "mend", &mend, "shapes",
-                    &shapes) != 0 ||
-        strcmp(name, format) != 0 || json_array_size(shapes) == 0 ||
-        json_array_size(shapes) > SHAPES_MAX || sim_neighbours_check(neighbours, NULL)) {
+    if (json_unpack(document, "{s:s, s:s, s:s, s?o, s:i, s:i, s:i, s?i, s:b, s:o}", "format", &name,
+                    "corpus", &corpus, "method", &method, "times_in_areas", &times, "pairs", &pairs,
+                    "vertices", &vertices, "smooth", &smooth, "neighbours", &neighbours, "mend",
+                    &mend, "shapes", &shapes) != 0 ||
+        (strcmp(name, format) != 0 && strcmp(name, first_format) != 0) ||
+        json_array_size(shapes) == 0 || json_array_size(shapes) > SHAPES_MAX ||
+        sim_neighbours_check(neighbours, NULL)) {
         return -EBADMSG;
     }
     const size_t n = json_array_size(shapes);
@@ -174,6 +186,9 @@ static int take_list(json_t *document, struct sim_index *index)
         .vertices = vertices, .mend = mend != 0, .neighbours = neighbours, .smooth = smooth};
     index->n_pairs = pairs;
     index->method = iso_shape_method_find(method);
+    if (!index->method || sim_times_read(index->method, times, &index->times)) {
+        return -EBADMSG;
+    }
     index->corpus = strdup(corpus);
     index->file = calloc(n, sizeof *index->file);
     index->class_name = calloc(n, sizeof *index->class_name);
@@ -193,7 +208,7 @@ static int take_list(json_t *document, struct sim_index *index)
             return -ENOMEM;
         }
     }
-    return index->method ? 0 : -EBADMSG;
+    return 0;
 }
 
 static int read_list(const char *directory, struct sim_index *index, struct iso_fault *fault)

@@ -1,7 +1,8 @@
 /* isotherm-sim shapes index: describes a folder of meshes and clouds once, so that others can be
  * looked for in it later. An index is a directory:
  *
- *   index.json        the folder, the method, how files become meshes, the files and their classes
+ *   index.json        the folder, the method and its times of heat, how files become meshes, the
+ *                     files and their classes
  *   N.description     the description of file N, from 0
  *   meshes.csv        what was found in each mesh (sim/shapes/describe/corpus.h)
  *
@@ -20,12 +21,14 @@ struct sim_index_options {
     const char *corpus, *out; /* out NULL: CORPUS.index */
     const char *method;
     int pairs, vertices, smooth, neighbours;
+    struct iso_describe_times times; /* of heat; 0: the method's own */
     bool mend, strict;
     int threads;
 };
 
 /* Makes or replaces an index. Prints one line. Errors of the manifest, of looking, of describing
- * and of writing; -EINVAL for an unknown method and for neighbours; each with a fault. */
+ * and of writing; -EINVAL for an unknown method, for neighbours, and for times that the method
+ * cannot have; each with a fault. */
 int sim_shapes_index(const struct sim_index_options *options, FILE *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
@@ -35,6 +38,7 @@ struct sim_index {
     const struct iso_shape_method *method;
     struct sim_source_options source;
     int32_t n_pairs;
+    struct iso_describe_times times; /* 0: the method's own */
     int32_t n;
     char **file, **class_name; /* [n] */
     struct iso_shape_coder *coder;

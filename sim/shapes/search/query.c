@@ -42,7 +42,7 @@ static int describe(const struct sim_index *index, const char *path, struct sim_
     }
     if (!error) {
         sim_source_look_at_shape(look, shape);
-        error = iso_shape_describe(index->method, shape, out);
+        error = iso_shape_describe_at(index->method, shape, &index->times, out);
         if (error) {
             (void)iso_fault_set(fault, error, "%s: %s", path, strerror(-error));
         }
@@ -184,6 +184,9 @@ int sim_shapes_query(const struct sim_query_options *options, FILE *out, struct 
         return iso_fault_set(fault, -EINVAL, "--matches: outside 1..%d", (int)MATCHES_MAX);
     }
     int error = sim_index_open(options->index, &index, fault);
+    if (!error) {
+        index->source.mend = index->source.mend || options->mend;
+    }
     for (size_t i = 0; i < options->meshes.n && !error; i++) {
         error = answer(options, index, options->meshes.text[i], out, fault);
     }

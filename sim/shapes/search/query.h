@@ -10,6 +10,7 @@ struct sim_query_options {
     const char *index; /* directory */
     const char *out;   /* directory for rankings and pictures; NULL: none are written */
     int matches;       /* that are printed and drawn, 1..100 */
+    bool mend;         /* as that of the index; either is enough */
 };
 
 /* Prints for each mesh the most similar shapes with their distances, by the norm of the index's

@@ -4,36 +4,15 @@
 #include "drivers/base/path.h"
 #include "sim/lab/report/json.h"
 #include "sim/shapes/study/study_data.h"
+#include "sim/shapes/study/times.h"
 
 int sim_study_check_times(const struct sim_study *study, struct iso_fault *fault)
 {
-    const struct iso_describe_times *chosen = &study->options->times;
-    for (int m = 0; m < study->choice.n_methods; m++) {
-        struct iso_describe_times times;
-        if (iso_shape_method_times(study->choice.method[m], chosen, &times)) {
-            const struct iso_describe_times *own = &study->choice.method[m]->times;
-            return iso_fault_set(
-                fault, -EINVAL,
-                "--times, --time-first, --time-last: %s cannot have %d times from %g to %g areas; "
-                "there are %d to %d of them, from above 0 to more than the first one",
-                study->choice.method[m]->name, chosen->n ? chosen->n : own->n,
-                chosen->first != 0.0 ? chosen->first : own->first,
-                chosen->last != 0.0 ? chosen->last : own->last, (int)ISO_DESCRIBE_TIMES_MIN,
-                (int)ISO_DESCRIBE_TIMES_MAX);
-        }
+    int error = 0;
+    for (int m = 0; m < study->choice.n_methods && !error; m++) {
+        error = sim_times_check(study->choice.method[m], &study->options->times, fault);
     }
-    return 0;
-}
-
-/* The times of a method in areas of the shape; null if it has none that can be chosen. */
-static json_t *times_json(const struct iso_shape_method *method,
-                          const struct iso_describe_times *chosen)
-{
-    struct iso_describe_times times;
-    return iso_shape_method_times(method, chosen, &times) || times.n == 0
-               ? json_null()
-               : json_pack("{s:i, s:f, s:f}", "number", times.n, "first", times.first, "last",
-                           times.last);
+    return error;
 }
 
 static json_t *methods_json(const struct sim_study *study)
@@ -44,7 +23,7 @@ static json_t *methods_json(const struct sim_study *study)
         const int words = study->options->words ? study->options->words : method->size;
         (void)json_array_append_new(
             methods, json_pack("{s:s, s:o, s:o}", "name", method->name, "times_in_areas",
-                               times_json(method, &study->options->times), "words",
+                               sim_times_json(method, &study->options->times), "words",
                                method->size > 0 ? json_integer(words) : json_null()));
     }
     return methods;
