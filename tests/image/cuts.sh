@@ -174,20 +174,25 @@ finds() {
 # The same log, with mistakes built in: a boot entry that comes before the slot was written, and an update whose writes nobody has waited
 # for.
 mistakes_are_found() {
-    mistake_is_found late 'install-b\.(between|entry)' 'no slot has its root|slot b is not whole'
-    mistake_is_found unflushed 'install-b\.entry' 'the kernel image isotherm-b.3.efi is not whole|no slot has its root|slot b is not whole'
+    mistake_is_found late 'install-b\.(between|entry)' --any 'no slot has its root|slot b is not whole'
+    mistake_is_found unflushed 'install-b\.entry' --last 'the kernel image isotherm-b.3.efi is not whole|no slot has its root|slot b is not whole'
     rm -f "$cuts/spoilt"
 }
 
-# mistake_is_found KIND STAGES WORDS: by one of 40 points
+# mistake_is_found KIND STAGES WHICH WORDS: by one of 40 points, or of the last 80. Only after the last writes to the EFI system partition a new
+# kernel image can have its name and its first sector, and then not the rest in one of eight cuts.
 mistake_is_found() {
     "$cuts/power_cut" spoil "$1" "$cuts/log" "$cuts/spoilt" "$cuts/partitions" root-b install-b start
-    points "$cuts/spoilt" 800 "$cuts/spoilt.all"
+    points "$cuts/spoilt" 3200 "$cuts/spoilt.all"
+    case $3 in
+    --any) grep -E " $2" "$cuts/spoilt.all" | shuf -n 40 --random-source="$cuts/log" ;;
+    --last) grep -E " $2" "$cuts/spoilt.all" | sort -s -n -k 1,1 | tail -n 80 | shuf --random-source="$cuts/log" ;;
+    esac >"$cuts/spoilt.chosen"
     # In order of what is flushed, as check_points wants it.
-    grep -E " $2" "$cuts/spoilt.all" | shuf -n 40 --random-source="$cuts/log" | sort -s -n -k 2,2 >"$cuts/spoilt.points"
-    check_points "$cuts/spoilt" "$cuts/spoilt.points" "$cuts/spoilt.result" "($3)"
-    grep -qE "^fault .*($3)" "$cuts/spoilt.result" || die "the mistake '$1' is not found: $3"
-    say "the mistake '$1' is found at point $(wc -l <"$cuts/spoilt.result"): $(tail -n 1 "$cuts/spoilt.result" | grep -oE "$3" | head -n 1)"
+    sort -s -n -k 2,2 "$cuts/spoilt.chosen" >"$cuts/spoilt.points"
+    check_points "$cuts/spoilt" "$cuts/spoilt.points" "$cuts/spoilt.result" "($4)"
+    grep -qE "^fault .*($4)" "$cuts/spoilt.result" || die "the mistake '$1' is not found: $4"
+    say "the mistake '$1' is found at point $(wc -l <"$cuts/spoilt.result"): $(tail -n 1 "$cuts/spoilt.result" | grep -oE "$4" | head -n 1)"
 }
 
 # The firmware and systemd-boot take a kernel image without its first sector for none, although its name is that of the newest version.
