@@ -112,7 +112,9 @@ static int check_kind(const struct iso_gallery_db *db, int *version, struct iso_
     return error;
 }
 
-static int check_whole(const struct iso_gallery_db *db, struct iso_fault *fault)
+/* Of a sealed gallery, iso_gallery_db_load checks whose each template and stored vector is while it
+ * reads them. SQLite's foreign_key_check would read all of them once more. */
+static int check_whole(const struct iso_gallery_db *db, int version, struct iso_fault *fault)
 {
     char answer[96];
     int error = iso__gallery_ask(db, "PRAGMA integrity_check(1)", answer, sizeof answer, fault);
@@ -120,7 +122,7 @@ static int check_whole(const struct iso_gallery_db *db, struct iso_fault *fault)
         answer[strcspn(answer, "\n")] = '\0';
         error = iso_gallery_db_damaged(db, answer, fault);
     }
-    if (error) {
+    if (error || version >= ISO_GALLERY_SCHEMA_SEALED) {
         return error;
     }
     error = iso__gallery_ask(db, "PRAGMA foreign_key_check", answer, sizeof answer, fault);
@@ -181,7 +183,7 @@ static int check_database(struct iso_gallery_db *db, int *version, struct iso_fa
         error = check_kind(db, version, fault);
     }
     if (!error) {
-        error = check_whole(db, fault);
+        error = check_whole(db, *version, fault);
     }
     if (!error && *version >= ISO_GALLERY_SCHEMA_SEALED) {
         error = iso__gallery_read_head(db, fault);

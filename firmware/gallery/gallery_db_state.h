@@ -21,6 +21,7 @@ struct iso_gallery_db {
     uint32_t algorithm;                   /* of the templates that have vectors */
     uint8_t print[ISO_SEAL_DIGEST_BYTES]; /* digest of that metric */
     bool has_vectors;                     /* the table of vectors exists */
+    uint64_t vectors_read;                /* the templates read so far that have a stored vector */
     bool marks;                           /* enrolments are marked, because the metric adapts */
     bool lost;                   /* the contents of the disk are not known (gallery_truth.c) */
     struct iso_fault lost_fault; /* the reason for `lost` */
@@ -144,6 +145,14 @@ int iso__gallery_find_vectors(struct iso_gallery_db *db, struct iso_fault *fault
 bool iso__gallery_stored_vector(const struct iso_gallery_db *db, sqlite3_stmt *row,
                                 const struct iso_gallery_place *place, uint8_t *digest,
                                 struct iso_gallery_vector *out);
+
+/* Whether a row of a template has a stored vector, of whatever metric. */
+bool iso__gallery_has_vector(sqlite3_stmt *row);
+
+/* Expects this number of stored vectors, which all templates together have. -EBADMSG if there are
+ * more: one of nobody's template, such as of somebody who was removed. */
+int iso__gallery_count_vectors(const struct iso_gallery_db *db, uint64_t n,
+                               struct iso_fault *fault);
 
 /* Deletes all stored vectors; within a transaction. */
 int iso__gallery_drop_vectors(struct iso_gallery_db *db, struct iso_fault *fault);

@@ -64,6 +64,7 @@ static int visit_template(struct iso_gallery_db *db, sqlite3_stmt *row,
 {
     const struct iso_gallery_place place = iso__gallery_place_of(row, ISO_GALLERY_TEMPLATE);
     struct iso_gallery_vector stored;
+    db->vectors_read += iso__gallery_has_vector(row);
     if (visitor->vector && iso__gallery_stored_vector(db, row, &place, digest, &stored)) {
         const int error = visitor->vector(visitor->context, &place, &stored, fault);
         sodium_memzero(&stored, sizeof stored);
@@ -130,8 +131,9 @@ int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visi
     int error = each_row(db, "SELECT id, record FROM person ORDER BY id", 0, visit_person, visitor,
                          digest, fault);
     if (!error) {
-        error = each_row(db, visitor->vector && db->has_vectors ? with_vectors : all_templates, 0,
-                         visit_template, visitor, digest, fault);
+        db->vectors_read = 0;
+        error = each_row(db, db->has_vectors ? with_vectors : all_templates, 0, visit_template,
+                         visitor, digest, fault);
     }
     if (!error && db->draft.has_access) {
         error = each_row(db,
@@ -141,7 +143,7 @@ int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visi
     if (!error && sodium_memcmp(digest, db->draft.digest, sizeof digest) != 0) {
         error = iso_gallery_db_damaged(db, "records are missing, or are old ones", fault);
     }
-    return error;
+    return error ? error : iso__gallery_count_vectors(db, db->vectors_read, fault);
 }
 
 int iso_gallery_db_templates(struct iso_gallery_db *db, int64_t person,

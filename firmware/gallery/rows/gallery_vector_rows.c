@@ -15,6 +15,7 @@
  * deletes all vectors. */
 #include <errno.h>
 #include <sodium.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "core/base/bytes.h"
@@ -130,13 +131,18 @@ static void digest_template(const struct iso_gallery_db *db, sqlite3_stmt *row,
     }
 }
 
+bool iso__gallery_has_vector(sqlite3_stmt *row)
+{
+    return sqlite3_column_count(row) > 4 && sqlite3_column_type(row, 4) != SQLITE_NULL;
+}
+
 bool iso__gallery_stored_vector(const struct iso_gallery_db *db, sqlite3_stmt *row,
                                 const struct iso_gallery_place *place, uint8_t *digest,
                                 struct iso_gallery_vector *out)
 {
     uint8_t own[ISO_SEAL_DIGEST_BYTES], plain[PLAIN_MAX];
-    const void *sealed = db->metric && sqlite3_column_count(row) > 4 ? sqlite3_column_blob(row, 4)
-                                                                     : NULL;
+    const void *sealed = db->metric && iso__gallery_has_vector(row) ? sqlite3_column_blob(row, 4)
+                                                                    : NULL;
     if (!sealed || place->person <= 0 || place->algorithm != db->algorithm ||
         (size_t)sqlite3_column_bytes(row, 4) != plain_size(db) + ISO_SEAL_OVERHEAD) {
         return false;
@@ -168,6 +174,17 @@ int iso__gallery_find_vectors(struct iso_gallery_db *db, struct iso_fault *fault
         db->has_vectors = *answer != '\0';
     }
     return error;
+}
+
+int iso__gallery_count_vectors(const struct iso_gallery_db *db, uint64_t n, struct iso_fault *fault)
+{
+    char answer[24];
+    const int error = db->has_vectors ? iso__gallery_ask(db, "SELECT count(*) FROM vector", answer,
+                                                         sizeof answer, fault)
+                                      : 0;
+    return error || !db->has_vectors || strtoull(answer, NULL, 10) == n
+               ? error
+               : iso_gallery_db_damaged(db, "a stored vector belongs to no template", fault);
 }
 
 int iso__gallery_drop_vectors(struct iso_gallery_db *db, struct iso_fault *fault)

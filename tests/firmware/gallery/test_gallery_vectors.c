@@ -182,6 +182,23 @@ static void a_changed_template_is_found_in_spite_of_its_vector(void **state)
     iso_metric_free(world.metric);
 }
 
+/* It could be of somebody who was removed. */
+static void a_vector_of_no_template_is_refused(void **state)
+{
+    struct vectors_rig world = vectors_rig_new(state);
+    vectors_rig_store(&world);
+    gallery_rig_execute(*state, "PRAGMA foreign_keys = OFF;"
+                                "INSERT INTO vector SELECT 9999, record FROM vector WHERE id = 20");
+    for (int i = 0; i < 2; i++) { /* with a metric, and without */
+        struct iso_gallery *gallery = NULL;
+        struct iso_fault fault = {.text = ""};
+        world.options.metric = i == 0 ? world.metric : NULL;
+        assert_int_equal(iso_gallery_open(&world.options, &gallery, &fault), -EBADMSG);
+        assert_non_null(strstr(fault.text, "damaged (a stored vector belongs to no template)"));
+    }
+    iso_metric_free(world.metric);
+}
+
 /* Vectors that are damaged, exchanged or missing are made again; nothing else changes. */
 static void a_changed_vector_is_not_used(void **state)
 {
@@ -266,6 +283,7 @@ int main(void)
         TEST(a_new_way_of_making_vectors_needs_a_new_label),
         TEST(without_a_metric_they_are_not_used),
         TEST(a_changed_template_is_found_in_spite_of_its_vector),
+        TEST(a_vector_of_no_template_is_refused),
         TEST(a_changed_vector_is_not_used),
         TEST(a_full_disk_stores_none),
         TEST(a_stolen_file_shows_no_vector),
