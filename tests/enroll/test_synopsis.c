@@ -195,7 +195,8 @@ static size_t look_at_simulator(const char *program, const char *command, const 
     char *help = help_of(program, command), usage[NAME_SIZE], own[2 * NAME_SIZE];
     size_t count = 0;
 
-    (void)snprintf(usage, sizeof usage, "Usage: isotherm-sim %s ", command);
+    const int length = snprintf(usage, sizeof usage, "Usage: isotherm-sim %s ", command);
+    assert_in_range(length, 1, sizeof usage - 1);
     assert_int_equal(strncmp(help, usage, strlen(usage)), 0);
     char *words = help + strlen(usage);
     words[strcspn(words, " \n")] = '\0';

@@ -66,7 +66,8 @@ static void expect_refusal(struct answer *answer, int exit, const char *line)
 {
     char expected[512];
 
-    (void)snprintf(expected, sizeof expected, "isotherm: %s\n", line);
+    const int length = snprintf(expected, sizeof expected, "isotherm: %s\n", line);
+    assert_in_range(length, 1, sizeof expected - 1);
     run_expect(&answer->run, exit);
     assert_string_equal(answer->run.err, expected);
     assert_string_equal(answer->run.out, "");

@@ -55,10 +55,13 @@ static struct private_bus bus;
 /* Writes the policy to a file, with one word replaced. */
 static char *replace(char *text, const char *from, const char *to)
 {
-    char *at = strstr(text, from), *out = NULL;
+    const char *at = strstr(text, from);
+    const size_t size = strlen(text) + strlen(to) + 1;
+    char *out = malloc(size);
 
     assert_non_null(at);
-    assert_true(asprintf(&out, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from)) > 0);
+    assert_non_null(out);
+    (void)snprintf(out, size, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
     free(text);
     return out;
 }
