@@ -2,9 +2,13 @@
 #ifndef ISO_CORE_BASE_GRAM_H
 #define ISO_CORE_BASE_GRAM_H
 
+#include <stdbool.h>
+
 /* The length of each row is a multiple of ISO_GRAM_LANES values; the caller fills the end of a
- * shorter row with zeros. The address of each row is a multiple of ISO_GRAM_ALIGNMENT bytes. */
-enum { ISO_GRAM_LANES = 4, ISO_GRAM_ALIGNMENT = 16 };
+ * shorter row with zeros. The address of each row is a multiple of ISO_GRAM_ALIGNMENT bytes. Rows
+ * are read fastest if the first one begins a line of the cache, at a multiple of ISO_GRAM_LINE
+ * bytes. */
+enum { ISO_GRAM_LANES = 4, ISO_GRAM_ALIGNMENT = 16, ISO_GRAM_LINE = 64 };
 
 /* Four floats at once. core/base/lanes.h has the wider vectors of code that is compiled for each
  * processor. */
@@ -20,11 +24,6 @@ static inline iso_gram_lanes iso_gram_lanes_at(const float *aligned)
 typedef float iso_gram_lanes_in_memory
     __attribute__((vector_size(ISO_GRAM_LANES * sizeof(float)), aligned(4), may_alias));
 #define ISO_GRAM_LANES_STORE(p, value) (*(iso_gram_lanes_in_memory *)(p) = (value))
-
-static inline double iso_gram_lanes_sum(iso_gram_lanes v)
-{
-    return (double)(v[0] + v[1] + v[2] + v[3]);
-}
 
 /* Values of a padded row of n values. */
 static inline int iso_gram_stride(int n)
@@ -43,6 +42,12 @@ void iso_gram(const float *rows, int n_rows, int n, double *h);
 typedef void iso_gram_function(const float *rows, int n_rows, int n, double *h);
 
 iso_gram_function iso__gram_baseline;
-iso_gram_function iso__gram_avx2; /* x86-64 only */
+iso_gram_function iso__gram_avx2;   /* x86-64 only */
+iso_gram_function iso__gram_avx512; /* x86-64 only */
+
+/* Whether this machine runs the third one, and not much slower for other reasons: the first
+ * processors with AVX-512 lower their clock for it. Those with its second set of byte instructions
+ * (Intel's of 2019 on, AMD's of 2022 on) hardly do. x86-64 only. */
+bool iso__gram_has_avx512(void);
 
 #endif

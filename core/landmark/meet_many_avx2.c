@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/base/lanes.h"
 #include "core/frame/depth_lanes.h"
 #include "core/landmark/meet_many.h"
 #include "core/landmark/meeting.h"

@@ -63,21 +63,27 @@ static void gather_modes(struct iso_shape_fitter *f)
         const float *mode = iso__shape_mode(f->model, (uint32_t)k);
         for (uint32_t i = 0; i < f->model->n_vertices; i++) {
             for (int axis = 0; axis < 3; axis++) {
-                iso__shape_modes_at(
-                    f, i)[axis * f->mode_stride + k] = mode[3 * (size_t)i + (size_t)axis];
+                float *at = iso__shape_modes_at(f, i) + iso_shape_mode_at(k);
+                at[axis * ISO_GRAM_LANES] = mode[3 * (size_t)i + (size_t)axis];
             }
         }
     }
 }
 
+/* Memory that begins with a line of the cache. aligned_alloc requires whole lines. */
+static float *alloc_lines(size_t bytes)
+{
+    return aligned_alloc(ISO_GRAM_LINE,
+                         (bytes + ISO_GRAM_LINE - 1) / ISO_GRAM_LINE * ISO_GRAM_LINE);
+}
+
 static int allocate_planes(struct iso_shape_fitter *f)
 {
     const size_t n = f->model->n_vertices;
-    /* Both sizes are multiples of 16 bytes, as aligned_alloc requires. */
-    const size_t modes = 3 * n * (size_t)f->mode_stride * sizeof *f->modes;
+    const size_t modes = iso_shape_modes_floats(n, f->mode_stride) * sizeof *f->modes;
     const size_t rows = n * (size_t)iso_gram_stride(ISO__SHAPE_UNKNOWNS_MAX + 1) * sizeof *f->rows;
-    f->modes = aligned_alloc(ISO_GRAM_ALIGNMENT, modes);
-    f->rows = aligned_alloc(ISO_GRAM_ALIGNMENT, rows);
+    f->modes = alloc_lines(modes);
+    f->rows = alloc_lines(rows);
     f->vertex = calloc(n, sizeof *f->vertex);
     f->place = calloc(n, sizeof *f->place);
     f->triangle = calloc(f->model->n_triangles, sizeof *f->triangle);

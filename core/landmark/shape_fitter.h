@@ -5,6 +5,7 @@
 
 #include "core/landmark/meet_many.h"
 #include "core/landmark/shape_fit.h"
+#include "core/landmark/shape_vertices.h"
 
 enum {
     ISO__SHAPE_POSE = 6, /* unknowns of the pose: three of the turn, then three of the shift */
@@ -17,8 +18,8 @@ struct iso_shape_fitter {
     struct iso_shape_fit_options options;
     double jaw_sign; /* of the first expression mode when the chin goes down */
     int n_modes, mode_stride;
-    float *modes; /* [n_vertices][3][mode_stride] the modes at each vertex, identity first, in the
-                     order of `vertex` */
+    float *modes; /* the modes at each vertex, identity first, in the order of `vertex`
+                     (shape_vertices.h) */
     /* All vertices: first those that are compared, of which the first few are spread evenly; then
      * their neighbours, which the steps need as well; then the others. The steps read the modes in
      * this order, one after the other, because they are larger than the cache next to a core. */
@@ -58,16 +59,17 @@ struct iso__shape_unknowns {
 /* Mode k of the model, identity first, as [n_vertices][3]. */
 const float *iso__shape_mode(const struct iso_head_model *model, uint32_t k);
 
-/* The modes at a vertex, [3][mode_stride]: how far it moves along x, y and z, mm. */
+/* The modes at a vertex: how far mode k moves it along x is at iso_shape_mode_at(k)
+ * (shape_vertices.h). */
 static inline float *iso__shape_modes_at(const struct iso_shape_fitter *f, uint32_t vertex)
 {
-    return &f->modes[3 * (size_t)f->mode_stride * f->place[vertex]];
+    return &f->modes[iso_shape_modes_of(f->place[vertex], f->mode_stride)];
 }
 
-/* Sets n vertices of f->shape to those of the head with the first n_modes coefficients; the others
- * count as 0. */
-void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int n_modes,
-                     const uint32_t *vertices, int n);
+/* Sets the vertices of f->shape at the places `first` to end - 1 to those of the head with the
+ * first n_modes coefficients; the others count as 0. It may set others of their groups as well. */
+void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int n_modes, int first,
+                     int end);
 
 /* Sets f->shape and f->normal to those of the state, where the steps need them. */
 void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *state);

@@ -53,11 +53,12 @@ static struct iso_vec3 moved_by(const struct iso_shape_fitter *f, struct iso_hea
 {
     struct iso_vec3 moved = {0, 0, 0};
     for (int c = 0; c < 3; c++) {
-        const float *m = &iso__shape_modes_at(f, f->model->triangles[point.triangle][c])[k];
+        const uint32_t vertex = f->model->triangles[point.triangle][c];
+        const float *m = iso__shape_modes_at(f, vertex) + iso_shape_mode_at(k);
         const double w = (double)point.weight[c];
         moved.x += w * (double)m[0];
-        moved.y += w * (double)m[f->mode_stride];
-        moved.z += w * (double)m[2 * f->mode_stride];
+        moved.y += w * (double)m[ISO_GRAM_LANES];
+        moved.z += w * (double)m[2 * ISO_GRAM_LANES];
     }
     return moved;
 }
@@ -147,16 +148,17 @@ void iso__shape_report(struct iso_shape_fitter *f, const struct iso_frame *frame
     out->identity_norm = copy_coefficients(state->coefficient, model->n_identity, out->identity);
     out->expression_norm = copy_coefficients(state->coefficient + model->n_identity,
                                              model->n_expression, out->expression);
-    iso__shape_make(f, state->coefficient, f->n_modes, f->vertex + f->n_near,
-                    (int)model->n_vertices - f->n_near);
+    iso__shape_make(f, state->coefficient, f->n_modes, f->n_near, (int)model->n_vertices);
     memcpy(f->fitted, f->shape, model->n_vertices * sizeof *f->fitted);
     for (int i = 0; i < ISO_LANDMARKS_IBUG; i++) {
         out->ibug_mm[i] = iso_head_point_on(model, f->fitted, model->landmarks[i]);
     }
     for (int l = 0; l < ISO_LANDMARKS; l++) {
         const struct iso_head_point point = model->landmarks[iso_landmark_ibug[l]];
-        iso__shape_make(f, state->coefficient, (int)model->n_identity,
-                        model->triangles[point.triangle], 3);
+        for (int c = 0; c < 3; c++) {
+            const int place = (int)f->place[model->triangles[point.triangle][c]];
+            iso__shape_make(f, state->coefficient, (int)model->n_identity, place, place + 1);
+        }
         out->neutral_mm[l] = iso_head_point_on(model, f->shape, point);
     }
     _Static_assert(ISO_LANDMARKS % SIDE_BY_SIDE == 0, "the landmarks are whole groups");

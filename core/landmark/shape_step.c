@@ -9,6 +9,9 @@
 #include "core/landmark/normals.h"
 #include "core/landmark/shape_fitter.h"
 
+/* Vertices that are made at once: whole groups. */
+enum { SOME_VERTICES = 32 };
+
 const float *iso__shape_mode(const struct iso_head_model *model, uint32_t k)
 {
     const size_t stride = 3 * (size_t)model->n_vertices;
@@ -16,40 +19,30 @@ const float *iso__shape_mode(const struct iso_head_model *model, uint32_t k)
                                  : &model->expression_mm[(k - model->n_identity) * stride];
 }
 
-/* A vertex of the head with the coefficients c, which are padded like the modes. */
-static struct iso_vec3 make_vertex(const struct iso_shape_fitter *f, const float *c,
-                                   uint32_t vertex)
+void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int n_modes, int first,
+                     int end)
 {
-    const float *x = iso__shape_modes_at(f, vertex), *y = x + f->mode_stride,
-                *z = y + f->mode_stride;
-    iso_gram_lanes along_x = {0}, along_y = {0}, along_z = {0};
-#pragma GCC unroll 6
-    for (int k = 0; k < f->mode_stride; k += ISO_GRAM_LANES) {
-        const iso_gram_lanes some = iso_gram_lanes_at(c + k);
-        along_x += some * iso_gram_lanes_at(x + k);
-        along_y += some * iso_gram_lanes_at(y + k);
-        along_z += some * iso_gram_lanes_at(z + k);
-    }
-    return iso_add(f->model->mean_mm[vertex],
-                   iso_vec3(iso_gram_lanes_sum(along_x), iso_gram_lanes_sum(along_y),
-                            iso_gram_lanes_sum(along_z)));
-}
-
-void iso__shape_make(struct iso_shape_fitter *f, const double *coefficient, int n_modes,
-                     const uint32_t *vertices, int n)
-{
-    _Alignas(ISO_GRAM_ALIGNMENT) float c[ISO_HEAD_IDENTITY_MAX + ISO_HEAD_EXPRESSION_MAX] = {0};
+    _Alignas(ISO_GRAM_LINE) float c[ISO_HEAD_IDENTITY_MAX + ISO_HEAD_EXPRESSION_MAX] = {0};
+    float moved_mm[SOME_VERTICES][ISO_SHAPE_AXES];
     for (int k = 0; k < n_modes; k++) {
         c[k] = (float)coefficient[k];
     }
-    for (int i = 0; i < n; i++) {
-        f->shape[vertices[i]] = make_vertex(f, c, vertices[i]);
+    for (int place = first - first % ISO_SHAPE_GROUP; place < end; place += SOME_VERTICES) {
+        const int n = end - place < SOME_VERTICES ? end - place : SOME_VERTICES;
+        iso_shape_vertices(&f->modes[iso_shape_modes_of((size_t)place, f->mode_stride)],
+                           f->mode_stride, c, n, moved_mm);
+        for (int i = 0; i < n; i++) {
+            const uint32_t vertex = f->vertex[place + i];
+            f->shape[vertex] = iso_add(
+                f->model->mean_mm[vertex],
+                iso_vec3((double)moved_mm[i][0], (double)moved_mm[i][1], (double)moved_mm[i][2]));
+        }
     }
 }
 
 void iso__shape_set(struct iso_shape_fitter *f, const struct iso__shape_state *state)
 {
-    iso__shape_make(f, state->coefficient, f->n_modes, f->vertex, f->n_near);
+    iso__shape_make(f, state->coefficient, f->n_modes, 0, f->n_near);
     for (int i = 0; i < f->n_near; i++) {
         f->normal[f->vertex[i]] = iso_vec3(0, 0, 0);
     }
@@ -71,17 +64,17 @@ static void fill_row(const struct iso_shape_fitter *f, const struct iso_meetings
     }
     const struct iso_vec3 along = iso_scale(factor, f->normal[vertex]);
     float ax = (float)along.x, ay = (float)along.y, az = (float)along.z;
-    const float *x = iso__shape_modes_at(f, vertex), *y = x + f->mode_stride,
-                *z = y + f->mode_stride;
+    const float *x = iso__shape_modes_at(f, vertex);
     float *moved = row + ISO__SHAPE_POSE;
     const int n_modes = n - ISO__SHAPE_POSE, n_lanes = n_modes - n_modes % ISO_GRAM_LANES;
-    for (int k = 0; k < n_lanes; k += ISO_GRAM_LANES) {
-        ISO_GRAM_LANES_STORE(moved + k, ax * iso_gram_lanes_at(x + k) +
-                                            ay * iso_gram_lanes_at(y + k) +
-                                            az * iso_gram_lanes_at(z + k));
+    for (int k = 0; k < n_lanes; k += ISO_GRAM_LANES, x += ISO_SHAPE_GROUP_CHUNK) {
+        ISO_GRAM_LANES_STORE(moved + k, ax * iso_gram_lanes_at(x) +
+                                            ay * iso_gram_lanes_at(x + ISO_GRAM_LANES) +
+                                            az * iso_gram_lanes_at(x + 2 * ISO_GRAM_LANES));
     }
-    for (int k = n_lanes; k < n_modes; k++) {
-        moved[k] = ax * x[k] + ay * y[k] + az * z[k];
+    for (int k = 0; k < n_modes - n_lanes; k++) {
+        moved[n_lanes + k] = ax * x[k] + ay * x[k + ISO_GRAM_LANES] +
+                             az * x[k + 2 * ISO_GRAM_LANES];
     }
 }
 

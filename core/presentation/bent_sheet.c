@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "core/base/lanes.h"
 #include "core/base/solve.h"
 #include "core/landmark/meeting.h"
 
@@ -69,32 +70,63 @@ static double above_sheet(const struct sheet *s, int i)
            along_mm(s, i) * s->x[s->n_knots];
 }
 
-/* One weighted least-squares step. With a `cutoff_mm` of 0 all weights are 1. It must not be
- * inlined: its matrix would be added to a stack frame of more than 16 KiB that holds the points. */
+/* The weight of a residual, as iso_tukey(). No branch depends on it: half of the residuals of a
+ * face lie beyond the cut-off. */
+static double weight_of(double r_mm, double cutoff_mm)
+{
+    const double share = r_mm / cutoff_mm, rest = 1.0 - share * share;
+    const double weight = rest > 0.0 ? rest : 0.0;
+    return weight * weight;
+}
+
+/* What the points between two knots add to the equations. Each pair has a number for the knot
+ * before them and one for the knot behind them: the sums of the shares of the weights, and of these
+ * times the way from the knot before, the coordinate along the rulings, and the height. */
+struct between {
+    iso_pair share, part, along, height;
+};
+
+/* Adds up the points with their weights. With a `cutoff_mm` of 0 all weights are 1. Returns the
+ * sums of the squares along the rulings, and of these coordinates times the heights. */
+static iso_pair add_points(const struct sheet *s, double cutoff_mm, struct between *between)
+{
+    iso_pair slope = {0};
+    for (int i = 0; i < s->n; i++) {
+        const double w = cutoff_mm > 0.0 ? weight_of(above_sheet(s, i), cutoff_mm) : 1.0;
+        const double b = w * s->part[i], c = along_mm(s, i), z = s->point_mm[i].z;
+        const iso_pair share = {w - b, b};
+        struct between *at = &between[s->below[i]];
+        at->share += share;
+        at->part += share * s->part[i];
+        at->along += share * c;
+        at->height += share * z;
+        slope += w * c * (iso_pair){c, z};
+    }
+    return slope;
+}
+
+/* One weighted least-squares step. It must not be inlined: its matrix would be added to a stack
+ * frame of more than 16 KiB that holds the points. */
 __attribute__((noinline)) static int solve_sheet(struct sheet *s, double cutoff_mm)
 {
     double h[UNKNOWNS_MAX * UNKNOWNS_MAX], g[UNKNOWNS_MAX] = {0};
-    int m = s->n_knots + 1, slope = s->n_knots;
+    struct between between[KNOTS_MAX];
+    const int m = s->n_knots + 1, slope = s->n_knots;
     memset(h, 0, (size_t)(m * m) * sizeof *h);
-    for (int i = 0; i < s->n; i++) {
-        const double w = cutoff_mm > 0.0 ? iso_tukey(above_sheet(s, i), cutoff_mm) : 1.0;
-        const int k = s->below[i];
-        double b = w * s->part[i], a = w - b, c = along_mm(s, i), z = s->point_mm[i].z;
-        double *row = &h[k * m + k];
-        row[0] += a * (1.0 - s->part[i]);
-        row[m] += a * s->part[i];
-        row[m + 1] += b * s->part[i];
-        h[slope * m + k] += a * c;
-        h[slope * m + k + 1] += b * c;
-        h[slope * m + slope] += w * c * c;
-        g[k] += a * z;
-        g[k + 1] += b * z;
-        g[slope] += w * c * z;
-    }
+    memset(between, 0, (size_t)s->n_knots * sizeof *between);
+    const iso_pair of_slope = add_points(s, cutoff_mm, between);
+    h[slope * m + slope] = of_slope[0];
+    g[slope] = of_slope[1];
     for (int k = 0; k + 1 < s->n_knots; k++) {
-        h[k * m + k] += stiffness;
-        h[(k + 1) * m + k + 1] += stiffness;
-        h[(k + 1) * m + k] -= stiffness;
+        const struct between *at = &between[k];
+        double *row = &h[k * m + k];
+        row[0] += at->share[0] - at->part[0] + stiffness;
+        row[m] += at->part[0] - stiffness;
+        row[m + 1] += at->part[1] + stiffness;
+        for (int end = 0; end < ISO_PAIR; end++) {
+            h[slope * m + k + end] += at->along[end];
+            g[k + end] += at->height[end];
+        }
     }
     if (iso_cholesky_factorise(h, m)) {
         return -ENODATA;

@@ -12,7 +12,7 @@
 #endif
 enum { WIDE = 8 };
 #define GRAM iso__gram_avx2
-#include "core/base/gram.inc"
+#include "core/base/gram/gram.inc"
 #if defined __clang__
 #pragma clang attribute pop
 #endif

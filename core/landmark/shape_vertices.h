@@ -1,0 +1,58 @@
+/* The modes of a head model in the order in which a fit reads them, and the vertices of the head
+ * that some coefficients make. Internal to core/landmark.
+ *
+ * Vertices are stored in groups of ISO_SHAPE_GROUP, and modes in chunks of ISO_GRAM_LANES. What a
+ * chunk moves the vertices of a group lies together, [vertex of the group][axis][mode of the
+ * chunk], so that a register of any width holds as many whole rows of a chunk as it can, and all
+ * of them are multiplied by the same coefficients. */
+#ifndef ISO_CORE_LANDMARK_SHAPE_VERTICES_H
+#define ISO_CORE_LANDMARK_SHAPE_VERTICES_H
+
+#include <stddef.h>
+
+#include "core/base/gram.h"
+
+enum {
+    ISO_SHAPE_GROUP = 4,
+    ISO_SHAPE_AXES = 3,
+    /* Floats of a chunk for one vertex and for a group. */
+    ISO_SHAPE_CHUNK = ISO_SHAPE_AXES * ISO_GRAM_LANES,
+    ISO_SHAPE_GROUP_CHUNK = ISO_SHAPE_GROUP * ISO_SHAPE_CHUNK,
+};
+
+/* Floats that the modes of n vertices take, `stride` modes each, which is a multiple of
+ * ISO_GRAM_LANES. */
+static inline size_t iso_shape_modes_floats(size_t n, int stride)
+{
+    const size_t groups = (n + ISO_SHAPE_GROUP - 1) / ISO_SHAPE_GROUP;
+    return groups * ISO_SHAPE_GROUP * ISO_SHAPE_AXES * (size_t)stride;
+}
+
+/* Where the modes of the vertex at a place begin: [ISO_SHAPE_AXES][ISO_GRAM_LANES], how far the
+ * first modes move it along x, y and z. Those of the next chunk lie ISO_SHAPE_GROUP_CHUNK floats
+ * behind them. */
+static inline size_t iso_shape_modes_of(size_t place, int stride)
+{
+    const size_t group = place / ISO_SHAPE_GROUP, inside = place % ISO_SHAPE_GROUP;
+    return group * ISO_SHAPE_GROUP * ISO_SHAPE_AXES * (size_t)stride + inside * ISO_SHAPE_CHUNK;
+}
+
+/* From there on, where mode k moves it along x; along y and z ISO_GRAM_LANES and twice as many
+ * floats behind that. */
+static inline size_t iso_shape_mode_at(int k)
+{
+    return (size_t)(k / ISO_GRAM_LANES) * ISO_SHAPE_GROUP_CHUNK + (size_t)(k % ISO_GRAM_LANES);
+}
+
+/* How far the modes move the first n vertices, mm: moved_mm [n rounded up to whole groups]
+ * [ISO_SHAPE_AXES]. modes: those of the vertices; coefficient: [stride], with zeros behind the
+ * modes. Both begin at multiples of ISO_GRAM_LINE bytes. Each sum has ISO_GRAM_LANES partial sums,
+ * which are added in their order. The functions give the same results to the bit. */
+typedef void iso_shape_vertices_function(const float *modes, int stride, const float *coefficient,
+                                         int n, float (*moved_mm)[ISO_SHAPE_AXES]);
+
+iso_shape_vertices_function iso__shape_vertices_baseline;
+iso_shape_vertices_function iso__shape_vertices_avx2; /* x86-64 only */
+iso_shape_vertices_function iso_shape_vertices; /* the fastest one that this machine can run */
+
+#endif
