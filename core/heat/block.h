@@ -55,7 +55,8 @@ struct iso_ldl_nodes {
     int32_t *rows;             /* the rows of all supernodes */
 };
 
-/* Finds the supernodes of L, whose values and nodes are not read. -ENOMEM. */
+/* Finds the supernodes of L, whose values and nodes are not read. -EINVAL if L has no
+ * columns; -ENOMEM. */
 int iso_ldl_nodes_new(const struct iso_ldl *l, struct iso_ldl_nodes **out)
     __attribute__((warn_unused_result));
 

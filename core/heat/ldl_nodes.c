@@ -6,6 +6,9 @@
 
 int iso_ldl_nodes_new(const struct iso_ldl *l, struct iso_ldl_nodes **out)
 {
+    if (l->n < 1) {
+        return -EINVAL;
+    }
     struct iso_ldl_nodes *nodes = calloc(1, sizeof *nodes);
     if (!nodes) {
         return -ENOMEM;
@@ -24,17 +27,16 @@ int iso_ldl_nodes_new(const struct iso_ldl *l, struct iso_ldl_nodes **out)
         return -ENOMEM;
     }
     int32_t *row = nodes->rows;
-    struct iso_ldl_node *node = nodes->node - 1;
-    for (int32_t j = 0; j < l->n; j++) {
+    for (int32_t j = 0, k = -1; j < l->n; j++) {
         if (j > 0 && iso_ldl_joins_next(l, j - 1)) {
-            node->width++;
-            node->n_below--;
+            nodes->node[k].width++;
+            nodes->node[k].n_below--;
         } else {
-            *++node = (struct iso_ldl_node){j, 1, l->count[j] - 1, row};
+            nodes->node[++k] = (struct iso_ldl_node){j, 1, l->count[j] - 1, row};
             memcpy(row, &l->row[l->start[j]], (size_t)l->count[j] * sizeof *row);
             row += l->count[j];
         }
-        nodes->of[j] = (int32_t)(node - nodes->node);
+        nodes->of[j] = k;
     }
     *out = nodes;
     return 0;

@@ -255,7 +255,9 @@ static void supernodes_have_the_rows_of_their_columns(void **state)
     }
     assert_int_equal(next, l->n);
     assert_true(l->nodes->count < l->n);
-    iso_ldl_nodes_free(NULL);
+    struct iso_ldl_nodes *none = NULL;
+    assert_int_equal(iso_ldl_nodes_new(&(struct iso_ldl){.n = 0}, &none), -EINVAL);
+    iso_ldl_nodes_free(none);
     scene_done(&s);
 }
 
