@@ -26,6 +26,10 @@ enum {
 /* Times of which nothing is known count this much, so that points on the boundary count as well. */
 static const double weight_least = 1e-3;
 
+/* No point adds more than this to the mean, however unlike all others it is, and a difference of
+ * this size counts half. */
+static const double difference_most = 0.2;
+
 struct iso_partial_query {
     float query[AREAS][HALVES][COARSE];
     float constant[AREAS][COARSE];
@@ -100,7 +104,8 @@ static void fill_other(struct iso_partial_query *q, const float *other)
     }
 }
 
-/* The mean over the query's points, as if its whole area were number `a`. */
+/* The mean of the bounded differences of the query's points, as if its whole area were number `a`.
+ */
 static double mean_distance(struct iso_partial_query *q, int a)
 {
     double mean = 0.0;
@@ -116,7 +121,8 @@ static double mean_distance(struct iso_partial_query *q, int a)
     }
     for (int p = 0; p < COARSE; p++) {
         const double square = (double)(q->least[p] + q->constant[a][p]);
-        mean += (double)q->weight[a][p] * sqrt(fmax(square, 0.0));
+        const double difference = sqrt(fmax(square, 0.0));
+        mean += (double)q->weight[a][p] * difference / (1.0 + difference / difference_most);
     }
     return mean;
 }

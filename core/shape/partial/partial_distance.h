@@ -4,10 +4,12 @@
  * the mean over the query's points is the distance (as in Boiman, Shechtman and Irani 2008, where
  * each feature votes by its nearest neighbour, and as a Hausdorff distance of one direction,
  * Huttenlocher, Klanderman and Rucklidge 1993, with the mean in the place of the maximum). Points
- * that are missing from the query therefore cost nothing. Times at which heat may have reached the
- * query's boundary count little: the weight of a time t at the distance d from it is 1 - exp(-d^2 /
- * 4t). The area that the query had as a whole is unknown, so several are tried, and the least
- * distance counts. */
+ * that are missing from the query therefore cost nothing. A difference d counts as d / (1 + d /
+ * 0.2), which is bounded, as the estimators of Geman and McClure 1987 are: on a swollen limb or at
+ * a wrong vertex a few points are like nothing on the other shape, and without a bound they decide.
+ * Times at which heat may have reached the query's boundary count little: the weight of a time t at
+ * the distance d from it is 1 - exp(-d^2 / 4t). The area that the query had as a whole is unknown,
+ * so several are tried, and the least distance counts. */
 #ifndef ISO_CORE_SHAPE_PARTIAL_PARTIAL_DISTANCE_H
 #define ISO_CORE_SHAPE_PARTIAL_PARTIAL_DISTANCE_H
 
@@ -23,9 +25,9 @@ int iso_partial_query_new(const float *feature, struct iso_partial_query **out)
 /* Frees it. NULL is accepted. */
 void iso_partial_query_free(struct iso_partial_query *query);
 
-/* The distance of the query from another shape, given by its feature: the mean difference of the
- * logarithm of heat (root mean square over times), for the whole area that fits best. `area_ratio`,
- * unless NULL, receives that area in areas of the query. */
+/* The distance of the query from another shape, given by its feature, 0 to 0.2: the mean of the
+ * bounded differences of the logarithm of heat (root mean square over times), for the whole area
+ * that fits best. `area_ratio`, unless NULL, receives that area in areas of the query. */
 double iso_partial_distance(struct iso_partial_query *query, const float *other,
                             double *area_ratio);
 

@@ -20,8 +20,8 @@ struct sim_query_options {
  *   NAME.png    the mesh and its matches
  *
  * NAME is the mesh's file name without its ending. A mesh that is a file of the index finds itself
- * at distance 0. -EINVAL without a mesh; errors of the index, of the meshes and of writing; each
- * with a fault. */
+ * at distance 0; by local-heat, whose distances are differences of rounded squares, below 0.001.
+ * -EINVAL without a mesh; errors of the index, of the meshes and of writing; each with a fault. */
 int sim_shapes_query(const struct sim_query_options *options, FILE *out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

@@ -237,6 +237,33 @@ static void a_part_is_found_again(void **state)
     iso_shape_free(part);
 }
 
+/* Ten of the query's points are like nothing: each adds the largest difference, and the others are
+ * found as before. Without a bound the distance would be a hundred times as large. */
+static void a_wrong_point_adds_a_bounded_difference(void **state)
+{
+    (void)state;
+    enum { WRONG = 10 };
+    struct iso_shape *whole = shape_of(club(1.0, 0.0));
+    struct iso_shape_description *right = described(whole), *wrong = described(whole);
+    struct iso_shape_description *const item[3] = {right, right, right};
+    double share = 0.0, clean[3], distance[3], ratio;
+    for (int p = 0; p < WRONG; p++) {
+        share += (double)wrong->whole[p];
+        for (int j = 0; j < TIMES; j++) {
+            wrong->whole[2 * COARSE + TIMES * p + j] += 20.0f;
+        }
+    }
+    compare(right, item, clean, &ratio);
+    compare(wrong, item, distance, &ratio);
+    print_message("%.4f, with %.3f of it wrong %.4f\n", clean[0], share, distance[0]);
+    assert_true(share > 0.01);
+    assert_near(distance[0], 0.2 * share + (1.0 - share) * clean[0], 0.02 * share);
+    assert_near(ratio, 1.0, 1e-9);
+    iso_shape_description_free(right);
+    iso_shape_description_free(wrong);
+    iso_shape_free(whole);
+}
+
 /* A shape of 42 vertices has as many points; all are near the boundary of a small sheet. */
 static void small_shapes_have_a_distance(void **state)
 {
@@ -281,6 +308,7 @@ int main(void)
         cmocka_unit_test(distance_from_the_boundary_is_measured),
         cmocka_unit_test(a_cut_reaches_only_what_is_near),
         cmocka_unit_test(a_part_is_found_again),
+        cmocka_unit_test(a_wrong_point_adds_a_bounded_difference),
         cmocka_unit_test(small_shapes_have_a_distance),
         cmocka_unit_test(other_features_are_refused),
     };
