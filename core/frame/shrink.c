@@ -4,10 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/frame/sort_lanes.h"
-
-/* Depths further than this from the block's median belong to another surface. */
-static const float same_surface_mm = 20.0f;
+#include "core/frame/shrink_blocks.h"
 
 /* The depth of the new pixel for the block at (column, row); 0 if too little of it was measured. */
 static float block_depth(const struct iso_frame *frame, int column, int row, int factor)
@@ -33,80 +30,12 @@ static float block_depth(const struct iso_frame *frame, int column, int row, int
     float median = sorted[(n - 1) / 2], sum = 0.0f;
     int used = 0;
     for (int i = 0; i < n; i++) {
-        if (fabsf(sorted[i] - median) <= same_surface_mm) {
+        if (fabsf(sorted[i] - median) <= ISO_SHRINK_SAME_MM) {
             sum += sorted[i];
             used++;
         }
     }
     return sum / (float)used;
-}
-
-/* The usual block, for which four blocks are shrunk at once; it has BLOCK pixels. */
-enum { USUAL = 4, BLOCK = USUAL * USUAL };
-
-/* Reads a row of four blocks that lie side by side: lane k of vector j is pixel j of block k. */
-static void read_row(const float *at, iso_depths pixel[USUAL])
-{
-    const iso_depths a = ISO_DEPTHS_LOAD(at), b = ISO_DEPTHS_LOAD(at + USUAL);
-    const iso_depths c = ISO_DEPTHS_LOAD(at + 2 * USUAL), d = ISO_DEPTHS_LOAD(at + 3 * USUAL);
-    const iso_depths ab_left = __builtin_shufflevector(a, b, 0, 4, 1, 5);
-    const iso_depths ab_right = __builtin_shufflevector(a, b, 2, 6, 3, 7);
-    const iso_depths cd_left = __builtin_shufflevector(c, d, 0, 4, 1, 5);
-    const iso_depths cd_right = __builtin_shufflevector(c, d, 2, 6, 3, 7);
-    pixel[0] = __builtin_shufflevector(ab_left, cd_left, 0, 1, 4, 5);
-    pixel[1] = __builtin_shufflevector(ab_left, cd_left, 2, 3, 6, 7);
-    pixel[2] = __builtin_shufflevector(ab_right, cd_right, 0, 1, 4, 5);
-    pixel[3] = __builtin_shufflevector(ab_right, cd_right, 2, 3, 6, 7);
-}
-
-/* Depths that were not measured become infinite, so that they are sorted to the end. Returns how
- * many of each block were measured. */
-static iso_depth_counts set_apart_unmeasured(iso_depths pixel[BLOCK])
-{
-    const iso_depths never = {INFINITY, INFINITY, INFINITY, INFINITY};
-    iso_depth_counts measured = {0};
-    for (int i = 0; i < BLOCK; i++) {
-        const iso_depth_counts is = pixel[i] > 0.0f;
-        measured -= is;
-        pixel[i] = iso_depths_choose(is, pixel[i], never);
-    }
-    return measured;
-}
-
-/* Does for four blocks what block_depth() does for one: the same sums in the same order. */
-static void shrink_four_blocks(const float *at, int width_px, float out[ISO_DEPTHS])
-{
-    iso_depths sorted[BLOCK], sum = {0.0f};
-    for (int row = 0; row < USUAL; row++) {
-        read_row(&at[row * width_px], &sorted[row * USUAL]);
-    }
-    const iso_depth_counts measured = set_apart_unmeasured(sorted);
-    iso_depth_counts used = {0};
-    iso_sort_lanes_16(sorted);
-    iso_depths median = sorted[0];
-    for (int i = 1; i <= (BLOCK - 1) / 2; i++) {
-        median = iso_depths_choose(2 * i < measured, sorted[i], median);
-    }
-    for (int i = 0; i < BLOCK; i++) {
-        const iso_depths apart = sorted[i] - median;
-        const iso_depth_counts same = (apart <= same_surface_mm) & (apart >= -same_surface_mm);
-        sum += (iso_depths)((iso_depth_counts)sorted[i] & same);
-        used -= same;
-    }
-    const iso_depths mean = sum / __builtin_convertvector(used, iso_depths);
-    const iso_depth_counts enough = 4 * measured >= BLOCK;
-    ISO_DEPTHS_STORE(out, (iso_depths)((iso_depth_counts)mean & enough));
-}
-
-/* Shrinks the first blocks of a row of blocks. Returns how many: none if they are not the usual
- * ones. The caller shrinks the others. */
-static int shrink_usual_blocks(const float *at, int width_px, int factor, int n_blocks, float *out)
-{
-    const int n = factor == USUAL ? n_blocks - n_blocks % ISO_DEPTHS : 0;
-    for (int i = 0; i < n; i += ISO_DEPTHS) {
-        shrink_four_blocks(&at[i * USUAL], width_px, &out[i]);
-    }
-    return n;
 }
 
 /* The camera of the shrunken frame: the centre of its pixel (i, j) is the centre of the block of
@@ -156,7 +85,9 @@ int iso_frame_shrink(const struct iso_frame *frame, struct iso_window window, in
             depth += width;
             continue;
         }
-        int column = shrink_usual_blocks(line, frame->width_px, factor, width, depth);
+        int column = factor == ISO_SHRINK_USUAL
+                         ? iso_shrink_blocks(line, frame->width_px, width, depth)
+                         : 0;
         for (; column < width; column++) {
             depth[column] = block_depth(frame, window.column + column * factor, top, factor);
         }
