@@ -45,8 +45,8 @@ enum iso_norm {
     ISO_NORM_L1, /**< Sum of magnitudes. */
     ISO_NORM_L2, /**< Euclidean length. */
     /** For features of local heat only: for each point of the first shape the least difference to a
-     * point of the second, on average. Parts may be missing from the first shape, not from the
-     * second. */
+     * point of the second, bounded by 0.2, on average. Parts may be missing from the first shape,
+     * not from the second. */
     ISO_NORM_PARTIAL,
 };
 
