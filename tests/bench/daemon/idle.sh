@@ -57,17 +57,34 @@ frames() {
     status | sed -n 's/^ *"frames": \([0-9]*\),\{0,1\}$/\1/p'
 }
 
-# usage: measure RECORDING REST_S
+# The options of the sensor that plays the PNG files in $run/frames.
+replay_conf() {
+    printf '%s\n' 'backend = replay' "path = $run/frames" 'loop = yes' 'repeats = yes'
+}
+
+# The options of the sensor that plays $run/seen.oni.
+oni_conf() {
+    printf '%s\n' 'backend = openni2' "path = $run/seen.oni" 'loop = yes'
+}
+
+# Writes $run/seen.oni: three seconds of the recording before the virtual camera, each frame with noise of its own.
+record_oni() {
+    rm -rf "$run/bench" "$run/seen" "$run/seen.oni"
+    mkdir "$run/bench"
+    cp "$run/frames/recording.ini" "$run/bench/camera.ini"
+    ln -s "$run/frames" "$run/bench/slot"
+    touch "$run/bench/noise"
+    ISOTHERM_BENCH=$run/bench LD_LIBRARY_PATH=$build/tests/openni2/runtime "$build/sim/isotherm-sim" record \
+        --sensor openni2 --frames 90 --out "$run/seen" --oni "$run/seen.oni" 2>/dev/null
+}
+
+# usage: measure RECORDING SENSOR REST_S    (SENSOR is replay or oni)
 measure() {
-    local recording=$1 rest_s=$2 before
-    rm -rf "$run/frames" "$run"/gallery.db* "$run"/audit.log*
-    cp -r "$source_dir/sim/stored/$recording" "$run/frames"
+    local recording=$1 sensor=$2 rest_s=$3 before
+    rm -f "$run"/gallery.db* "$run"/audit.log*
     cat >"$run/isotherm.conf" <<END
 [sensor]
-backend = replay
-path = $run/frames
-loop = yes
-repeats = yes
+$("${sensor}_conf")
 rest_s = $rest_s
 $(stores_conf)
 END
@@ -82,7 +99,7 @@ END
     threads >"$run/before"
     sleep "$seconds"
     threads >"$run/after"
-    awk -v seconds="$seconds" -v frames="$(($(frames) - before))" -v what="$recording, rest_s = $rest_s" '
+    awk -v seconds="$seconds" -v frames="$(($(frames) - before))" -v what="$recording, $sensor, rest_s = $rest_s" '
         FNR == NR { ran[$1] = $3; waited[$1] = $4; next }
         {
             share[FNR] = ($3 - ran[$1]) / seconds / 1e7; wakes[FNR] = ($4 - waited[$1]) / seconds; name[FNR] = $2
@@ -100,6 +117,11 @@ END
 }
 
 for recording in "${recordings[@]}"; do
-    measure "$recording" 0
-    measure "$recording" 2
+    rm -rf "$run/frames"
+    cp -r "$source_dir/sim/stored/$recording" "$run/frames"
+    record_oni
+    for sensor in replay oni; do
+        measure "$recording" "$sensor" 0
+        measure "$recording" "$sensor" 2
+    done
 done
