@@ -295,6 +295,7 @@ static int patience_ms(const struct sim_virtual_camera *camera)
 static void *live(void *context)
 {
     struct sim_virtual_camera *camera = context;
+    iso_thread_set_name("virtual");
     for (;;) {
         struct pollfd fds[] = {
             {.fd = camera->quit_fd, .events = POLLIN},

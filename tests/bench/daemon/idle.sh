@@ -62,23 +62,21 @@ replay_conf() {
     printf '%s\n' 'backend = replay' "path = $run/frames" 'loop = yes' 'repeats = yes'
 }
 
-# The options of the sensor that plays $run/seen.oni.
-oni_conf() {
-    printf '%s\n' 'backend = openni2' "path = $run/seen.oni" 'loop = yes'
+# The options of the virtual camera, before which the recording is, each frame with noise of its own.
+camera_conf() {
+    echo 'backend = openni2'
 }
 
-# Writes $run/seen.oni: three seconds of the recording before the virtual camera, each frame with noise of its own.
-record_oni() {
-    rm -rf "$run/bench" "$run/seen" "$run/seen.oni"
+set_up_camera() {
+    rm -rf "$run/bench"
     mkdir "$run/bench"
     cp "$run/frames/recording.ini" "$run/bench/camera.ini"
     ln -s "$run/frames" "$run/bench/slot"
     touch "$run/bench/noise"
-    ISOTHERM_BENCH=$run/bench LD_LIBRARY_PATH=$build/tests/openni2/runtime "$build/sim/isotherm-sim" record \
-        --sensor openni2 --frames 90 --out "$run/seen" --oni "$run/seen.oni" 2>/dev/null
+    export ISOTHERM_BENCH=$run/bench LD_LIBRARY_PATH=$build/tests/openni2/runtime
 }
 
-# usage: measure RECORDING SENSOR REST_S    (SENSOR is replay or oni)
+# usage: measure RECORDING SENSOR REST_S    (SENSOR is replay or camera)
 measure() {
     local recording=$1 sensor=$2 rest_s=$3 before
     rm -f "$run"/gallery.db* "$run"/audit.log*
@@ -103,7 +101,7 @@ END
         FNR == NR { ran[$1] = $3; waited[$1] = $4; next }
         {
             share[FNR] = ($3 - ran[$1]) / seconds / 1e7; wakes[FNR] = ($4 - waited[$1]) / seconds; name[FNR] = $2
-            all_share += share[FNR]; all_wakes += wakes[FNR]
+            if (name[FNR] != "virtual") { all_share += share[FNR]; all_wakes += wakes[FNR] }
         }
         END {
             printf "%s: %.1f %% of a core, %.0f wake-ups a second, %.1f frames a second from the sensor\n",
@@ -119,8 +117,8 @@ END
 for recording in "${recordings[@]}"; do
     rm -rf "$run/frames"
     cp -r "$source_dir/sim/stored/$recording" "$run/frames"
-    record_oni
-    for sensor in replay oni; do
+    set_up_camera
+    for sensor in replay camera; do
         measure "$recording" "$sensor" 0
         measure "$recording" "$sensor" 2
     done
