@@ -26,8 +26,9 @@ enum {
 /* Times of which nothing is known count this much, so that points on the boundary count as well. */
 static const double weight_least = 1e-3;
 
-/* No point adds more than this to the mean, however unlike all others it is, and a difference of
- * this size counts half. */
+/* The bound of what a point adds to the mean: a difference of this size counts as half of it. It
+ * has no unit, because differences are those of a logarithm of heat times area, which is the same
+ * at every scale. Chosen on generated shapes (sim/results/shapes.md). */
 static const double difference_most = 0.2;
 
 struct iso_partial_query {

@@ -5,8 +5,8 @@
  * each feature votes by its nearest neighbour, and as a Hausdorff distance of one direction,
  * Huttenlocher, Klanderman and Rucklidge 1993, with the mean in the place of the maximum). Points
  * that are missing from the query therefore cost nothing. A difference d counts as d / (1 + d /
- * 0.2), which is bounded, as the estimators of Geman and McClure 1987 are: on a swollen limb or at
- * a wrong vertex a few points are like nothing on the other shape, and without a bound they decide.
+ * 0.2), the bounded function of Geman and Reynolds 1992: on a swollen limb or at a wrong vertex a
+ * few points are like nothing on the other shape, and without a bound they decide.
  * Times at which heat may have reached the query's boundary count little: the weight of a time t at
  * the distance d from it is 1 - exp(-d^2 / 4t). The area that the query had as a whole is unknown,
  * so several are tried, and the least distance counts. */

@@ -39,11 +39,11 @@ static int judge(const char *path, bool mend, const struct iso_part_survey *part
                              path, part->n_vertices, (int)ISO_SHAPE_VERTICES_MIN);
     }
     if (!mend && loss_of(part) > least_loss) {
-        return iso_fault_set(
-            fault, -EBADMSG,
-            "%s: it has %d parts, and without all but the largest %.1f %% of the area and %d "
-            "vertices are lost; --mend accepts this",
-            path, part->n_parts, 100.0 * loss_of(part), part->vertices_left_out);
+        return iso_fault_set(fault, -EBADMSG,
+                             "%s: of its %d parts only the largest is used, which leaves out %.1f "
+                             "%% of the area and "
+                             "%d vertices; --mend accepts this",
+                             path, part->n_parts, 100.0 * loss_of(part), part->vertices_left_out);
     }
     return 0;
 }
@@ -65,7 +65,7 @@ static int refuse_cloud(const char *path, int32_t left, int32_t points, struct i
 {
     return iso_fault_set(fault, -EBADMSG,
                          "%s: %d of its %d points are not joined to the largest part; --mend "
-                         "accepts this, more --neighbours may join them",
+                         "accepts this, triangles from more neighbours may join them",
                          path, left, points);
 }
 

@@ -13,7 +13,8 @@ int sim_times_check(const struct iso_shape_method *method, const struct iso_desc
                : iso_fault_set(
                      fault, -EINVAL,
                      "--times, --time-first, --time-last: %s cannot have %d times from %g to %g "
-                     "areas; there are %d to %d of them, from above 0 to more than the first one",
+                     "areas; %d to %d times are allowed, the first above 0, the last above the "
+                     "first",
                      method->name, chosen->n ? chosen->n : own->n,
                      chosen->first != 0.0 ? chosen->first : own->first,
                      chosen->last != 0.0 ? chosen->last : own->last, (int)ISO_DESCRIBE_TIMES_MIN,
@@ -46,15 +47,17 @@ int sim_times_read(const struct iso_shape_method *method, json_t *json,
                    struct iso_describe_times *out)
 {
     struct iso_describe_times times = {0, 0.0, 0.0}, used;
-    int n = 0;
-    if (json && !json_is_null(json)) {
-        if (json_unpack(json, "{s:i, s:F, s:F}", "number", &n, "first", &times.first, "last",
-                        &times.last) != 0 ||
-            method->times.n == 0) {
-            return -EBADMSG;
-        }
-        times.n = n;
+    json_int_t n = 0;
+    if (method->times.n == 0) {
+        *out = times;
+        return json_is_null(json) ? 0 : -EBADMSG;
     }
+    if (json_unpack(json, "{s:I, s:F, s:F}", "number", &n, "first", &times.first, "last",
+                    &times.last) != 0 ||
+        n < ISO_DESCRIBE_TIMES_MIN || n > ISO_DESCRIBE_TIMES_MAX) {
+        return -EBADMSG;
+    }
+    times.n = (int)n;
     if (iso_shape_method_times(method, &times, &used)) {
         return -EBADMSG;
     }

@@ -19,12 +19,13 @@ int sim_times_check_own(const struct iso_shape_method *method,
     __attribute__((warn_unused_result));
 
 /* The times of a method, in areas of the shape, as an object of `number`, `first` and `last`; null
- * for a method without times that can be chosen. A new reference; NULL without memory. */
+ * for a method without times that can be chosen, and for times that the method cannot have. A new
+ * reference; NULL without memory. */
 json_t *sim_times_json(const struct iso_shape_method *method,
                        const struct iso_describe_times *chosen);
 
-/* Reads what sim_times_json() has made; null or NULL, from an index of an earlier version, stands
- * for the method's own times. -EBADMSG, also for times that the method cannot have. */
+/* Reads what sim_times_json() has made. -EBADMSG, also for times that the method cannot have, and
+ * for null if the method has times. */
 int sim_times_read(const struct iso_shape_method *method, json_t *json,
                    struct iso_describe_times *out) __attribute__((warn_unused_result));
 

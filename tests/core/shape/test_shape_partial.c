@@ -264,6 +264,27 @@ static void a_wrong_point_adds_a_bounded_difference(void **state)
     iso_shape_free(whole);
 }
 
+/* A difference d counts as d / (1 + d / 0.2). Here all points of the query differ from all others
+ * by the same, and least, by 0.2, for the smallest area that is tried, 2^-0.2 of the query's. */
+static void a_difference_counts_by_its_formula(void **state)
+{
+    (void)state;
+    struct iso_shape *whole = shape_of(club(1.0, 0.0));
+    struct iso_shape_description *query = described(whole), *other = described(whole);
+    struct iso_shape_description *const item[3] = {other, other, other};
+    double distance[3], ratio;
+    for (int i = 0; i < TIMES * POINTS; i++) {
+        query->whole[2 * COARSE + i] = 0.0f;
+        other->whole[2 * COARSE + i] = (float)(-0.2 - 0.2 * log(2.0));
+    }
+    compare(query, item, distance, &ratio);
+    assert_near(distance[0], 0.1, 1e-3);
+    assert_near(ratio, exp2(-0.2), 1e-9);
+    iso_shape_description_free(query);
+    iso_shape_description_free(other);
+    iso_shape_free(whole);
+}
+
 /* A shape of 42 vertices has as many points; all are near the boundary of a small sheet. */
 static void small_shapes_have_a_distance(void **state)
 {
@@ -309,6 +330,7 @@ int main(void)
         cmocka_unit_test(a_cut_reaches_only_what_is_near),
         cmocka_unit_test(a_part_is_found_again),
         cmocka_unit_test(a_wrong_point_adds_a_bounded_difference),
+        cmocka_unit_test(a_difference_counts_by_its_formula),
         cmocka_unit_test(small_shapes_have_a_distance),
         cmocka_unit_test(other_features_are_refused),
     };

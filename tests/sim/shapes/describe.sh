@@ -170,7 +170,7 @@ for path, scale in ((sys.argv[2], 0.5), (sys.argv[3], 0.05)):
 PYTHON
 refuse 4 'its largest part has 4 vertices, 32 are needed' describe "$work/tiny.off" --out "$work/o"
 refuse 4 'none of its 1 triangles has an area' describe "$work/line.off" --out "$work/o"
-refuse 4 '2 parts, and without all but the largest 20.0 % of the area and 400 vertices are lost; --mend accepts this' \
+refuse 4 'of its 2 parts only the largest is used, which leaves out 20.0 % of the area and 400 vertices; --mend accepts this' \
     describe "$work/two.off" --out "$work/o"
 "$simulator" shapes describe "$work/two.off" "$work/crumb.off" "$work/tiny.off" --mend --what eigen --out "$work/o" \
     >"$work/stdout" 2>"$work/stderr" || fail 'describe does not leave out one bad mesh'
