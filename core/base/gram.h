@@ -45,9 +45,9 @@ iso_gram_function iso__gram_baseline;
 iso_gram_function iso__gram_avx2;   /* x86-64 only */
 iso_gram_function iso__gram_avx512; /* x86-64 only */
 
-/* Whether this machine runs the third one, and not much slower for other reasons: the first
- * processors with AVX-512 lower their clock for it. Those with its second set of byte instructions
- * (Intel's of 2019 on, AMD's of 2022 on) hardly do. x86-64 only. */
+/* Whether iso__gram_avx512 gains on this machine. The first processors with AVX-512 lower their
+ * clock for it; those with its second set of byte instructions (Intel's of 2019 on, AMD's of 2022
+ * on) hardly do. x86-64 only. */
 bool iso__gram_has_avx512(void);
 
 #endif

@@ -55,8 +55,8 @@ struct iso_ldl_nodes {
     int32_t *rows;             /* the rows of all supernodes */
 };
 
-/* Finds the supernodes of L, whose values and nodes are not read. -EINVAL if L has no
- * columns; -ENOMEM. */
+/* Finds the supernodes of L, whose values and nodes are not read. The caller frees *out by
+ * iso_ldl_nodes_free. -EINVAL if L has no columns; -ENOMEM. */
 int iso_ldl_nodes_new(const struct iso_ldl *l, struct iso_ldl_nodes **out)
     __attribute__((warn_unused_result));
 
@@ -77,7 +77,7 @@ struct iso_rows {
 };
 
 /* In all operations width is 1..ISO_BLOCK_WIDTH_MAX, and arrays of one number for each vector are
- * [width * ISO_DOUBLES]. */
+ * [width * ISO_DOUBLES]. `forward` and `backward` need l->nodes, `measure` does not. */
 struct iso_block_ops {
     /* x = L^-1 x. If `reached` is not NULL, only supernodes that it marks are visited: all others
      * must be left 0 (iso_ldl_reach). */

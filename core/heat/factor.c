@@ -12,12 +12,12 @@
 
 struct iso_factor {
     cholmod_common common;
-    cholmod_factor *l;            /* NULL until the first analysis */
-    bool dissected;               /* l has the ordering for a pattern that comes back */
-    struct iso_supernodes *nodes; /* of l; NULL: not known yet */
-    struct iso_ldl_nodes *solved; /* the same for solves */
-    struct iso_symmetric *sum;    /* a L + b B, in the pattern that was analysed */
-    cholmod_dense *x, *y, *e;     /* the solution and two workspaces that cholmod_solve2 reuses */
+    cholmod_factor *l;                 /* NULL until the first analysis */
+    bool dissected;                    /* l has the ordering for a pattern that comes back */
+    struct iso_supernodes *nodes;      /* of l; NULL: not known yet */
+    struct iso_ldl_nodes *solve_nodes; /* the same, as solves read them */
+    struct iso_symmetric *sum;         /* a L + b B, in the pattern that was analysed */
+    cholmod_dense *x, *y, *e; /* the solution and two workspaces that cholmod_solve2 reuses */
 };
 
 int iso_factor_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_factor **out)
@@ -46,8 +46,8 @@ static void drop_factor(struct iso_factor *f)
 {
     iso_supernodes_free(f->nodes);
     f->nodes = NULL;
-    iso_ldl_nodes_free(f->solved);
-    f->solved = NULL;
+    iso_ldl_nodes_free(f->solve_nodes);
+    f->solve_nodes = NULL;
     cholmod_free_factor(&f->l, &f->common);
 }
 
@@ -146,7 +146,7 @@ static int factorise_by_cholmod(struct iso_factor *f)
 
 static struct iso_ldl ldl_of(const struct iso_factor *f)
 {
-    return (struct iso_ldl){(int32_t)f->l->n, f->l->p, f->l->nz, f->l->i, f->l->x, f->solved};
+    return (struct iso_ldl){(int32_t)f->l->n, f->l->p, f->l->nz, f->l->i, f->l->x, f->solve_nodes};
 }
 
 /* Computes the factor by supernodes into the pattern that is known. */
@@ -219,9 +219,9 @@ int iso_factor_compute(struct iso_factor *f, double a, const struct iso_symmetri
     if (!error && pivots_not_positive(f) > 0) { /* LDL' also exists for indefinite matrices */
         error = -EDOM;
     }
-    if (!error && !f->solved && !f->l->is_super && !f->l->is_ll) {
+    if (!error && !f->solve_nodes && !f->l->is_super && !f->l->is_ll) {
         const struct iso_ldl l = ldl_of(f);
-        error = iso_ldl_nodes_new(&l, &f->solved);
+        error = iso_ldl_nodes_new(&l, &f->solve_nodes);
     }
     if (error) {
         drop_factor(f);

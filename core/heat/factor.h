@@ -27,8 +27,8 @@ int iso_factor_new(int32_t n_capacity, int32_t nnz_capacity, struct iso_factor *
 void iso_factor_free(struct iso_factor *factor);
 
 /* Factorises a * stiffness + b * mass (one pattern, as iso_stiffness_mass makes them). -EINVAL if
- * the patterns differ in size, -ENOSPC over the capacity, -EDOM if the sum is not positive definite
- * or not finite, -ENOMEM. */
+ * the patterns differ in size or have no columns, -ENOSPC over the capacity, -EDOM if the sum is
+ * not positive definite or not finite, -ENOMEM. */
 int iso_factor_compute(struct iso_factor *factor, double a, const struct iso_symmetric *stiffness,
                        double b, const struct iso_symmetric *mass)
     __attribute__((warn_unused_result));

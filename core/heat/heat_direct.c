@@ -152,7 +152,8 @@ static void measure_next(struct spaces *k, int j, const struct work *w, const do
 }
 
 /* Builds the Krylov spaces of the loads that block 0 holds. The loads are 0 in most rows, which
- * spares most of the first solve, and of the last one only the energy is wanted. */
+ * spares most of the first forward substitution, and of the last solve only the energy is wanted.
+ */
 static void build_krylov(struct iso_heat_direct *h, const struct work *w)
 {
     struct spaces *k = &h->spaces;

@@ -108,11 +108,12 @@ static inline __attribute__((always_inline)) enum iso_meeting iso_meet(
     return ISO_MEETING_MEASURED;
 }
 
-/* Tukey's biweight (Beaton and Tukey 1974): (1 - (r/c)^2)^2 within the cut-off, 0 beyond. */
+/* Tukey's biweight (Beaton and Tukey 1974): (1 - (r/c)^2)^2 within the cut-off, 0 beyond. No branch
+ * depends on r, because half of the distances of a face lie beyond the cut-off. */
 static inline double iso_tukey(double r, double cutoff)
 {
-    double s = r / cutoff;
-    return fabs(s) < 1.0 ? (1.0 - s * s) * (1.0 - s * s) : 0.0;
+    const double s = r / cutoff, rest = 1.0 - s * s, weight = rest > 0.0 ? rest : 0.0;
+    return weight * weight;
 }
 
 #endif

@@ -91,7 +91,7 @@ void iso__shape_measure(struct iso_shape_fitter *f, const struct iso_frame *fram
                         const struct iso_rigid *pose, struct iso_pose_fit *out);
 
 /* Fills in *out after a step with all unknowns. f->fitted becomes the fitted head, and f->shape at
- * the landmarks the head without its expression. */
+ * the landmarks the head without its expression; other vertices of f->shape may change. */
 void iso__shape_report(struct iso_shape_fitter *f, const struct iso_frame *frame,
                        const struct iso__shape_state *state, struct iso_shape_fit *out);
 

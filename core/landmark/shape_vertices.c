@@ -9,24 +9,24 @@ static inline void add_partial_sums(const float *partial, int n_vertices, float 
     }
 }
 
-/* Three registers hold the partial sums of as many vertices as a row of a chunk fits into one of
- * them. They have names, because compilers keep an array of them in memory. */
-#define MAKE_VERTICES(WIDE, COEFFICIENTS)                                               \
-    typedef float wide __attribute__((vector_size((WIDE) * sizeof(float)), may_alias)); \
-    enum { AT_ONCE = (WIDE) / ISO_GRAM_LANES };                                         \
-    for (int i = 0; i < n; i += AT_ONCE) {                                              \
-        const float *at = modes + iso_shape_modes_of((size_t)i, stride);                \
-        wide sum[ISO_SHAPE_AXES], a = {0}, b = {0}, c = {0};                            \
-        for (int k = 0; k < stride; k += ISO_GRAM_LANES, at += ISO_SHAPE_GROUP_CHUNK) { \
-            const wide some = COEFFICIENTS(coefficient + k);                            \
-            a += some * *(const wide *)at;                                              \
-            b += some * *(const wide *)(at + (WIDE));                                   \
-            c += some * *(const wide *)(at + 2 * (WIDE));                               \
-        }                                                                               \
-        sum[0] = a;                                                                     \
-        sum[1] = b;                                                                     \
-        sum[2] = c;                                                                     \
-        add_partial_sums((const float *)sum, AT_ONCE, moved_mm[i]);                     \
+/* Three registers hold the partial sums of AT_ONCE vertices, one row of a chunk for each. They have
+ * names, because compilers keep an array of them in memory. */
+#define MAKE_VERTICES(WIDE, COEFFICIENTS)                                                      \
+    typedef float wide __attribute__((vector_size((WIDE) * sizeof(float)), may_alias));        \
+    enum { AT_ONCE = (WIDE) / ISO_GRAM_LANES };                                                \
+    for (int i = 0; i < n; i += AT_ONCE) {                                                     \
+        const float *at = modes + iso_shape_modes_of((size_t)i, stride);                       \
+        wide sum[ISO_SHAPE_AXES], a = {0}, b = {0}, c = {0};                                   \
+        for (int k = 0; k < stride; k += ISO_GRAM_LANES, at += ISO_SHAPE_GROUP_CHUNK) {        \
+            const wide some = COEFFICIENTS(coefficient + k);                                   \
+            a += some * *(const wide *)at;                                                     \
+            b += some * *(const wide *)(at + (WIDE));                                          \
+            c += some * *(const wide *)(at + 2 * (WIDE));                                      \
+        }                                                                                      \
+        sum[0] = a;                                                                            \
+        sum[1] = b;                                                                            \
+        sum[2] = c;                                                                            \
+        add_partial_sums((const float *)sum, AT_ONCE, (float *)moved_mm + i * ISO_SHAPE_AXES); \
     }
 
 #define ONCE(p) (*(const wide *)(p))

@@ -37,8 +37,8 @@ static inline size_t iso_shape_modes_of(size_t place, int stride)
     return group * ISO_SHAPE_GROUP * ISO_SHAPE_AXES * (size_t)stride + inside * ISO_SHAPE_CHUNK;
 }
 
-/* From there on, where mode k moves it along x; along y and z ISO_GRAM_LANES and twice as many
- * floats behind that. */
+/* Where mode k moves a vertex along x, in floats behind iso_shape_modes_of(). What it moves it
+ * along y and z lies ISO_GRAM_LANES and 2 ISO_GRAM_LANES floats behind that. */
 static inline size_t iso_shape_mode_at(int k)
 {
     return (size_t)(k / ISO_GRAM_LANES) * ISO_SHAPE_GROUP_CHUNK + (size_t)(k % ISO_GRAM_LANES);

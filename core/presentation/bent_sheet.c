@@ -70,18 +70,10 @@ static double above_sheet(const struct sheet *s, int i)
            along_mm(s, i) * s->x[s->n_knots];
 }
 
-/* The weight of a residual, as iso_tukey(). No branch depends on it: half of the residuals of a
- * face lie beyond the cut-off. */
-static double weight_of(double r_mm, double cutoff_mm)
-{
-    const double share = r_mm / cutoff_mm, rest = 1.0 - share * share;
-    const double weight = rest > 0.0 ? rest : 0.0;
-    return weight * weight;
-}
-
 /* What the points between two knots add to the equations. Each pair has a number for the knot
- * before them and one for the knot behind them: the sums of the shares of the weights, and of these
- * times the way from the knot before, the coordinate along the rulings, and the height. */
+ * before them and one for the knot behind them: the sums of their shares of the weights, and the
+ * sums of these shares multiplied by the distance from the knot before (`part`), the coordinate
+ * along the rulings, and the height. */
 struct between {
     iso_pair share, part, along, height;
 };
@@ -92,7 +84,7 @@ static iso_pair add_points(const struct sheet *s, double cutoff_mm, struct betwe
 {
     iso_pair slope = {0};
     for (int i = 0; i < s->n; i++) {
-        const double w = cutoff_mm > 0.0 ? weight_of(above_sheet(s, i), cutoff_mm) : 1.0;
+        const double w = cutoff_mm > 0.0 ? iso_tukey(above_sheet(s, i), cutoff_mm) : 1.0;
         const double b = w * s->part[i], c = along_mm(s, i), z = s->point_mm[i].z;
         const iso_pair share = {w - b, b};
         struct between *at = &between[s->below[i]];

@@ -112,8 +112,10 @@ static int check_kind(const struct iso_gallery_db *db, int *version, struct iso_
     return error;
 }
 
-/* Of a sealed gallery, iso_gallery_db_load checks whose each template and stored vector is while it
- * reads them. SQLite's foreign_key_check would read all of them once more. */
+/* Of a sealed gallery, the loading that follows finds templates of nobody (gallery_load.c) and
+ * vectors of no template (iso_gallery_db_load). SQLite's foreign_key_check would read all of them
+ * once more.
+ */
 static int check_whole(const struct iso_gallery_db *db, int version, struct iso_fault *fault)
 {
     char answer[96];

@@ -60,7 +60,9 @@ struct iso_gallery_visitor {
 
 /* Passes first all people by rising id, then all templates by rising person and id, then all parts
  * of access records by rising person and part. Checks that no record is missing, also within a
- * transaction. */
+ * transaction, and that each stored vector belongs to a template. Whether a template and an access
+ * record belong to somebody has to be checked by a visitor that loads a gallery: the file is not
+ * asked for that. -EBADMSG for a gallery that is damaged, and the errors of the visitor. */
 int iso_gallery_db_load(struct iso_gallery_db *db, const struct iso_gallery_visitor *visitor,
                         struct iso_fault *fault) __attribute__((warn_unused_result));
 

@@ -149,8 +149,8 @@ bool iso__gallery_stored_vector(const struct iso_gallery_db *db, sqlite3_stmt *r
 /* Whether a row of a template has a stored vector, of whatever metric. */
 bool iso__gallery_has_vector(sqlite3_stmt *row);
 
-/* Expects this number of stored vectors, which all templates together have. -EBADMSG if there are
- * more: one of nobody's template, such as of somebody who was removed. */
+/* Expects this number of stored vectors, which all templates together have. -EBADMSG if there is
+ * another number, as with a vector of somebody who was removed; or an error of SQLite. */
 int iso__gallery_count_vectors(const struct iso_gallery_db *db, uint64_t n,
                                struct iso_fault *fault);
 

@@ -179,8 +179,8 @@ mistakes_are_found() {
     rm -f "$cuts/spoilt"
 }
 
-# mistake_is_found KIND STAGES WHICH WORDS: by one of 40 points, or of the last 80. Only after the last writes to the EFI system partition a new
-# kernel image can have its name and its first sector, and then not the rest in one of eight cuts.
+# mistake_is_found KIND STAGES WHICH WORDS: by one of 40 points (--any), or of the last 80 (--last). Only after the last writes to the EFI system
+# partition a cut can leave a kernel image that has its name and its first sector, but not the rest; about one of eight cuts does.
 mistake_is_found() {
     "$cuts/power_cut" spoil "$1" "$cuts/log" "$cuts/spoilt" "$cuts/partitions" root-b install-b start
     points "$cuts/spoilt" 3200 "$cuts/spoilt.all"

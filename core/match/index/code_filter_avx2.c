@@ -25,7 +25,7 @@ __attribute__((target("avx2"))) uint32_t iso__code_filter_avx2(const int8_t *cod
         memcpy(&weights, &probe->weight[2 * p], sizeof weights);
         memcpy(&centres, &probe->centre[2 * p], sizeof centres);
         const __m256i weight = _mm256_set1_epi32(weights), centre = _mm256_set1_epi32(centres);
-        _mm_prefetch((const char *)codes + AHEAD, _MM_HINT_T0);
+        _mm_prefetch((const void *)((uintptr_t)codes + AHEAD), _MM_HINT_T0);
 #pragma GCC unroll 4
         for (int k = 0; k < ISO_CODE_LANES / EIGHT; k++) {
             const __m128i_u *at = (const __m128i_u *)&codes[2 * EIGHT * k];

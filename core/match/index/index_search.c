@@ -158,10 +158,11 @@ static void wait_for_block(const struct iso_index *index, const struct iso_code_
         }
         waiting->at[waiting->n++ % WAITING] = at;
         __builtin_prefetch(&index->row[at]);
-        for (const float *mean = iso__index_mean(index, at), *end = mean + index->stride;
-             mean < end; mean += CACHE_LINE / sizeof *mean) {
-            __builtin_prefetch(mean);
+        const float *mean = iso__index_mean(index, at);
+        for (size_t i = 0; i < index->stride; i += CACHE_LINE / sizeof *mean) {
+            __builtin_prefetch(&mean[i]);
         }
+        __builtin_prefetch(&mean[index->stride - 1]); /* no row begins with a line of the cache */
     }
 }
 

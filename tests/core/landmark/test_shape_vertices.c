@@ -76,10 +76,13 @@ static void sums_are_those_of_double_precision(void **state)
 static void variants_have_the_same_bits(void **state)
 {
     (void)state;
-    iso_shape_vertices_function *variant = iso_shape_vertices;
+    iso_shape_vertices_function *variant = NULL;
 #if defined __x86_64__
-    variant = __builtin_cpu_supports("avx2") ? iso__shape_vertices_avx2 : variant;
+    variant = __builtin_cpu_supports("avx2") ? iso__shape_vertices_avx2 : NULL;
 #endif
+    if (!variant) {
+        skip();
+    }
     for (int s = 0; s < STRIDES; s++) {
         _Alignas(ISO_GRAM_LINE) float coefficient[MODES_MAX];
         float *modes = new_modes(strides[s]);
