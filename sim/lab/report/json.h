@@ -30,8 +30,8 @@ json_t *sim_json_latency(struct sim_latency latency);
 /* One object for each landmark that was measured at least once, and one for all together. */
 json_t *sim_json_landmarks(const struct sim_landmark_error errors[ISO_LANDMARKS + 1]);
 
-/* Writes a document, its numbers with eight digits, and releases the reference. -ENOMEM for NULL,
- * -EIO; each with a fault. */
+/* Writes a document, its real numbers with eight significant digits, and releases the reference.
+ * -ENOMEM for NULL, -EIO; each with a fault. */
 int sim_json_file(json_t *document, const char *path, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 

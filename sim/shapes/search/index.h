@@ -45,8 +45,8 @@ struct sim_index {
     float *feature; /* [n][size of the coder's layout] */
 };
 
-/* Opens an index. -EBADMSG if it is damaged or from another version, -ENOENT, -ENOMEM; each with a
- * fault. */
+/* Opens an index. -EBADMSG if it is damaged or of another format than 1 and 2, -ENOENT, -ENOMEM;
+ * each with a fault. */
 int sim_index_open(const char *directory, struct sim_index **out, struct iso_fault *fault)
     __attribute__((warn_unused_result));
 
