@@ -12,6 +12,7 @@ root=$source_dir/build/aarch64-root
 # Without the tests of V4L2, whose calls the emulator does not have, and without tests that take minutes there.
 usual='test_firmware_config test_firmware_gallery test_firmware_audit test_firmware_decision test_firmware_track
     test_firmware_sensor_supervisor test_firmware_pipeline test_sensor_contract test_sensor_replay
+    test_frame test_gram test_agreeing test_shape_vertices test_meet_many test_block test_supernodes test_index_codes
     test_recording test_png test_door_contract test_gpio_line test_stereo_calibration test_registration
     test_template test_shape_fit test_depth_lanes test_resample'
 tests=${2:-$usual}
