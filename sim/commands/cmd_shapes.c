@@ -49,6 +49,18 @@ static const struct sim_option generate_options[] = {
     {"threads", "N", "1..64 (a thread for each processor)", sim_option_threads, FIELD(threads)},
 };
 
+/* The options for the times of heat, which `times` of the arguments receives. */
+#define TIMES_OPTIONS(times)                                                                  \
+    {"times", "N",                                                                            \
+     "times of heat, 40..1000; not of shape-dna, td, local-heat (0: the method's own)",       \
+     sim_option_int, FIELD(times.n)},                                                         \
+        {"time-first", "A", "the first of them, in areas of the shape (0: the method's own)", \
+         sim_option_number, FIELD(times.first)},                                              \
+    {                                                                                         \
+        "time-last", "A", "the last of them (0: the method's own)", sim_option_number,        \
+            FIELD(times.last)                                                                 \
+    }
+
 static const struct sim_option eval_options[] = {
     {"corpus", "DIR",
      "meshes or clouds: with manifest.csv (file,class), or each class in a folder of its own",
@@ -62,13 +74,7 @@ static const struct sim_option eval_options[] = {
     {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(study.pairs)},
     {"words", "N", "words of vocabularies, or principal components (the method's own, 64)",
      sim_option_int, FIELD(study.words)},
-    {"times", "N",
-     "times of heat, 40..1000; not of shape-dna, td, local-heat (0: the method's own)",
-     sim_option_int, FIELD(study.times.n)},
-    {"time-first", "A", "the first of them, in areas of the shape (0: the method's own)",
-     sim_option_number, FIELD(study.times.first)},
-    {"time-last", "A", "the last of them (0: the method's own)", sim_option_number,
-     FIELD(study.times.last)},
+    TIMES_OPTIONS(study.times),
     {"neighbours", "N", "clouds: neighbours of a point from which its triangles are made (30)",
      sim_option_int, FIELD(study.neighbours)},
     {"distort", "KIND:LEVEL",
@@ -172,13 +178,7 @@ static const struct sim_option index_options[] = {
     {"method", "NAME", "how shapes are compared, see below (cp-hk)", sim_option_text,
      FIELD(index.method)},
     {"pairs", "N", "eigenpairs (100)", sim_option_int, FIELD(index.pairs)},
-    {"times", "N",
-     "times of heat, 40..1000; not of shape-dna, td, local-heat (0: the method's own)",
-     sim_option_int, FIELD(index.times.n)},
-    {"time-first", "A", "the first of them, in areas of the shape (0: the method's own)",
-     sim_option_number, FIELD(index.times.first)},
-    {"time-last", "A", "the last of them (0: the method's own)", sim_option_number,
-     FIELD(index.times.last)},
+    TIMES_OPTIONS(index.times),
     {"neighbours", "N", "clouds: neighbours of a point from which its triangles are made (30)",
      sim_option_int, FIELD(index.neighbours)},
     {"vertices", "N", "reduce larger meshes to N vertices (0: none)", sim_option_int,

@@ -12,6 +12,7 @@
 #include "drivers/sensor/contract/sensor.h"
 #include "firmware/config/config.h"
 #include "isotherm/extract.h"
+#include "tests/support/memory_text.h"
 #include "tests/support/scratch.h"
 
 /* Otherwise the configuration would take such an option for the key. */
@@ -50,11 +51,7 @@ static char *sample(void)
     assert_non_null(file);
     iso_config_print_sample(file);
     assert_int_equal(fclose(file), 0);
-    /* At -O3 gcc 12 takes the buffer of open_memstream for a pointer to the variable `text`. */
-    char *copy = strdup(text);
-    assert_non_null(copy);
-    free(text);
-    return copy;
+    return memory_text(text);
 }
 
 static bool has_every_back_end(void)

@@ -17,6 +17,7 @@
 #include "enroll/hub/metrics/hub_metrics.h"
 #include "enroll/hub/outlet/hub_outlet.h"
 #include "tests/enroll/hub/rigs/store_rig.h"
+#include "tests/support/memory_text.h"
 #include "tests/support/programs/prometheus_text.h"
 #include "tests/support/scratch.h"
 
@@ -31,11 +32,7 @@ static char *text_of(struct store_rig *rig)
     assert_non_null(out);
     store_rig_fine(hub_metrics_write(&rig->store, out, &fault), &fault);
     assert_int_equal(fclose(out), 0);
-    /* At -O3 gcc 12 takes the buffer of open_memstream for a pointer to the variable `text`. */
-    char *copy = strdup(text);
-    assert_non_null(copy);
-    free(text);
-    return copy;
+    return memory_text(text);
 }
 
 /* The value of a line that begins with this name and these labels; fails if there is none. */
