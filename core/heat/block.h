@@ -39,15 +39,15 @@ static inline bool iso_ldl_joins_next(const struct iso_ldl *l, int32_t j)
     return l->count[j] == l->count[j + 1] + 1 && l->row[l->start[j] + 1] == j + 1;
 }
 
-/* A supernode: columns first..first + width - 1, whose rows are these columns and then n_below rows
- * below them. */
+/* A supernode has the columns first to first + width - 1. Each of them has the same rows: these
+ * columns, and n_below rows below them. */
 struct iso_ldl_node {
     int32_t first, width, n_below;
     const int32_t *row; /* [width + n_below] */
 };
 
-/* All supernodes of a factor, ascending. Columns of a supernode have one list of rows here, whereas
- * L has one for each column: solves then read less memory. */
+/* All supernodes of a factor, ascending. The columns of a supernode share one list of rows here. In
+ * L each column has a list of its own, so a solve reads less memory here. */
 struct iso_ldl_nodes {
     int32_t count;
     struct iso_ldl_node *node; /* [count] */
@@ -85,7 +85,7 @@ struct iso_block_ops {
     /* x = (D L')^-1 x; energy = x' D^-1 x of each vector, with the x before: b' (L D L')^-1 b if
      * x was L^-1 b. */
     void (*backward)(const struct iso_ldl *l, int width, double *x, double *energy);
-    /* The energies of `backward` alone, the same to the bit. */
+    /* Computes only the energies that `backward` computes, the same to the bit. */
     void (*measure)(const struct iso_ldl *l, int width, const double *x, double *energy);
     /* y = A x; form = x' y and total = 1' y of each vector. */
     void (*multiply)(const struct iso_rows *a, int width, const double *x, double *y, double *form,

@@ -70,7 +70,8 @@ static void gather_modes(struct iso_shape_fitter *f)
     }
 }
 
-/* Memory that begins with a line of the cache. aligned_alloc requires whole lines. */
+/* Allocates memory that begins at a line of the cache. aligned_alloc requires a size of whole
+ * lines. NULL without memory. */
 static float *alloc_lines(size_t bytes)
 {
     return aligned_alloc(ISO_GRAM_LINE,

@@ -1,5 +1,5 @@
-/* The modes of a head model in the order in which a fit reads them, and the vertices of the head
- * that some coefficients make. Internal to core/landmark.
+/* This file says in which order a fit stores the modes of a head model, and computes the vertices
+ * of the head from coefficients. Internal to core/landmark.
  *
  * Vertices are stored in groups of ISO_SHAPE_GROUP, and modes in chunks of ISO_GRAM_LANES. What a
  * chunk moves the vertices of a group lies together, [vertex of the group][axis][mode of the
@@ -20,8 +20,8 @@ enum {
     ISO_SHAPE_GROUP_CHUNK = ISO_SHAPE_GROUP * ISO_SHAPE_CHUNK,
 };
 
-/* Floats that the modes of n vertices take, `stride` modes each, which is a multiple of
- * ISO_GRAM_LANES. */
+/* Returns how many floats the modes of n vertices take. Each vertex has `stride` modes, a multiple
+ * of ISO_GRAM_LANES. */
 static inline size_t iso_shape_modes_floats(size_t n, int stride)
 {
     const size_t groups = (n + ISO_SHAPE_GROUP - 1) / ISO_SHAPE_GROUP;

@@ -1,4 +1,4 @@
-/* For every processor of the architecture: SSE2 on x86-64, NEON on aarch64. */
+/* For every processor of the architecture (SSE2 on x86-64, NEON on aarch64), and the choice. */
 #include <stdbool.h>
 
 enum { WIDE = 4 };

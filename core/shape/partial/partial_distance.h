@@ -27,7 +27,8 @@ void iso_partial_query_free(struct iso_partial_query *query);
 
 /* The distance of the query from another shape, given by its feature, 0 to 0.2: the mean of the
  * bounded differences of the logarithm of heat (root mean square over times), for the whole area
- * that fits best. `area_ratio`, unless NULL, receives that area in areas of the query. */
+ * that fits best. If `area_ratio` is not NULL, it receives that area divided by the area of
+ * the query. */
 double iso_partial_distance(struct iso_partial_query *query, const float *other,
                             double *area_ratio);
 

@@ -40,9 +40,8 @@ static int judge(const char *path, bool mend, const struct iso_part_survey *part
     }
     if (!mend && loss_of(part) > least_loss) {
         return iso_fault_set(fault, -EBADMSG,
-                             "%s: of its %d parts only the largest is used, which leaves out %.1f "
-                             "%% of the area and "
-                             "%d vertices; --mend accepts this",
+                             "%s: of its %d parts only the largest is used, which leaves out "
+                             "%.1f %% of the area and %d vertices; --mend accepts this",
                              path, part->n_parts, 100.0 * loss_of(part), part->vertices_left_out);
     }
     return 0;

@@ -186,7 +186,7 @@ static int take_list(json_t *document, struct sim_index *index)
         .vertices = vertices, .mend = mend != 0, .neighbours = neighbours, .smooth = smooth};
     index->n_pairs = pairs;
     index->method = iso_shape_method_find(method);
-    /* The first format has no times: they are those of the method. */
+    /* An index of the first format has no times. Those of the method are used. */
     const bool has_times = strcmp(name, first_format) != 0;
     if (!index->method || (has_times && sim_times_read(index->method, times, &index->times) != 0)) {
         return -EBADMSG;

@@ -211,7 +211,8 @@ static void an_index_keeps_its_times(void **state)
     free(told);
 }
 
-/* The first format has no times: they are the method's own. The second one must have them. */
+/* An index of the first format has no times, and those of the method are used. An index of the
+ * second format without times is refused. */
 static void an_index_without_times_is_read(void **state)
 {
     const char *corpus = scratch_path(*state, "corpus"), *index = scratch_path(*state, "index");
@@ -225,7 +226,7 @@ static void an_index_without_times_is_read(void **state)
     replace(told, "times_in_areas", "some_other_key");
     scratch_write_text(list, told);
     struct sim_index *opened = NULL;
-    assert_int_equal(sim_index_open(index, &opened, &fault), -EBADMSG); /* the second format has */
+    assert_int_equal(sim_index_open(index, &opened, &fault), -EBADMSG); /* the second format */
     replace(told, "shapes index 2", "shapes index 1");
     scratch_write_text(list, told);
     ask(&(struct sim_query_options){.meshes = {1, {scratch_path(corpus, "dog-02.off")}},
